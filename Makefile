@@ -1,0 +1,50 @@
+# Every target makes the environment that it needs. PYTHON chooses the interpreter, VENV the environment's folder.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+HAND_WRITTEN := generator runtime roverlink bench tests
+
+.PHONY: help demo test lint bench soak generate clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+
+demo: $(VENV)/ready  ## bridge all messages on loopback for 15 s, shown live
+	$(BIN)/roverlink demo
+
+test: $(VENV)/ready-dev  ## the tests
+	$(BIN)/pytest -n auto
+
+lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, and whether generated/ is what mapping.yaml says
+	$(BIN)/ruff check .
+	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
+	$(BIN)/black --quiet --check --diff --line-length 88 --extend-exclude '/pb2/' generated
+	$(BIN)/mypy
+	$(BIN)/roverlink generate --check
+
+bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
+	$(BIN)/python -m bench
+
+generate: $(VENV)/ready  ## compile mapping.yaml
+	$(BIN)/roverlink generate
+
+clean:  ## remove what was made here, the environment included
+	rm -rf $(VENV) build .mypy_cache .pytest_cache .ruff_cache .hypothesis
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+		{ echo "roverlink needs Python 3.10 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 2; }
+	@$(PYTHON) -m venv $(VENV) || \
+		{ rm -rf $(VENV); echo "$(PYTHON) cannot make environments; on Debian and Ubuntu: apt-get install python3-venv"; exit 2; }
+
+$(VENV)/ready: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[standard]'
+	@touch $@
+
+$(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+$(VENV)/ready-bench: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@

@@ -1,0 +1,28 @@
+# Generated from mapping.yaml and components/basestation/detected_object.proto; do not edit.
+# Regenerate with: roverlink generate
+"""BoundingBox to and from comms/msg/BoundingBox."""
+
+from __future__ import annotations
+
+from generated.messages import BoundingBox
+from generated.pb2.components.basestation import detected_object_pb2
+
+
+def to_ros(payload: detected_object_pb2.BoundingBox) -> BoundingBox:
+    """The message that says what the payload says."""
+    return BoundingBox(
+        x=payload.x,
+        y=payload.y,
+        width=payload.width,
+        height=payload.height,
+    )
+
+
+def from_ros(message: BoundingBox) -> detected_object_pb2.BoundingBox:
+    """The payload that says what the message says."""
+    return detected_object_pb2.BoundingBox(
+        x=message.x,
+        y=message.y,
+        width=message.width,
+        height=message.height,
+    )

@@ -1,0 +1,30 @@
+# Generated from mapping.yaml and components/common/motor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""MotorInformation to and from comms/msg/MotorInformation."""
+
+from __future__ import annotations
+
+from generated.messages import MotorInformation
+from generated.pb2.components.common import motor_pb2
+
+
+def to_ros(payload: motor_pb2.MotorInformation) -> MotorInformation:
+    """The message that says what the payload says."""
+    return MotorInformation(
+        state=payload.state,
+        motor_id=payload.motor_id,
+        rpm=payload.rpm,
+        voltage=payload.voltage,
+        encoder_angle=payload.encoder_angle,
+    )
+
+
+def from_ros(message: MotorInformation) -> motor_pb2.MotorInformation:
+    """The payload that says what the message says."""
+    return motor_pb2.MotorInformation(
+        state=message.state,
+        motor_id=message.motor_id,
+        rpm=message.rpm,
+        voltage=message.voltage,
+        encoder_angle=message.encoder_angle,
+    )

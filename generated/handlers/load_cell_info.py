@@ -1,0 +1,77 @@
+# Generated from mapping.yaml (row load_cell_info) and components/sensor_board/load_cell.proto; do not edit.
+# Regenerate with: roverlink generate
+"""load_cell_info (14): SensorBoardLoadCellInfo to comms/msg/SensorBoardLoadCellInfo on load_cell_info."""
+
+from __future__ import annotations
+
+from generated.messages import SensorBoardLoadCellInfo, SensorState
+from generated.pb2.components.sensor_board import load_cell_pb2
+from runtime import cdr
+from runtime.handler import Handler, Route
+
+_CDR = cdr.fixed_layout(SensorBoardLoadCellInfo)
+
+
+class LoadCellInfoHandler(
+    Handler[load_cell_pb2.SensorBoardLoadCellInfo, SensorBoardLoadCellInfo],
+):
+    """SensorBoardLoadCellInfo to the topic load_cell_info."""
+
+    route = Route(
+        number=14,
+        name="load_cell_info",
+        topic="load_cell_info",
+        direction="hardware_to_ros",
+        forward=("basestation",),
+    )
+    payload_type = load_cell_pb2.SensorBoardLoadCellInfo
+    message_type = SensorBoardLoadCellInfo
+
+    @staticmethod
+    def to_ros(
+        payload: load_cell_pb2.SensorBoardLoadCellInfo,
+    ) -> SensorBoardLoadCellInfo:
+        """The message that says what the payload says."""
+        return SensorBoardLoadCellInfo(
+            sensor_index=payload.sensor_index,
+            force_newtons=payload.force_newtons,
+            mass_grams=payload.mass_grams,
+            raw_counts=payload.raw_counts,
+            is_calibrated=payload.is_calibrated,
+            scale_newtons_per_count=payload.scale_newtons_per_count,
+            tare_offset_counts=payload.tare_offset_counts,
+            state=SensorState(state=payload.state),
+            error_code=payload.error_code,
+        )
+
+    @staticmethod
+    def from_ros(
+        message: SensorBoardLoadCellInfo,
+    ) -> load_cell_pb2.SensorBoardLoadCellInfo:
+        """The payload that says what the message says."""
+        return load_cell_pb2.SensorBoardLoadCellInfo(
+            sensor_index=message.sensor_index,
+            force_newtons=message.force_newtons,
+            mass_grams=message.mass_grams,
+            raw_counts=message.raw_counts,
+            is_calibrated=message.is_calibrated,
+            scale_newtons_per_count=message.scale_newtons_per_count,
+            tare_offset_counts=message.tare_offset_counts,
+            state=message.state.state,
+            error_code=message.error_code,
+        )
+
+    def pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
+        """The payload as a serialized message, in one step."""
+        return _CDR.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.sensor_index,
+            payload.force_newtons,
+            payload.mass_grams,
+            payload.raw_counts,
+            payload.is_calibrated,
+            payload.scale_newtons_per_count,
+            payload.tare_offset_counts,
+            payload.state,
+            payload.error_code,
+        )

@@ -1,0 +1,25 @@
+# Generated from mapping.yaml (ArmBoardActualPositions); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardActualPositions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Bool, Float32, Message
+
+
+@dataclass(slots=True)
+class ArmBoardActualPositions(Message):
+    """Where the joints of the arm are."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardActualPositions"
+
+    jaw_open: Bool = False
+    jaw_actual_position: Float32 = 0.0
+    base_actual_position: Float32 = 0.0
+    stepper_top_actual_position: Float32 = 0.0
+    stepper_bottom_actual_position: Float32 = 0.0
+    gripper_rotation_actual_position: Float32 = 0.0
+    gripper_pitch_actual_position: Float32 = 0.0

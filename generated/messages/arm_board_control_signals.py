@@ -1,0 +1,26 @@
+# Generated from mapping.yaml (ArmBoardControlSignals); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardControlSignals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Bool, Float32, Message
+
+
+@dataclass(slots=True)
+class ArmBoardControlSignals(Message):
+    """Direct control of the arm: one signal an actuator, as an operator drives it by hand."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardControlSignals"
+
+    control_gripper_rotation: Float32 = 0.0
+    control_gripper_pitch: Float32 = 0.0
+    control_base: Float32 = 0.0
+    control_jaw: Float32 = 0.0
+    stepper_top_ena: Bool = False
+    stepper_top_rev: Bool = False
+    stepper_bottom_ena: Bool = False
+    stepper_bottom_rev: Bool = False

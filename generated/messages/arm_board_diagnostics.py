@@ -1,0 +1,36 @@
+# Generated from mapping.yaml (ArmBoardDiagnostics); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardDiagnostics."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.motor_information import MotorInformation
+from runtime.messages import Message, UInt8
+
+
+@dataclass(slots=True)
+class ArmBoardDiagnostics(Message):
+    """State of the arm board and of each of its motors."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardDiagnostics"
+
+    IDLE: ClassVar[int] = 0
+    OPERATING: ClassVar[int] = 1
+    CALIBRATING: ClassVar[int] = 2
+    ERROR: ClassVar[int] = 3
+
+    gripper_rotation_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation,
+    )
+    gripper_pitch_motor: MotorInformation = dataclasses.field(
+        default_factory=MotorInformation,
+    )
+    base_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    top_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    bottom_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    jaw_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
+    state: UInt8 = 0

@@ -1,0 +1,25 @@
+# Generated from mapping.yaml (ArmBoardMovementFeedback); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardMovementFeedback."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Message, UInt8
+
+
+@dataclass(slots=True)
+class ArmBoardMovementFeedback(Message):
+    """How the last commanded arm movement ended."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardMovementFeedback"
+
+    POINT_NOT_IN_RANGE: ClassVar[int] = 0
+    OBSTRUCTION: ClassVar[int] = 1
+    CALIBRATION: ClassVar[int] = 2
+    MOTOR_MALFUNCTION: ClassVar[int] = 3
+    ALL_OK: ClassVar[int] = 4
+
+    arm_error: UInt8 = 0

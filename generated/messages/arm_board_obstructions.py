@@ -1,0 +1,19 @@
+# Generated from mapping.yaml (ArmBoardObstructions); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardObstructions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Float32, Message
+
+
+@dataclass(slots=True)
+class ArmBoardObstructions(Message):
+    """What stands in the way of the arm."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardObstructions"
+
+    obstructions_list: Float32 = 0.0

@@ -1,0 +1,24 @@
+# Generated from mapping.yaml (ArmBoardTargetMovement); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/ArmBoardTargetMovement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Bool, Float32, Message
+
+
+@dataclass(slots=True)
+class ArmBoardTargetMovement(Message):
+    """A pose that the arm is to reach by itself."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/ArmBoardTargetMovement"
+
+    target_x: Float32 = 0.0
+    target_y: Float32 = 0.0
+    target_z: Float32 = 0.0
+    rotation_angle: Float32 = 0.0
+    open_jaw: Bool = False
+    final_gripper_angle: Float32 = 0.0

@@ -1,0 +1,19 @@
+# Generated from mapping.yaml (BasestationObjectSelection); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/BasestationObjectSelection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Message, UInt32
+
+
+@dataclass(slots=True)
+class BasestationObjectSelection(Message):
+    """The object that the operator picked among the detected ones."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/BasestationObjectSelection"
+
+    object_id: UInt32 = 0

@@ -1,0 +1,21 @@
+# Generated from mapping.yaml (BasestationRoverLocalization); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/BasestationRoverLocalization."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Float32, Message
+
+
+@dataclass(slots=True)
+class BasestationRoverLocalization(Message):
+    """Where the rover is on the field."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/BasestationRoverLocalization"
+
+    x: Float32 = 0.0
+    y: Float32 = 0.0
+    z: Float32 = 0.0

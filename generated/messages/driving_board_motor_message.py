@@ -1,0 +1,20 @@
+# Generated from mapping.yaml (DrivingBoardMotorMessage); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/DrivingBoardMotorMessage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Float32, Message
+
+
+@dataclass(slots=True)
+class DrivingBoardMotorMessage(Message):
+    """A drive command: how far to go, and along which arc."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorMessage"
+
+    distance_to_go: Float32 = 0.0
+    turning_radius: Float32 = 0.0

@@ -1,0 +1,19 @@
+# Generated from mapping.yaml (DrivingBoardMotorPeriodicProgress); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/DrivingBoardMotorPeriodicProgress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Float32, Message
+
+
+@dataclass(slots=True)
+class DrivingBoardMotorPeriodicProgress(Message):
+    """How far the rover still has to go on the current drive command."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorPeriodicProgress"
+
+    distance_left: Float32 = 0.0

@@ -1,0 +1,28 @@
+# Generated from mapping.yaml (MotorInformation); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/MotorInformation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Float32, Int32, Message, UInt8
+
+
+@dataclass(slots=True)
+class MotorInformation(Message):
+    """State and readings of one motor."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/MotorInformation"
+
+    IDLE: ClassVar[int] = 0
+    OPERATING: ClassVar[int] = 1
+    CALIBRATING: ClassVar[int] = 2
+    ERROR: ClassVar[int] = 3
+
+    state: UInt8 = 0
+    motor_id: Int32 = 0
+    rpm: Float32 = 0.0
+    voltage: Float32 = 0.0
+    encoder_angle: Float32 = 0.0

@@ -1,0 +1,33 @@
+# Generated from mapping.yaml (SensorBoardPHInfo); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/SensorBoardPHInfo."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.sensor_state import SensorState
+from runtime.messages import Float32, Message, UInt8
+
+
+@dataclass(slots=True)
+class SensorBoardPHInfo(Message):
+    """One reading of the pH probe."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/SensorBoardPHInfo"
+
+    PH_NO_ERROR: ClassVar[int] = 0
+    PH_COMMUNICATION_FAILURE: ClassVar[int] = 1
+    PH_OUT_OF_RANGE: ClassVar[int] = 2
+    PH_CALIBRATION_REQUIRED: ClassVar[int] = 3
+    PH_INVALID_DATA: ClassVar[int] = 4
+    PH_PROBE_FAULT: ClassVar[int] = 5
+    PH_TEMPERATURE_SENSOR_ERROR: ClassVar[int] = 6
+
+    ph_value: Float32 = 0.0
+    voltage: Float32 = 0.0
+    temperature: Float32 = 0.0
+    state: SensorState = dataclasses.field(default_factory=SensorState)
+    error_code: UInt8 = 0

@@ -1,0 +1,24 @@
+# Generated from mapping.yaml (SensorState); do not edit.
+# Regenerate with: roverlink generate
+"""comms/msg/SensorState."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Message, UInt8
+
+
+@dataclass(slots=True)
+class SensorState(Message):
+    """What a sensor is doing; shared by all sensors."""
+
+    __msgtype__: ClassVar[str] = "comms/msg/SensorState"
+
+    SENSOR_IDLE: ClassVar[int] = 0
+    SENSOR_OPERATING: ClassVar[int] = 1
+    SENSOR_CALIBRATING: ClassVar[int] = 2
+    SENSOR_ERROR: ClassVar[int] = 3
+
+    state: UInt8 = 0

@@ -1,0 +1,2 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate

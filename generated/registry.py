@@ -1,0 +1,66 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import (
+    ArmCtrlHandler,
+    ArmDiagHandler,
+    ArmFeedbackHandler,
+    ArmObstructionsHandler,
+    ArmPosHandler,
+    ArmTargetHandler,
+    ControlModeHandler,
+    DetectedObjectHandler,
+    DriveDiagHandler,
+    DriveMotorHandler,
+    DriveProgressHandler,
+    GpsInfoHandler,
+    ImuInfoHandler,
+    LoadCellInfoHandler,
+    ObjectSelectionHandler,
+    PhInfoHandler,
+    PressureInfoHandler,
+    RockMeasureRequestHandler,
+    RockMeasureResultHandler,
+    RoverLocalizationHandler,
+    SensorDiagHandler,
+)
+from generated.pb2.components.common import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="comms",
+    envelope=envelope_pb2.PBEnvelope,
+    oneof="payload",
+    peers=(
+        Peer(name="basestation", port_parameter="dst_a_port", port=6000),
+        Peer(name="hardware", port_parameter="dst_b_port", port=6001),
+    ),
+    handlers=(
+        PhInfoHandler(),
+        ArmCtrlHandler(),
+        ArmDiagHandler(),
+        ArmFeedbackHandler(),
+        ArmPosHandler(),
+        ArmTargetHandler(),
+        ArmObstructionsHandler(),
+        DriveDiagHandler(),
+        DriveMotorHandler(),
+        DriveProgressHandler(),
+        SensorDiagHandler(),
+        GpsInfoHandler(),
+        ImuInfoHandler(),
+        LoadCellInfoHandler(),
+        PressureInfoHandler(),
+        ControlModeHandler(),
+        DetectedObjectHandler(),
+        ObjectSelectionHandler(),
+        RockMeasureRequestHandler(),
+        RockMeasureResultHandler(),
+        RoverLocalizationHandler(),
+    ),
+    fingerprint="a712334a442f0acfd40790598e93aca4e6fcabcbfe0152fcee157a3f4ba0fa27",
+    retired={},
+)

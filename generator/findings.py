@@ -1,0 +1,85 @@
+"""Findings: what is wrong, where, and what to do about it; rendered as a compiler does."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(str, Enum):
+    """What a finding does to a run."""
+
+    ERROR = "error"
+    """Nothing is written; the exit code is 1."""
+    WARNING = "warning"
+    """It is shown, and the run goes on."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A place in a file; line and column count from 1, and 0 stands for the file as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        return ":".join([self.file, *(str(part) for part in (self.line, self.column) if part)])
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A kind of fault. Its id is never given to another kind, even after the rule is gone."""
+
+    id: str
+    name: str
+    severity: Severity = Severity.ERROR
+
+    def at(self, span: Span, message: str, help: str = "", also: Sequence[tuple[Span, str]] = ()) -> Finding:
+        """A finding of this kind. ``also`` are other places that belong to it."""
+        return Finding(self, span, message, help, tuple(also))
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One fault at one place."""
+
+    rule: Rule
+    span: Span
+    message: str
+    help: str = ""
+    also: tuple[tuple[Span, str], ...] = ()
+
+    def render(self) -> str:
+        """The finding as text: the place, what is wrong, the other places, the cure."""
+        lines = [f"{self.span}: {self.rule.severity.value}[{self.rule.id}] {self.message}"]
+        lines += [f"  {span}: {text}" for span, text in self.also]
+        if self.help:
+            lines.append(f"  help: {self.help}")
+        return "\n".join(lines)
+
+
+class FindingsError(Exception):
+    """A phase cannot go on: the findings say why."""
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings = tuple(findings)
+        super().__init__("\n".join(finding.render() for finding in self.findings))
+
+
+def in_order(findings: Iterable[Finding]) -> list[Finding]:
+    """Findings by place, then id; each once."""
+    return sorted(set(findings), key=lambda finding: (finding.span, finding.rule.id, finding.message))
+
+
+def has_errors(findings: Iterable[Finding]) -> bool:
+    """Whether any finding is an error."""
+    return any(finding.rule.severity is Severity.ERROR for finding in findings)
+
+
+def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:
+    """``did you mean ...?`` with the known word nearest to one that is not, or ``otherwise``."""
+    found = difflib.get_close_matches(word, list(known), 1, 0.6)
+    return f"did you mean {found[0]}?" if found else otherwise

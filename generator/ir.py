@@ -1,0 +1,201 @@
+"""The bridge as the generator knows it, between the table and the files.
+
+Nothing here knows YAML, protobuf's Python classes, Jinja or any target's spelling; a target computes those for itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A payload in the envelope's oneof."""
+
+    number: int
+    name: str
+    proto: str
+    file: str
+    """The .proto file of the payload, relative to the proto root."""
+
+
+@dataclass(frozen=True, slots=True)
+class Retired:
+    """A payload that is gone."""
+
+    number: int
+    name: str
+    proto: str
+
+
+@dataclass(frozen=True, slots=True)
+class Envelope:
+    """The message that carries every payload."""
+
+    file: str
+    message: str
+    oneof: str
+    ours: bool
+    """Whether its file is written from the table."""
+    members: tuple[Member, ...]
+    retired: tuple[Retired, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """A machine at the other end of the datagrams."""
+
+    name: str
+    parameter: str
+    port: int
+    strip_trailing_zeros: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RosType:
+    """A field's type: a ROS primitive, ``string``, or a message of the package; or a sequence of it."""
+
+    name: str
+    is_message: bool = False
+    is_sequence: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RosField:
+    """A field of a ROS message."""
+
+    name: str
+    type: RosType
+    comment: str
+
+
+@dataclass(frozen=True, slots=True)
+class RosConstant:
+    """A constant of a ROS message."""
+
+    name: str
+    type: str
+    value: int
+    comment: str
+
+
+@dataclass(frozen=True, slots=True)
+class RosMessage:
+    """A message of the ROS 2 interface package."""
+
+    name: str
+    fields: tuple[RosField, ...]
+    constants: tuple[RosConstant, ...]
+    comment: str
+    source: str
+    """Full name of the proto message or enum from which it is made."""
+
+
+class ConversionKind(Enum):
+    """How one value is converted; each applies element by element to a repeated field."""
+
+    VALUE = "the same value"
+    MESSAGE = "a nested message, converted by its own conversion"
+    ENUM_MESSAGE = "an enum's number in a message of its own"
+    PRESENCE = "whether the field is set"
+
+
+@dataclass(frozen=True, slots=True)
+class FieldConversion:
+    """What a ROS field takes from a payload."""
+
+    proto_path: tuple[str, ...]
+    """The field's name, after those of the messages that hold it."""
+    ros: RosField
+    kind: ConversionKind
+    repeated: bool = False
+    guarded: bool = False
+    """Whether it is only set in the payload where its ``has_...`` field says so."""
+    proto: str = ""
+    """Full name of the nested message, for `MESSAGE`."""
+    member: str = ""
+    """The field of the enum's message, for `ENUM_MESSAGE`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """Between a proto message and a ROS message, both ways."""
+
+    proto: str
+    proto_package: str
+    """What the full name starts with; empty for none."""
+    file: str
+    ros: str
+    fields: tuple[FieldConversion, ...]
+
+    @property
+    def local_name(self) -> str:
+        """The proto message's name within its file."""
+        return self.proto.removeprefix(f"{self.proto_package}.")
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """The quality of service of a topic."""
+
+    reliability: str
+    durability: str
+    history: str
+    depth: int
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """One row of the table, resolved."""
+
+    number: int
+    name: str
+    topic: str
+    direction: str
+    qos: Qos
+    forward: tuple[str, ...]
+    conversion: Conversion
+
+
+@dataclass(frozen=True, slots=True)
+class WireMessage:
+    """A message as it is on the wire."""
+
+    name: str
+    fields: tuple[str, ...]
+    """``<number> <name> [repeated ]<type>``, in the order of the numbers."""
+    reserved: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WireEnum:
+    """An enum as it is on the wire."""
+
+    name: str
+    values: tuple[str, ...]
+    """``<number> <name>``, in the order of the numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bridge:
+    """Everything that a target needs."""
+
+    table: str
+    """The table's file name."""
+    package: str
+    envelope: Envelope
+    peers: tuple[Peer, ...]
+    routes: tuple[Route, ...]
+    messages: tuple[RosMessage, ...]
+    nested: tuple[Conversion, ...]
+    """Conversions of messages that are in payloads, but are no payload of a row."""
+    wire_messages: tuple[WireMessage, ...]
+    wire_enums: tuple[WireEnum, ...]
+    modules: Mapping[str, str]
+    """Text of each module that protoc generated, by path."""
+
+    def conversions(self) -> dict[str, Conversion]:
+        """Every conversion, by its proto message."""
+        return {c.proto: c for c in (*self.nested, *(route.conversion for route in self.routes))}

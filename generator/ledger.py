@@ -1,0 +1,90 @@
+"""mapping.lock, the ledger: every number ever published, and the wire schema as of the last generate.
+
+One line a fact, so that a diff can be reviewed line by line. Numbers are only ever added; that is also why a merge
+conflict in the file does no harm: reading takes the lines of both sides, and the next generate writes them in order.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator import ir
+from generator.findings import FindingsError, Rule, Span
+
+UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger")
+
+NAME = "mapping.lock"
+_HEADER = """\
+# The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
+# Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
+"""
+_ENTRY = re.compile(r"  (?P<number>[0-9]+): (?P<name>\w+) (?P<proto>[\w.]+)(?P<retired> retired)?")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A number that was published, and what for."""
+
+    number: int
+    name: str
+    proto: str
+    retired: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Ledger:
+    """Every number that was ever published, in order; a number may have been published for several payloads."""
+
+    entries: tuple[Entry, ...] = ()
+
+
+def read(path: Path, name: str = NAME) -> Ledger:
+    """The ledger on disk; empty where there is none yet.
+
+    Raises `FindingsError` where it cannot be read, or where a line of its numbers is no entry.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        return Ledger()
+    except (OSError, UnicodeError) as error:
+        raise FindingsError([UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error}")]) from error
+    entries: dict[tuple[int, str, str], Entry] = {}
+    in_numbers = False
+    for index, line in enumerate(lines, 1):
+        if not line.startswith(" "):
+            in_numbers = line == "numbers:" or (in_numbers and _is_conflict_marker(line))
+        elif in_numbers:
+            entry = _entry(line, Span(name, index, 3))
+            entries.setdefault((entry.number, entry.name, entry.proto), entry)
+    return Ledger(tuple(sorted(entries.values(), key=lambda entry: (entry.number, entry.span))))
+
+
+def _is_conflict_marker(line: str) -> bool:
+    return line.startswith(("<<<<<<<", "|||||||", "=======", ">>>>>>>"))
+
+
+def _entry(line: str, span: Span) -> Entry:
+    match = _ENTRY.fullmatch(line)
+    if match is None:
+        help = "restore the file from version control; it is only written by `roverlink generate`"
+        raise FindingsError([UNREADABLE_LEDGER.at(span, f"not an entry of the ledger: {line.strip()!r}", help)])
+    return Entry(int(match["number"]), match["name"], match["proto"], match["retired"] is not None, span)
+
+
+def render(bridge: ir.Bridge) -> str:
+    """The ledger's text for a table that passed the rules, which see to it that no published number is missing."""
+    numbers = [(member.number, f"{member.name} {member.proto}") for member in bridge.envelope.members]
+    numbers += [(retired.number, f"{retired.name} {retired.proto} retired") for retired in bridge.envelope.retired]
+    lines = [_HEADER.format(table=bridge.table), "version: 1", "", "numbers:"]
+    lines += [f"  {number}: {text}" for number, text in sorted(numbers)]
+    lines += ["", "schema:"]
+    for message in bridge.wire_messages:
+        lines += [f"  message {message.name}:", *(f"    {field}" for field in message.fields)]
+        lines += [f"    reserved {reserved}" for reserved in message.reserved]
+    for enum in bridge.wire_enums:
+        lines += [f"  enum {enum.name}:", *(f"    {value}" for value in enum.values)]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,24 @@
+"""A field number that protobuf keeps for itself.
+
+The numbers from 19000 to 19999 belong to protobuf's implementation; protoc refuses them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.findings import Finding, Rule
+from generator.subject import Subject
+
+RULE = Rule("ENV104", "field-number-out-of-range")
+_IMPLEMENTATION = range(19_000, 20_000)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Rows with such a number."""
+    for row in subject.table.rows:
+        if row.number in _IMPLEMENTATION:
+            message = (
+                f"field {row.number} is one of protobuf's own, {_IMPLEMENTATION.start} to {_IMPLEMENTATION.stop - 1}"
+            )
+            yield RULE.at(row.at("number"), message, "take a smaller number")

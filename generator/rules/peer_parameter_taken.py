@@ -1,0 +1,30 @@
+"""Two peers have one port parameter.
+
+The parameter names the UDP port of a peer; setting it would move both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.findings import Finding, Rule
+from generator.subject import Subject
+from generator.table import PeerSettings
+
+RULE = Rule("TAB104", "peer-parameter-taken")
+_NODE_PARAMETERS = frozenset(
+    {"listen_port", "listen_address", "dst_ip", "forward_policy", "max_datagram", "receive_buffer", "use_sim_time"}
+)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Peers whose parameter another peer has, or the node itself."""
+    seen: dict[str, PeerSettings] = {}
+    for peer in subject.table.peers:
+        first = seen.setdefault(peer.parameter, peer)
+        if first is not peer:
+            message = f"the parameter {peer.parameter} of {peer.name} is already that of {first.name}"
+            yield RULE.at(peer.at("parameter"), message, "give each peer a parameter of its own")
+        elif peer.parameter in _NODE_PARAMETERS:
+            message = f"the parameter {peer.parameter} of {peer.name} is one of the node's own"
+            yield RULE.at(peer.at("parameter"), message, f"call it dst_{peer.name}_port")

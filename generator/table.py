@@ -1,0 +1,117 @@
+"""The table as it stands in mapping.yaml: plain values that remember where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from generator.findings import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A part of the table, with the place of each of its keys."""
+
+    span: Span
+    spans: Mapping[str, Span] = field(repr=False)
+
+    def at(self, key: str) -> Span:
+        """Where a key's value stands; the part's own place where the key is absent."""
+        return self.spans.get(key, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class ProtoSettings(Placed):
+    """Where the .proto files are."""
+
+    root: str
+    """Folder, relative to the table, from which imports are resolved."""
+    exclude: tuple[str, ...]
+    """Files that never take part in a build, relative to the root."""
+
+
+@dataclass(frozen=True, slots=True)
+class EnvelopeSettings(Placed):
+    """The message that carries every payload."""
+
+    file: str
+    message: str
+    oneof: str
+    owner: str
+    """``mapping``: generate writes the file; ``proto``: it is somebody else's, and only checked."""
+
+
+@dataclass(frozen=True, slots=True)
+class PeerSettings(Placed):
+    """A machine at the other end of the datagrams."""
+
+    name: str
+    prefixes: tuple[str, ...]
+    """What the names of its messages start with."""
+    parameter: str
+    """The node's parameter that holds its UDP port."""
+    port: int
+    """That parameter's default."""
+    strip_trailing_zeros: bool
+
+
+@dataclass(frozen=True, slots=True)
+class QosSettings:
+    """The quality of service of a row's topic."""
+
+    reliability: str
+    durability: str
+    history: str
+    depth: int
+
+
+@dataclass(frozen=True, slots=True)
+class Row(Placed):
+    """One message: what travels under which number, between which peer and which topic."""
+
+    number: int
+    name: str
+    proto: str
+    ros: str
+    topic: str
+    direction: str
+    qos: QosSettings
+    fields: Mapping[str, str]
+    """Renames: path of a proto field to the ROS field that takes it."""
+    ignore: tuple[str, ...]
+    """Paths of proto fields that no ROS field takes."""
+    forward: tuple[str, ...]
+    """Peers that also get the raw datagram."""
+
+
+@dataclass(frozen=True, slots=True)
+class RetiredRow(Placed):
+    """A payload that is gone; its number and its name never come back."""
+
+    number: int
+    name: str
+    proto: str
+
+
+@dataclass(frozen=True, slots=True)
+class EnumSettings(Placed):
+    """An enum that is a ROS message of its own."""
+
+    proto: str
+    ros: str
+    field: str
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The whole of mapping.yaml."""
+
+    file: str
+    proto: ProtoSettings
+    envelope: EnvelopeSettings
+    package: str
+    package_span: Span
+    peers: tuple[PeerSettings, ...]
+    rows: tuple[Row, ...]
+    retired: tuple[RetiredRow, ...]
+    enums: tuple[EnumSettings, ...]

@@ -1,0 +1,47 @@
+"""docs/messages.md: what travels, field by field."""
+
+from __future__ import annotations
+
+from generator import ir
+from generator.targets.conversions import Files
+from generator.targets.rendering import header, render
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """The page."""
+    by_name = {message.name: message for message in bridge.messages}
+    shown = [by_name.pop(route.conversion.ros) for route in bridge.routes if route.conversion.ros in by_name]
+    yield (
+        "docs/messages.md",
+        render(
+            "messages.md.j2",
+            header=header(bridge.table, "<!--", " -->"),
+            package=bridge.package,
+            routes=bridge.routes,
+            retired=bridge.envelope.retired,
+            messages=[_view(message, bridge) for message in (*shown, *by_name.values())],
+        ),
+    )
+
+
+def _view(message: ir.RosMessage, bridge: ir.Bridge) -> dict[str, object]:
+    taken = {
+        conversion.ros: {field.ros.name: ".".join(field.proto_path) for field in conversion.fields}
+        for conversion in bridge.conversions().values()
+    }
+    fields = [
+        {
+            "type": f"{field.type.name}[]" if field.type.is_sequence else field.type.name,
+            "name": field.name,
+            "source": taken.get(message.name, {}).get(field.name, message.source),
+            "comment": " ".join(field.comment.split()).replace("|", "\\|"),
+        }
+        for field in message.fields
+    ]
+    return {
+        "name": message.name,
+        "source": message.source,
+        "comment": message.comment,
+        "fields": fields,
+        "constants": message.constants,
+    }

@@ -1,0 +1,21 @@
+"""envelope.proto, where the table owns it."""
+
+from __future__ import annotations
+
+from generator import ir
+from generator.targets.rendering import header, render
+
+
+def text(envelope: ir.Envelope, table: str) -> str:
+    """The envelope's .proto file: its imports, its oneof, and what is reserved."""
+    package, _, message = envelope.message.rpartition(".")
+    return render(
+        "envelope.proto.j2",
+        header=header(table, "//"),
+        package=package,
+        message=message,
+        oneof=envelope.oneof,
+        imports=sorted({member.file for member in envelope.members}),
+        members=envelope.members,
+        retired=envelope.retired,
+    )

@@ -1,0 +1,160 @@
+"""One handler class a row, in a module of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from generator import ir
+from generator.ir import ConversionKind
+from generator.targets import conversions, layout, spelling
+from generator.targets.conversions import Converters, Files
+from generator.targets.layout import Group
+from generator.targets.rendering import header, render
+
+_RCLCPP_DEFAULT = ir.Qos("reliable", "volatile", "keep_last", 10)
+_LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does not
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """The handlers, and the package that names them all."""
+    converters = Converters(bridge)
+    for route in bridge.routes:
+        yield f"generated/handlers/{spelling.module(route.name)}.py", _handler(bridge, route, converters)
+    names = [(spelling.module(route.name), spelling.handler_class(route)) for route in bridge.routes]
+    yield (
+        "generated/handlers/__init__.py",
+        render(
+            "package.py.j2",
+            header=header(bridge.table),
+            docstring='"""The handlers: one a row of the table."""',
+            imports=[layout.import_from(f"generated.handlers.{module}", [name]) for module, name in sorted(names)],
+            names=sorted(name for _, name in names),
+        ),
+    )
+
+
+def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters) -> str:
+    conversion = route.conversion
+    pack = _pack(conversion, bridge)
+    runtime = ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
+    imports = [layout.import_from("runtime.handler", runtime)]
+    imports += [layout.import_from("runtime", ["cdr"])] if pack else []
+    view = conversions.view(conversion, converters, 4, tuple(imports))
+    what = f"{conversion.local_name} {'to' if _inbound(route) else 'from'} {bridge.package}/msg/{conversion.ros}"
+    return render(
+        "handler.py.j2",
+        header=header(f"{bridge.table} (row {route.name}) and {conversion.file}"),
+        docstring=layout.docstring(f"{route.name} ({route.number}): {what} on {route.topic}.", 0),
+        name=spelling.handler_class(route),
+        class_line=layout.statement(
+            Group(
+                f"class {spelling.handler_class(route)}(",
+                [Group("Handler[", [view.payload, view.message], "]")],
+                "):",
+            )
+        ),
+        class_docstring=layout.docstring(f"{conversion.local_name} {_arrow(route)} {route.topic}.", 4),
+        route=layout.statement(Group("route = Route(", list(_route_arguments(route)), ")"), 4),
+        conversion=view,
+        pack=pack,
+        pack_signature=layout.statement(Group("def pack(", ["self", f"payload: {view.payload}"], ") -> bytes:"), 4),
+    )
+
+
+def _inbound(route: ir.Route) -> bool:
+    return route.direction.endswith("_to_ros")
+
+
+def _arrow(route: ir.Route) -> str:
+    return "to the topic" if _inbound(route) else "from the topic"
+
+
+def _route_arguments(route: ir.Route) -> Iterator[str | Group]:
+    yield f"number={route.number}"
+    yield f'name="{route.name}"'
+    yield f'topic="{route.topic}"'
+    yield f'direction="{route.direction}"'
+    if route.qos != _RCLCPP_DEFAULT:
+        qos, usual = route.qos, _RCLCPP_DEFAULT
+        pairs = [
+            ("reliability", f'"{qos.reliability}"', qos.reliability != usual.reliability),
+            ("durability", f'"{qos.durability}"', qos.durability != usual.durability),
+            ("history", f'"{qos.history}"', qos.history != usual.history),
+            ("depth", str(qos.depth), qos.depth != usual.depth),
+        ]
+        yield Group("qos=Qos(", [f"{name}={value}" for name, value, differs in pairs if differs], ")")
+    if route.forward:
+        peers = ", ".join(f'"{peer}"' for peer in route.forward)
+        yield f"forward=({peers}{',' if len(route.forward) == 1 else ''})"
+
+
+# --- the hot path: one struct call for a message of fixed size --------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Pack:
+    """The body of ``pack``."""
+
+    locals: tuple[str, ...]
+    """Assignments of the nested payloads to names."""
+    call: str
+
+
+class _VariableSizeError(Exception):
+    """The message has a part of variable size, or none at all."""
+
+
+def _pack(conversion: ir.Conversion, bridge: ir.Bridge) -> _Pack | None:
+    """None for a message of variable size, or of no field, which the base class packs."""
+    flattener = _Flattener(bridge.conversions())
+    try:
+        flattener.add(conversion, "payload", ())
+    except _VariableSizeError:
+        return None
+    if len(flattener.values) > _LONGEST_PACK:
+        return None
+    call = Group("return _CDR.pack(", ["cdr.LITTLE_ENDIAN", *flattener.values], ")")
+    return _Pack(tuple(flattener.locals), layout.statement(call, 8))
+
+
+class _Flattener:
+    """Collects the values of a payload in the order in which they are serialized."""
+
+    def __init__(self, by_proto: Mapping[str, ir.Conversion]) -> None:
+        self._by_proto = by_proto
+        self._names: set[str] = {"self", "payload", "cdr"}
+        self._held: dict[str, str] = {}
+        self.locals: list[str] = []
+        self.values: list[str] = []
+
+    def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
+        """Add what a conversion takes from the payload that is called ``holder``."""
+        if not conversion.fields:
+            raise _VariableSizeError
+        for field in conversion.fields:
+            if field.ros.type.is_sequence or field.ros.type.name == "string":
+                raise _VariableSizeError
+            *between, name = field.proto_path
+            owner = holder
+            for depth, part in enumerate(between):
+                owner = self._hold(f"{owner}.{part}", (*path, *between[: depth + 1]))
+            if field.kind is ConversionKind.PRESENCE:
+                self.values.append(f'{owner}.HasField("{name}")')
+            elif field.kind is ConversionKind.MESSAGE:
+                nested = self._hold(f"{owner}.{name}", (*path, *field.proto_path))
+                self.add(self._by_proto[field.proto], nested, (*path, *field.proto_path))
+            else:
+                self.values.append(f"{owner}.{name}")
+
+    def _hold(self, expression: str, path: tuple[str, ...]) -> str:
+        """A local name for a nested payload, so that its attribute is looked up once."""
+        if expression in self._held:
+            return self._held[expression]
+        name = spelling.module("_".join(path))
+        while name in self._names:
+            name += "_"
+        self._names.add(name)
+        self._held[expression] = name
+        self.locals.append(f"{name} = {expression}")
+        return name

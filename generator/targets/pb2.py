@@ -1,0 +1,39 @@
+"""The Python modules of the .proto files: protoc's own, moved into ``generated.pb2``.
+
+protoc imports by the path below the proto root, as if that were the import path; two projects in one environment would
+then take each other's modules. Its stubs leave out that an enum field takes a number.
+"""
+
+from __future__ import annotations
+
+import re
+
+from generator import ir
+from generator.targets.conversions import Files
+from generator.targets.rendering import header
+
+_IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|import) (?=\w+_pb2\b)", re.MULTILINE)
+_STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)
+_MODULE_NAME = re.compile(r"(?<=BuildTopDescriptorsAndMessages\(DESCRIPTOR, ')")
+_ENUM_ARGUMENT = re.compile(r"_Union\[(?P<enum>[\w.]+), str\]")
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """Every module of the closure with its stub, and the packages that hold them."""
+    packages = {"generated/pb2"}
+    for path, text in bridge.modules.items():
+        source = path.rpartition("_pb2")[0] + ".proto"
+        yield f"generated/pb2/{path}", f"{header(source)}\n{_moved(text)}"
+        parts = path.split("/")[:-1]
+        packages |= {"/".join(["generated/pb2", *parts[: depth + 1]]) for depth in range(len(parts))}
+    for package in sorted(packages):
+        yield f"{package}/__init__.py", header(bridge.table) + "\n"
+
+
+def _moved(text: str) -> str:
+    text = _STAR_IMPORT.sub(lambda match: f"from generated.pb2.{match['module']} import", text)
+    text = _IMPORT.sub(
+        lambda match: f"from {'.'.join(filter(None, ['generated.pb2', match['package']]))} import ", text
+    )
+    text = _MODULE_NAME.sub("generated.pb2.", text)
+    return _ENUM_ARGUMENT.sub(lambda match: f"_Union[{match['enum']}, int, str]", text)

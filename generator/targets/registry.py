@@ -1,0 +1,65 @@
+"""The registry, number to handler, and the checks of what is loaded against what it was generated from."""
+
+from __future__ import annotations
+
+import hashlib
+
+from generator import ir, ledger
+from generator.targets import layout, spelling
+from generator.targets.conversions import Files
+from generator.targets.rendering import header, render
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """``registry.py`` and ``checks.py``."""
+    package, module = spelling.proto_module(bridge.envelope.file)
+    classes = [spelling.handler_class(route) for route in bridge.routes]
+    yield (
+        "generated/registry.py",
+        render(
+            "registry.py.j2",
+            header=header(bridge.table),
+            imports=sorted(
+                [
+                    layout.import_from("generated.handlers", classes),
+                    layout.import_from(package, [module]),
+                    layout.import_from("runtime.registry", ["Peer", "Registry"]),
+                ]
+            ),
+            package=bridge.package,
+            envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
+            oneof=bridge.envelope.oneof,
+            peers=layout.entry("peers=", "(", [layout.statement(_peer(peer), 8) for peer in bridge.peers], ")", 4),
+            handlers=layout.entry("handlers=", "(", [f"{name}()" for name in classes], ")", 4),
+            fingerprint=fingerprint(bridge),
+            retired=layout.entry(
+                "retired=", "{", [f'{row.number}: "{row.name}"' for row in bridge.envelope.retired], "}", 4
+            ),
+        ),
+    )
+    yield (
+        "generated/checks.py",
+        render(
+            "checks.py.j2", header=header(bridge.table), messages=[_schema(message) for message in bridge.wire_messages]
+        ),
+    )
+    yield "generated/__init__.py", header(bridge.table) + '\n"""The code that is compiled from the table."""\n'
+
+
+def _schema(message: ir.WireMessage) -> str:
+    return layout.entry(f'"{message.name}": ', "(", [f'"{field}"' for field in message.fields], ")", 4)
+
+
+def _peer(peer: ir.Peer) -> layout.Group:
+    arguments = [f'name="{peer.name}"', f'port_parameter="{peer.parameter}"', f"port={peer.port}"]
+    arguments += ["strip_trailing_zeros=True"] if peer.strip_trailing_zeros else []
+    return layout.Group("Peer(", arguments, ")")
+
+
+def fingerprint(bridge: ir.Bridge) -> str:
+    """SHA-256 over the wire schema and the routes: equal where two machines mean the same by the same bytes."""
+    routes = [
+        f"{route.number} {route.name} {route.topic} {route.direction} {route.conversion.proto} {route.conversion.ros}"
+        for route in bridge.routes
+    ]
+    return hashlib.sha256("\n".join([ledger.render(bridge), *routes]).encode()).hexdigest()

@@ -1,0 +1,34 @@
+"""The templates, and the header that every generated file starts with."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+TEMPLATES = Path(__file__).parents[2] / "templates"
+REGENERATE = "Regenerate with: roverlink generate"
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+        autoescape=False,  # noqa: S701  # what is made is source text, not HTML
+    )
+
+
+def render(template: str, **view: Any) -> str:
+    """The text of a template."""
+    return _environment().get_template(template).render(view)
+
+
+def header(origin: str, open: str = "#", close: str = "") -> str:
+    """The two lines that say where a file comes from, as comments of its language."""
+    return "\n".join(f"{open} {line}{close}" for line in (f"Generated from {origin}; do not edit.", f"{REGENERATE}"))

@@ -1,0 +1,71 @@
+"""How Python spells the things of the IR: modules, classes, annotations."""
+
+from __future__ import annotations
+
+import keyword
+
+from generator import ir, naming
+
+_ANNOTATIONS = {
+    "bool": "Bool",
+    "int8": "Int8",
+    "uint8": "UInt8",
+    "int16": "Int16",
+    "uint16": "UInt16",
+    "int32": "Int32",
+    "uint32": "UInt32",
+    "int64": "Int64",
+    "uint64": "UInt64",
+    "float32": "Float32",
+    "float64": "Float64",
+}
+_DEFAULTS = {"bool": "False", "float32": "0.0", "float64": "0.0"}
+
+
+def handler_class(route: ir.Route) -> str:
+    """``ImuInfoHandler`` for the row ``imu_info``."""
+    return f"{naming.camel_case(route.name)}Handler"
+
+
+def module(name: str) -> str:
+    """The name of a module: lower case, and no keyword."""
+    lower = name.lower()
+    return f"{lower}_" if keyword.iskeyword(lower) else lower
+
+
+def message_module(message: str) -> str:
+    """The module of a ROS message's class."""
+    return module(naming.snake_case(message))
+
+
+def proto_module(file: str) -> tuple[str, str]:
+    """The package and the module of a .proto file's classes."""
+    package, _, name = file.removesuffix(".proto").rpartition("/")
+    return ".".join(["generated.pb2", *filter(None, package.split("/"))]), f"{name}_pb2"
+
+
+def proto_class(conversion: ir.Conversion) -> str:
+    """A proto message's class, by its module: ``imu_sensor_pb2.SensorBoardIMUInfo``."""
+    return f"{proto_module(conversion.file)[1]}.{conversion.local_name}"
+
+
+def annotation(type: ir.RosType) -> str:
+    """A field's annotation in a message class."""
+    element = type.name if type.is_message else _ANNOTATIONS.get(type.name, "str")
+    if not type.is_sequence:
+        return element
+    return "bytes" if type.name == "uint8" else f"list[{element}]"
+
+
+def imported_annotation(type: ir.RosType) -> str | None:
+    """What a field's annotation needs from `runtime.messages`."""
+    if type.is_message or (type.is_sequence and type.name == "uint8"):
+        return None
+    return _ANNOTATIONS.get(type.name)
+
+
+def default(type: ir.RosType) -> str:
+    """The default, in a message class, of a field whose value is no list and no message."""
+    if type.is_sequence:
+        return 'b""'
+    return '""' if type.name == "string" else _DEFAULTS.get(type.name, "0")

@@ -1,0 +1,49 @@
+"""``roverlink``: from mapping.yaml to a running bridge."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from roverlink.commands import demo, echo, generate, listen, pub, run, send
+from roverlink.console import OK, UNABLE, complain
+from runtime import ros_args
+from runtime.errors import RoverlinkError
+
+_COMMANDS = (generate, run, send, listen, echo, pub, demo)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command. Returns 0 where all is well, 1 for findings or failed checks, 2 where it cannot run."""
+    own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
+    arguments = _parser().parse_args(own)
+    arguments.ros_args = ros
+    try:
+        return int(arguments.run(arguments))
+    except RoverlinkError as error:
+        complain(str(error))
+        return UNABLE
+    except KeyboardInterrupt:
+        return OK
+    except BrokenPipeError:
+        # Whoever read our output has had enough; what Python still holds of it must not complain at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="roverlink",
+        description="One table from protobuf over UDP to ROS 2 topics.",
+        epilog="example: roverlink generate && roverlink run",
+    )
+    commands = parser.add_subparsers(required=True, metavar="command")
+    for command in _COMMANDS:
+        command.add(commands)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

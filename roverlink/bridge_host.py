@@ -1,0 +1,117 @@
+"""A bridge to work with: in a process of its own over DDS, or in this process where there is no ROS 2 wire."""
+
+from __future__ import annotations
+
+import json
+import logging
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any, Protocol
+
+from runtime import Bridge, Registry, SetupError, parameters
+from runtime.middleware import Middleware, NodeIdentity, open_middleware
+from runtime.middleware.memory import Graph, MemoryMiddleware
+
+_READY = "on UDP port "
+_STOP_TIMEOUT_S = 5.0
+
+
+class BridgeHost(Protocol):
+    """A running bridge. A context manager."""
+
+    port: int
+    """The UDP port on which it listens."""
+
+    def middleware(self, node: NodeIdentity) -> Middleware:
+        """A middleware that sees the bridge's topics."""
+
+    def stop(self) -> dict[str, Any]:
+        """Stop the bridge and return its account."""
+
+    def __enter__(self) -> BridgeHost: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+class BridgeProcess:
+    """``roverlink run`` as a child, over DDS."""
+
+    def __init__(self, project: Path | None, ports: dict[str, int]) -> None:
+        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
+        command += ["--project", str(project)] if project else []
+        command += ["--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'"]
+        for name, port in ports.items():
+            command += ["-p", f"{name}:={port}"]
+        self._command = command
+        self.port = 0
+
+    def __enter__(self) -> BridgeProcess:
+        self._child = subprocess.Popen(  # noqa: S603  # our own program
+            self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        for line in self._child.stderr or ():
+            if _READY in line:
+                self.port = int(line.rpartition(_READY)[2])
+                self._log = threading.Thread(target=self._pass_on, daemon=True)
+                self._log.start()
+                return self
+            sys.stderr.write(line)
+        raise SetupError("the bridge did not start")
+
+    def _pass_on(self) -> None:
+        """Show what the bridge warns of."""
+        for line in self._child.stderr or ():
+            if not line.startswith("[INFO]"):
+                sys.stderr.write(line)
+
+    def middleware(self, node: NodeIdentity) -> Middleware:
+        """DDS, as the bridge's."""
+        return open_middleware("dds", node)
+
+    def stop(self) -> dict[str, Any]:
+        """Interrupt the child, as an operator would. Raises `SetupError` where it does not end well."""
+        self._child.send_signal(signal.SIGINT)
+        output, _ = self._child.communicate(timeout=_STOP_TIMEOUT_S)
+        if self._child.returncode:
+            raise SetupError(f"the bridge ended with exit code {self._child.returncode}")
+        account: dict[str, Any] = json.loads(output)
+        return account
+
+    def __exit__(self, *_: object) -> None:
+        if self._child.poll() is None:
+            self._child.kill()
+            self._child.wait()
+
+
+class BridgeThread:
+    """A bridge in a thread of this process, over memory."""
+
+    def __init__(self, registry: Registry, ports: dict[str, int]) -> None:
+        self._graph = Graph()
+        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports})
+        self._bridge = Bridge(
+            registry, settings, MemoryMiddleware(self._graph), lambda topic: f"/{topic}", logging.getLogger("bridge")
+        )
+        self.port = self._bridge.port
+        self._thread = threading.Thread(target=self._bridge.run, daemon=True)
+
+    def __enter__(self) -> BridgeThread:
+        self._bridge.__enter__()
+        self._thread.start()
+        return self
+
+    def middleware(self, node: NodeIdentity) -> Middleware:  # noqa: ARG002  # memory has no nodes
+        """The bridge's own topics."""
+        return MemoryMiddleware(self._graph)
+
+    def stop(self) -> dict[str, Any]:
+        """Let the bridge finish."""
+        self._bridge.stop()
+        self._thread.join()
+        return self._bridge.account.as_dict()
+
+    def __exit__(self, *_: object) -> None:
+        self._bridge.__exit__(None, None, None)

@@ -1,0 +1,176 @@
+"""``roverlink demo``: the bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib.util
+import os
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.console import Console
+from rich.live import Live
+
+from roverlink import bridge_host, crossings, topics
+from roverlink.bridge_host import BridgeHost
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from roverlink.crossings import Crossing
+from roverlink.simulation import payload_at
+from runtime import Qos, Registry, Translator, cdr, load_registry
+from runtime.middleware import Middleware, Publisher
+from runtime.registry import AnyHandler
+from runtime.values import message_to_values, payload_to_values
+
+_RATE_HZ = 20.0
+_TICK_S = 0.01
+_REFRESH_HZ = 4
+_PLAIN_REPORT_S = 5.0
+_LARGEST = 65_536
+_TOLD = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "demo",
+        "bridge simulated boards, a simulated basestation and ROS 2 on loopback, shown live",
+        "roverlink demo --seconds 5",
+    )
+    add_project(parser)
+    parser.add_argument("--seconds", type=float, default=15.0, metavar="S", help="how long (default: %(default)s)")
+    parser.add_argument(
+        "--middleware",
+        choices=("dds", "memory"),
+        default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
+        help="dds: the bridge is a process of its own; memory: no ROS 2 wire at all (default: %(default)s)",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show the bridge at work; exit code 1 where a message did not cross."""
+    _keep_to_ourselves()
+    project = project_folder(arguments.project)
+    registry = load_registry(project)
+    console = Console()
+    with contextlib.ExitStack() as stack:
+        sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
+        host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
+        rig = _Rig(registry, host, stack.enter_context(host.middleware(topics.identity("demo"))), sockets)
+        _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
+        account = host.stop()
+    missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
+    crossed = sum(crossing.count for crossing in rig.crossings)
+    console.print(
+        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages crossed, {crossed} times in all; "
+        f"{rig.forwarded} datagrams were forwarded raw"
+    )
+    console.print("the bridge says: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), highlight=False)
+    if missing:
+        console.print(f"[red]did not cross: {', '.join(missing)}")
+    return FINDINGS if missing else OK
+
+
+def _keep_to_ourselves() -> None:
+    """Stay on this host, and out of the ROS 2 domain of anyone else on it."""
+    os.environ["ROS_LOCALHOST_ONLY"] = "1"
+    os.environ.setdefault("ROS_DOMAIN_ID", str(120 + os.getpid() % 80))
+
+
+def _peer_socket() -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.bind(("127.0.0.1", 0))
+    sock.setblocking(False)
+    return sock
+
+
+def _host(middleware: str, project: Path | None, registry: Registry, sockets: dict[str, socket.socket]) -> BridgeHost:
+    ports = {peer.port_parameter: int(sockets[peer.name].getsockname()[1]) for peer in registry.peers}
+    if middleware == "dds":
+        return bridge_host.BridgeProcess(project, ports)
+    return bridge_host.BridgeThread(registry, ports)
+
+
+class _Rig:
+    """The boards, the basestation and the ROS 2 nodes around the bridge."""
+
+    def __init__(
+        self, registry: Registry, host: BridgeHost, middleware: Middleware, sockets: dict[str, socket.socket]
+    ) -> None:
+        self._registry, self._host, self._sockets = registry, host, sockets
+        self._translator = Translator(registry)
+        self._board = sockets[registry.peers[0].name]
+        self._publishers: list[tuple[AnyHandler, Publisher]] = []
+        self.crossings = [Crossing(handler) for handler in registry.handlers]
+        self.forwarded = 0
+        self._by_name = {crossing.handler.route.name: crossing for crossing in self.crossings}
+        for crossing in self.crossings:
+            self._join(crossing, middleware)
+
+    def _join(self, crossing: Crossing, middleware: Middleware) -> None:
+        """Be the ROS 2 node at the other end of a row."""
+        handler = crossing.handler
+        topic = topics.full_topic(handler.route.topic)
+        if not handler.route.inbound:
+            self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
+            return
+
+        def seen(data: bytes) -> None:
+            crossing.add(lambda: message_to_values(cdr.decode(handler.message_type, data)))
+
+        middleware.subscribe(topic, handler.message_type, Qos(), seen)
+
+    def send(self, seconds: float) -> None:
+        """Let every board and every node say something."""
+        for handler in self._registry.handlers:
+            if handler.route.inbound:
+                payload = payload_at(handler.payload_type, seconds)
+                envelope = self._registry.envelope(**{handler.route.name: payload})
+                self._board.sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
+        for handler, publisher in self._publishers:
+            publisher.publish(handler.to_cdr(payload_at(handler.payload_type, seconds)))
+
+    def receive(self) -> None:
+        """Let every peer take what has arrived."""
+        for sock in self._sockets.values():
+            for datagram in _arrived(sock):
+                envelope = self._translator.parse(datagram)
+                name = str(envelope.WhichOneof(self._registry.oneof))
+                crossing = self._by_name[name]
+                if crossing.handler.route.inbound:
+                    self.forwarded += 1
+                else:
+                    payload = getattr(envelope, name)
+                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound early
+
+
+def _arrived(sock: socket.socket) -> Iterator[bytes]:
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            yield sock.recv(_LARGEST)
+
+
+def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
+    start = time.monotonic()
+    next_send = next_report = start
+    with Live(console=console, refresh_per_second=_REFRESH_HZ, auto_refresh=False) as live:
+        while (now := time.monotonic()) < start + seconds:
+            if now >= next_send:
+                next_send += 1 / _RATE_HZ
+                rig.send(now - start)
+            rig.receive()
+            if now >= next_report:
+                next_report += 1 / _REFRESH_HZ if console.is_terminal else _PLAIN_REPORT_S
+                if console.is_terminal:
+                    live.update(
+                        crossings.table(rig.crossings, f"{title}, {seconds - (now - start):.0f} s left"), refresh=True
+                    )
+                else:
+                    crossed = sum(bool(crossing.count) for crossing in rig.crossings)
+                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages have crossed")
+            time.sleep(_TICK_S)
+        live.update(crossings.table(rig.crossings, title), refresh=True)

@@ -1,0 +1,57 @@
+"""``roverlink echo``: what a topic says, with no ROS installed."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import queue
+import sys
+import time
+
+from roverlink import topics
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from runtime import Qos, cdr, load_registry
+from runtime.middleware import NAMES, open_middleware
+from runtime.values import message_to_values
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "echo",
+        "print what a topic says, as `ros2 topic echo` does, with no ROS installed",
+        "roverlink echo imu_data --count 1",
+    )
+    add_project(parser)
+    parser.add_argument("topic", help="the topic")
+    parser.add_argument("--type", metavar="PKG/msg/NAME", help="its type, where no row has the topic")
+    parser.add_argument("--json", action="store_true", help="one JSON object a line, keyed by ROS field names")
+    parser.add_argument("--count", type=int, metavar="N", help="stop after so many")
+    parser.add_argument("--timeout", type=float, metavar="S", help="stop after so many seconds without enough; exit 1")
+    parser.add_argument("--best-effort", action="store_true", help="subscribe best effort, as sensor drivers publish")
+    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print until interrupted, until ``--count`` messages came (0), or until ``--timeout`` (1)."""
+    registry = load_registry(project_folder(arguments.project))
+    message_type = topics.message_type(registry, arguments.topic, arguments.type)
+    qos = Qos(reliability="best_effort" if arguments.best_effort else "reliable", depth=1000)
+    arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
+    seen = 0
+    with open_middleware(arguments.middleware, topics.identity("echo")) as middleware:
+        middleware.subscribe(topics.full_topic(arguments.topic), message_type, qos, arrived.put)
+        while arguments.count is None or seen < arguments.count:
+            try:
+                data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
+            except queue.Empty:
+                print(f"nothing more on {arguments.topic} after {arguments.timeout} s", file=sys.stderr)
+                return FINDINGS
+            values = message_to_values(cdr.decode(message_type, data))
+            text = json.dumps(values) if arguments.json else "\n".join([*topics.yaml_lines(values), "---"])
+            print(text, flush=True)
+            seen += 1
+    return OK

@@ -1,0 +1,65 @@
+"""``roverlink generate``: compile the table."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import generator
+from generator import FindingsError, Severity
+from roverlink.console import FINDINGS, OK, TABLE, Subparsers, command
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "generate",
+        "compile mapping.yaml into handlers, messages, registry, envelope, ROS 2 package and docs",
+        "roverlink generate --check",
+    )
+    parser.add_argument(
+        "--table", type=Path, default=Path(TABLE), metavar="FILE", help="the table (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; exit 1 with a diff where a file is not what the table says"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Generate, or check; exit code 1 for findings and for drift."""
+    table: Path = arguments.table
+    try:
+        compiled = generator.compile_table(table)
+        changes = generator.compare(table.resolve().parent, compiled.files)
+        for warning in compiled.warnings:
+            print(warning.render(), file=sys.stderr)
+        if arguments.check:
+            return _check(table, changes)
+        generator.write(table.resolve().parent, changes)
+    except FindingsError as error:
+        return _report(table, error)
+    for change in changes:
+        print(f"{change.verb:>8} {change.path}")
+    messages = len(compiled.bridge.routes)
+    print(f"{len(changes)} of {len(compiled.files)} files written for {messages} messages")
+    return OK
+
+
+def _check(table: Path, changes: list[generator.Change]) -> int:
+    for change in changes:
+        sys.stdout.write(change.diff())
+    if changes:
+        print(f"{len(changes)} files are not what {table} says; run `roverlink generate`", file=sys.stderr)
+        return FINDINGS
+    print(f"everything is what {table} says")
+    return OK
+
+
+def _report(table: Path, error: FindingsError) -> int:
+    errors = sum(finding.rule.severity is Severity.ERROR for finding in error.findings)
+    print(error, file=sys.stderr)
+    print(f"{errors} error{'s' if errors != 1 else ''} in {table}; nothing was written", file=sys.stderr)
+    return FINDINGS

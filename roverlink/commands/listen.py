@@ -1,0 +1,56 @@
+"""``roverlink listen``: the envelopes that arrive at a port."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from roverlink.console import OK, Subparsers, add_project, command, project_folder
+from runtime import DatagramError, Registry, Translator, load_registry, udp
+from runtime.values import payload_to_values
+
+_RECEIVE_BUFFER = 1024 * 1024
+_LARGEST = 65_536
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "listen",
+        "print the envelopes that arrive at a UDP port, one JSON line each",
+        "roverlink listen --port 6001",
+    )
+    add_project(parser)
+    parser.add_argument("--port", type=int, required=True, help="UDP port to listen on")
+    parser.add_argument("--address", default="", help="address to listen on (default: every one of this host)")
+    parser.add_argument("--count", type=int, metavar="N", help="stop after so many")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print until interrupted, or until ``--count`` datagrams came."""
+    registry = load_registry(project_folder(arguments.project))
+    translator = Translator(registry)
+    seen = 0
+    with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
+        print(f"listening on UDP port {arguments.port}", file=sys.stderr)
+        while arguments.count is None or seen < arguments.count:
+            datagram, (host, port) = sock.recvfrom(_LARGEST)
+            print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
+            seen += 1
+    return OK
+
+
+def _line(registry: Registry, translator: Translator, datagram: bytes) -> dict[str, Any]:
+    try:
+        envelope = translator.parse(datagram)
+    except DatagramError as error:
+        return {"error": str(error), "bytes": len(datagram)}
+    name = envelope.WhichOneof(registry.oneof)
+    if name is None:
+        return {"error": "no known payload", "bytes": len(datagram)}
+    number = envelope.DESCRIPTOR.fields_by_name[name].number
+    return {"number": number, "name": name, "payload": payload_to_values(getattr(envelope, name))}

@@ -1,0 +1,105 @@
+"""``roverlink send``: envelopes as a board would send them."""
+
+from __future__ import annotations
+
+import argparse
+import socket
+import time
+from typing import Any
+
+import yaml
+
+from roverlink.console import OK, Subparsers, add_project, command, project_folder
+from runtime import Registry, SetupError, load_registry, udp
+from runtime.registry import AnyHandler
+from runtime.values import nearest, payload_from_assignments
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "send",
+        "send envelopes as a board or the basestation would",
+        "roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100",
+        "Send envelopes as a board or the basestation would. Fields inside a field are reached with dots\n"
+        "(imu_sensor.accel_x=1), enum values are given by name, lists as [1, 2, 3], bytes in hexadecimal.",
+    )
+    add_project(parser)
+    parser.add_argument("name", nargs="?", help="the payload, as mapping.yaml names it")
+    parser.add_argument("assignments", nargs="*", metavar="field=value", help="what the payload says; the rest is zero")
+    parser.add_argument(
+        "--to", default="127.0.0.1:5000", metavar="HOST:PORT", help="destination (default: %(default)s)"
+    )
+    parser.add_argument("--count", type=int, default=1, metavar="N", help="how many to send (default: %(default)s)")
+    parser.add_argument(
+        "--rate", type=float, default=10.0, metavar="HZ", help="how many a second (default: %(default)s)"
+    )
+    parser.add_argument("--list", action="store_true", help="show what can be sent, and stop")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Send, or list."""
+    registry = load_registry(project_folder(arguments.project))
+    if arguments.list:
+        _list(registry)
+        return OK
+    handler = _handler(registry, arguments.name)
+    payload = payload_from_assignments(handler.payload_type, dict(map(_assignment, arguments.assignments)))
+    datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
+    destination = destination_of(arguments.to)
+    _send(datagram, destination, arguments.count, arguments.rate)
+    print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")
+    return OK
+
+
+def _handler(registry: Registry, name: str | None) -> AnyHandler:
+    if name is None:
+        raise SetupError("say which payload to send; `roverlink send --list` shows them")
+    handler = registry.by_name.get(name)
+    if handler is None:
+        raise SetupError(f"there is no payload {name!r}; {nearest(name, registry.by_name)}")
+    return handler
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    path, separator, value = text.partition("=")
+    if not separator or not path:
+        raise SetupError(f"{text!r} is not of the form field=value")
+    try:
+        return path, yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise SetupError(f"the value in {text!r} cannot be read") from error
+
+
+def destination_of(text: str) -> tuple[str, int]:
+    """The address that ``HOST:PORT`` names. Raises `SetupError` where it names none."""
+    host, separator, port = text.rpartition(":")
+    if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
+        raise SetupError(f"{text!r} is not of the form HOST:PORT")
+    return udp.resolve(host, int(port))
+
+
+def _send(datagram: bytes, destination: tuple[str, int], count: int, rate: float) -> None:
+    if rate <= 0:
+        raise SetupError(f"a rate of {rate} never sends; give a number above 0")
+    start = time.monotonic()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        for index in range(count):
+            time.sleep(max(0.0, start + index / rate - time.monotonic()))
+            try:
+                sock.sendto(datagram, destination)
+            except OSError as error:
+                raise SetupError(f"cannot send to {destination[0]}:{destination[1]}: {error.strerror}") from error
+
+
+def _list(registry: Registry) -> None:
+    for handler in registry.handlers:
+        route = handler.route
+        print(f"{route.number:>3} {route.name:<24} {route.direction:<20} {handler.payload_type.DESCRIPTOR.full_name}")
+        for field in handler.payload_type.DESCRIPTOR.fields:
+            named = field.enum_type or field.message_type
+            choices = f" ({', '.join(field.enum_type.values_by_name)})" if field.enum_type else ""
+            kind = "" if named is None or choices else f" ({named.full_name})"
+            print(f"      {field.name}{choices}{kind}")

@@ -1,0 +1,73 @@
+"""What the commands share: exit codes, where the project is, how to complain."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from pathlib import Path
+from typing import Any
+
+OK = 0
+FINDINGS = 1
+UNABLE = 2
+
+TABLE = "mapping.yaml"
+Subparsers = Any  # argparse names its type only in private
+
+
+def complain(message: str) -> None:
+    """Say on standard error why a command cannot run."""
+    print(f"roverlink: {message}", file=sys.stderr)
+
+
+def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
+    """A subcommand with its help and an example."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=help,
+        description=description or f"{help[0].upper()}{help[1:]}.",
+        epilog=f"example: {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    return parser
+
+
+def add_project(parser: argparse.ArgumentParser) -> None:
+    """The option that says where the generated code is."""
+    parser.add_argument(
+        "--project",
+        type=Path,
+        metavar="DIR",
+        help="folder of mapping.yaml and generated/ (default: this folder or the nearest above it that has them)",
+    )
+
+
+def project_folder(given: Path | None) -> Path | None:
+    """The folder of the generated code: what was given, else the nearest; None takes the installed one."""
+    if given is not None:
+        return given
+    here = Path.cwd()
+    for folder in (here, *here.parents):
+        if (folder / TABLE).is_file() or (folder / "generated" / "registry.py").is_file():
+            return folder
+    return None
+
+
+class _RosFormatter(logging.Formatter):
+    """``[INFO] [1700000000.123456] [udp_forwarder]: text``, as ROS 2 nodes log."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        level = {"WARNING": "WARN", "CRITICAL": "FATAL"}.get(record.levelname, record.levelname)
+        return f"[{level}] [{record.created:.6f}] [{record.name}]: {record.getMessage()}"
+
+
+def node_logger(name: str, level: str) -> logging.Logger:
+    """A logger to standard error with ROS 2's levels and format."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_RosFormatter())
+    logger = logging.getLogger(name)
+    logger.handlers = [handler]
+    logger.setLevel({"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
+    logger.propagate = False
+    return logger

@@ -1,0 +1,53 @@
+"""Plausible payloads, made from nothing but their descriptors: for the demo, and wherever a board is needed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+P = TypeVar("P", bound="ProtoMessage")
+
+_PERIOD_S = 6.0
+_LIST_LENGTH = 3
+
+
+def payload_at(payload_type: type[P], seconds: float) -> P:
+    """A payload whose numbers swing, whose flags toggle and whose enums step through their values."""
+    payload = payload_type()
+    _fill(payload, seconds)
+    return payload
+
+
+def _fill(payload: ProtoMessage, seconds: float) -> None:
+    for field in payload.DESCRIPTOR.fields:
+        if field.message_type is not None and not field.is_repeated:
+            nested = getattr(payload, field.name)
+            nested.SetInParent()
+            _fill(nested, seconds)
+        elif field.message_type is not None:
+            for index in range(_LIST_LENGTH):
+                _fill(getattr(payload, field.name).add(), seconds + index)
+        elif field.is_repeated:
+            getattr(payload, field.name).extend(_value(field, seconds + index) for index in range(_LIST_LENGTH))
+        else:
+            setattr(payload, field.name, _value(field, seconds))
+
+
+def _value(field: Any, seconds: float) -> Any:
+    phase = 2 * math.pi * seconds / _PERIOD_S + field.number
+    swing = math.sin(phase)
+    if field.enum_type is not None:
+        values = field.enum_type.values
+        return values[int(seconds) % len(values)].number
+    if field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
+        return round(10 * swing, 3)
+    if field.cpp_type == field.CPPTYPE_BOOL:
+        return swing > 0
+    if field.type == field.TYPE_STRING:
+        return f"{field.name} {int(seconds)}"
+    if field.type == field.TYPE_BYTES:
+        return int(100 + 100 * swing).to_bytes(2, "little")
+    return int(50 + 50 * swing)

@@ -1,0 +1,78 @@
+"""The account of a bridge: what came, what went where, and what was dropped for which reason."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+WARNING_INTERVAL_S = 2.0
+
+
+@dataclass
+class Account:
+    """Counts since the start. Each counter is written by one thread; readers see it a moment late."""
+
+    received: int = 0
+    """Datagrams that were taken from the socket."""
+    published: Counter[str] = field(default_factory=Counter)
+    """Messages to topics, by the name of the payload."""
+    sent: Counter[str] = field(default_factory=Counter)
+    """Datagrams made from messages of topics, by the name of the payload."""
+    forwarded: Counter[str] = field(default_factory=Counter)
+    """Raw datagrams handed on, by the name of the peer."""
+    dropped: Counter[str] = field(default_factory=Counter)
+    """Datagrams that were not bridged, by reason."""
+    unsent: Counter[str] = field(default_factory=Counter)
+    """Datagrams that the network refused, by the name of the peer."""
+    refused: Counter[str] = field(default_factory=Counter)
+    """Messages of topics that did not become a datagram, by the name of the payload."""
+    kernel_drops: int = 0
+    """Datagrams that the kernel dropped because nobody had read the earlier ones yet."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The account as plain values, for JSON."""
+        return {
+            "received": self.received,
+            "published": self.published.total(),
+            "sent": self.sent.total(),
+            "forwarded": self.forwarded.total(),
+            "dropped": {reason: count for reason, count in sorted(self.dropped.items()) if count},
+            "refused": dict(sorted(self.refused.items())),
+            "unsent": dict(sorted(self.unsent.items())),
+            "kernel_drops": self.kernel_drops,
+            "by_payload": {
+                "published": dict(sorted(self.published.items())),
+                "sent": dict(sorted(self.sent.items())),
+            },
+        }
+
+    def summary(self) -> str:
+        """The account in one line."""
+        dropped = ", ".join(f"{reason} {count}" for reason, count in sorted(self.dropped.items()) if count) or "none"
+        return (
+            f"received {self.received}, published {self.published.total()}, sent {self.sent.total()}, "
+            f"forwarded {self.forwarded.total()}; dropped: {dropped}; by the kernel: {self.kernel_drops}"
+        )
+
+
+class ThrottledWarnings:
+    """Warns of each subject at most every two seconds, and says how many warnings it kept back."""
+
+    def __init__(self, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
+        self._logger, self._clock = logger, clock
+        self._next: dict[str, float] = {}
+        self._kept_back: Counter[str] = Counter()
+
+    def warn(self, subject: str, message: str) -> None:
+        """Log a warning about a subject, or count it where one was logged a moment ago."""
+        now = self._clock()
+        if now < self._next.get(subject, now):
+            self._kept_back[subject] += 1
+            return
+        self._next[subject] = now + WARNING_INTERVAL_S
+        kept_back = self._kept_back.pop(subject, 0)
+        self._logger.warning("%s%s", message, f" (and {kept_back} more like it)" if kept_back else "")

@@ -1,0 +1,105 @@
+"""What the generated handlers derive from: a route of the table, and the conversion both ways.
+
+A handler owns no socket and no node: it turns a protobuf payload into a ROS 2 message and back, as values or as
+serialized bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+
+from runtime import cdr
+from runtime.errors import ConversionError
+from runtime.messages import Message
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+P = TypeVar("P", bound="ProtoMessage")
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """The quality of service of a topic; the defaults are rclcpp's."""
+
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    history: str = "keep_last"
+    depth: int = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """One row of the table: what travels under which number, between which peer and which topic."""
+
+    number: int
+    """The field number in the envelope's oneof. Permanent."""
+    name: str
+    """The field's name in the envelope's oneof."""
+    topic: str
+    """The ROS 2 topic, relative to the node's namespace unless it starts with a slash."""
+    direction: str
+    """``<peer>_to_ros`` or ``ros_to_<peer>``."""
+    qos: Qos = Qos()
+    forward: tuple[str, ...] = ()
+    """Peers that also get the raw datagram."""
+
+    @property
+    def inbound(self) -> bool:
+        """Whether the payload comes from a peer and goes to a topic."""
+        return self.direction.endswith("_to_ros")
+
+    @property
+    def peer(self) -> str:
+        """The peer at the other end."""
+        return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
+
+
+class Handler(ABC, Generic[P, M]):
+    """One row's conversion between its protobuf payload and its ROS 2 message."""
+
+    route: ClassVar[Route]
+    payload_type: type[P]
+    message_type: type[M]
+
+    @staticmethod
+    @abstractmethod
+    def to_ros(payload: P) -> M:
+        """The ROS 2 message that says what the payload says."""
+
+    @staticmethod
+    @abstractmethod
+    def from_ros(message: M) -> P:
+        """The payload that says what the ROS 2 message says."""
+
+    def pack(self, payload: P) -> bytes:
+        """The serialized ROS 2 message of a payload.
+
+        Generated handlers of messages of fixed size override this with one `struct` call, the bridge's hot path. It
+        may raise `struct.error`; use `to_cdr` for an error that names the field.
+        """
+        return cdr.encode(self.to_ros(payload))
+
+    def to_cdr(self, payload: P) -> bytes:
+        """The serialized ROS 2 message of a payload; `ConversionError` names route and field that do not fit."""
+        try:
+            return self.pack(payload)
+        except (struct.error, ConversionError):
+            return self._explained(payload)
+
+    def _explained(self, payload: P) -> bytes:
+        try:
+            return cdr.encode(self.to_ros(payload))
+        except ConversionError as error:
+            raise ConversionError(f"{self.route.name}.{error}") from error
+
+    def from_cdr(self, data: bytes) -> P:
+        """The payload of a serialized ROS 2 message; `ConversionError` names route and what does not fit."""
+        try:
+            return self.from_ros(cdr.decode(self.message_type, data))
+        except (ConversionError, ValueError, TypeError) as error:
+            raise ConversionError(f"{self.route.name}: {error}") from error

@@ -1,0 +1,173 @@
+"""ROS 2 messages as dataclasses whose annotations are the ROS types.
+
+A message class is a dataclass that derives from `Message` and names its type in ``__msgtype__``::
+
+    @dataclass(slots=True)
+    class BoundingBox(Message):
+        __msgtype__ = "comms/msg/BoundingBox"
+
+        x: UInt32 = 0
+        corners: list[Float32] = dataclasses.field(default_factory=list)
+
+To a type checker ``x`` is an ``int``; to `fields_of`, and through it to the CDR codec and to the middlewares,
+it is a ``uint32``. ``uint8[]`` is ``bytes``, a nested message is its class, a bound or a length is an annotation
+(``Annotated[list[Float32], Bound(8)]``, ``Annotated[bytes, Length(4)]``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any, ClassVar, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Message:
+    """Base of every ROS 2 message class."""
+
+    __slots__ = ()
+    __msgtype__: ClassVar[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Primitive:
+    """A ROS primitive of fixed size: its ROS name, its `struct` format character, its size in bytes."""
+
+    name: str
+    format: str
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """The largest number of elements of a sequence, or of characters of a string."""
+
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Length:
+    """The number of elements of a fixed-size array."""
+
+    count: int
+
+
+Bool = Annotated[bool, Primitive("bool", "?", 1)]
+Byte = Annotated[int, Primitive("byte", "B", 1)]
+Char = Annotated[int, Primitive("char", "B", 1)]
+Int8 = Annotated[int, Primitive("int8", "b", 1)]
+UInt8 = Annotated[int, Primitive("uint8", "B", 1)]
+Int16 = Annotated[int, Primitive("int16", "h", 2)]
+UInt16 = Annotated[int, Primitive("uint16", "H", 2)]
+Int32 = Annotated[int, Primitive("int32", "i", 4)]
+UInt32 = Annotated[int, Primitive("uint32", "I", 4)]
+Int64 = Annotated[int, Primitive("int64", "q", 8)]
+UInt64 = Annotated[int, Primitive("uint64", "Q", 8)]
+Float32 = Annotated[float, Primitive("float32", "f", 4)]
+Float64 = Annotated[float, Primitive("float64", "d", 8)]
+
+UINT8 = Primitive("uint8", "B", 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A ``string``, of at most ``bound`` bytes where one is given."""
+
+    bound: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A sequence, of at most ``bound`` elements where one is given. Of ``uint8`` it is held as ``bytes``."""
+
+    element: FieldType
+    bound: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """An array of exactly ``length`` elements. Of ``uint8`` it is held as ``bytes``."""
+
+    element: FieldType
+    length: int
+
+
+FieldType = Union[Primitive, Text, Sequence, Array, "type[Message]"]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a message: its name and its ROS type."""
+
+    name: str
+    type: FieldType
+
+
+def once_a_type(function: Callable[P, R]) -> Callable[P, R]:
+    """`functools.cache`, typed as the function it wraps; mypy does not take a message class for hashable."""
+    remembered: Callable[..., R] = cache(function)
+    return remembered
+
+
+@once_a_type
+def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
+    """The fields of a message class, in the order in which they are serialized.
+
+    Raises `TypeError` where an annotation is not a ROS type.
+    """
+    hints = get_type_hints(message_type, include_extras=True)
+    return tuple(
+        Field(name, _field_type(hint))
+        for name, hint in hints.items()
+        if get_origin(hint) is not ClassVar and not name.startswith("__")
+    )
+
+
+def _field_type(hint: Any) -> FieldType:
+    """The ROS type that an annotation stands for."""
+    marks: tuple[Any, ...] = ()
+    if get_origin(hint) is Annotated:
+        hint, *rest = get_args(hint)
+        marks = tuple(rest)
+    for mark in marks:
+        if isinstance(mark, Primitive):
+            return mark
+    bound = next((mark.count for mark in marks if isinstance(mark, Bound)), None)
+    if hint is str:
+        return Text(bound)
+    if isinstance(hint, type) and issubclass(hint, Message):
+        return hint
+    element = _element_type(hint)
+    length = next((mark.count for mark in marks if isinstance(mark, Length)), None)
+    return Sequence(element, bound) if length is None else Array(element, length)
+
+
+def _element_type(hint: Any) -> FieldType:
+    if hint is bytes:
+        return UINT8
+    if get_origin(hint) is list:
+        return _field_type(get_args(hint)[0])
+    raise TypeError(f"{hint!r} is not the annotation of a ROS 2 type")
+
+
+def default_of(field_type: FieldType) -> Callable[[], Any]:
+    """A function that makes the value a field of this type has in a new message: zero, or empty."""
+    if isinstance(field_type, Primitive):
+        return {"?": bool, "f": float, "d": float}.get(field_type.format, int)
+    if isinstance(field_type, Text):
+        return str
+    if isinstance(field_type, Sequence):
+        return bytes if field_type.element == UINT8 else list
+    if isinstance(field_type, Array):
+        return _array_default(field_type)
+    return field_type
+
+
+def _array_default(array: Array) -> Callable[[], Any]:
+    if array.element == UINT8:
+        return lambda: bytes(array.length)
+    element = default_of(array.element)
+    return lambda: [element() for _ in range(array.length)]

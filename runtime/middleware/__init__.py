@@ -1,0 +1,102 @@
+"""The ROS 2 side: middlewares that all speak serialized messages, so that one bridge serves each of them."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Protocol
+
+from runtime.errors import MiddlewareError
+from runtime.handler import Qos
+from runtime.messages import Message
+
+NAMES = ("auto", "dds", "rclpy", "memory")
+
+
+@dataclass(frozen=True, slots=True)
+class NodeIdentity:
+    """Who we are on the ROS 2 graph."""
+
+    name: str
+    namespace: str = "/"
+    """Fully qualified, starting with a slash."""
+
+    @property
+    def full_name(self) -> str:
+        """Namespace and name, as ``ros2 node list`` prints it."""
+        return f"{self.namespace.rstrip('/')}/{self.name}"
+
+
+class Publisher(Protocol):
+    """One topic to write to."""
+
+    def publish(self, data: bytes) -> None:
+        """Write one serialized message (CDR with its header)."""
+
+    def has_subscribers(self) -> bool:
+        """Whether anyone is known to listen."""
+
+
+class Middleware(Protocol):
+    """A connection to the ROS 2 graph, as one node. A context manager: leaving it takes the node away."""
+
+    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
+        """A writer on a fully qualified topic."""
+
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
+        """Call ``callback`` with every serialized message of a fully qualified topic, from a thread of ours."""
+
+    def __enter__(self) -> Middleware: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+def open_middleware(name: str, node: NodeIdentity, arguments: list[str] | None = None) -> Middleware:
+    """Connect to ROS 2 by name; ``auto`` takes rclpy where it imports, else dds.
+
+    ``arguments`` is the command line after ``--ros-args``, for rclpy. Raises `MiddlewareError` that says how to get
+    what is missing.
+    """
+    if name == "auto":
+        name = "rclpy" if importlib.util.find_spec("rclpy") else "dds"
+    if name == "memory":
+        from runtime.middleware.memory import MemoryMiddleware
+
+        return MemoryMiddleware()
+    if name == "rclpy":
+        return _open_rclpy(node, arguments or [])
+    if name == "dds":
+        return _open_dds(node)
+    raise MiddlewareError(f"no middleware {name!r}; there are {', '.join(NAMES)}")
+
+
+def _open_rclpy(node: NodeIdentity, arguments: list[str]) -> Middleware:
+    try:
+        from runtime.middleware.rclpy import RclpyMiddleware
+    except ImportError as error:
+        raise MiddlewareError(
+            f"rclpy does not import ({error}); source ROS 2 first (`source /opt/ros/humble/setup.bash`), and make the "
+            "environment with --system-site-packages"
+        ) from error
+    return RclpyMiddleware(node, arguments)
+
+
+def _open_dds(node: NodeIdentity) -> Middleware:
+    try:
+        from runtime.middleware.dds import DdsMiddleware
+    except ImportError as error:
+        raise MiddlewareError(
+            f"Cyclone DDS does not import ({error}); install it with `pip install cyclonedds`"
+            + (
+                f" (it has no wheel for {platform.machine()}: there, use --middleware rclpy with an installed ROS 2)"
+                if platform.machine() not in ("x86_64", "AMD64")
+                else ""
+            )
+        ) from error
+    return DdsMiddleware(node)

@@ -1,0 +1,133 @@
+"""ROS 2 over plain DDS (Cyclone DDS from PyPI): no ROS has to be installed.
+
+To a ROS 2 node we are an ordinary publisher and subscriber: topic ``rt/...``, type ``pkg::msg::dds_::Name_``, plain
+XCDR1.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from functools import cache
+from types import TracebackType
+from typing import Any
+
+from cyclonedds.core import DDSException, GuardCondition, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy
+from cyclonedds.qos import Qos as DdsQos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from runtime.errors import MiddlewareError
+from runtime.handler import Qos
+from runtime.messages import Message
+from runtime.middleware import NodeIdentity
+from runtime.middleware.dds_types import carrier_type, dds_qos
+from runtime.middleware.discovery import GraphAnnouncer
+
+_LOCALHOST_ONLY = (
+    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
+    '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>'
+    "</Domain></CycloneDDS>"
+)
+_LARGEST_DOMAIN = 232  # the ports of a larger one would lie beyond 65535 (RTPS 2.2, 9.6.1)
+_TAKE = 256  # samples taken at a time
+
+
+class DdsPublisher:
+    """A DDS writer that is given serialized messages."""
+
+    def __init__(self, writer: DataWriter[Any], carrier: type[Any]) -> None:
+        self._writer = writer
+        self._carrier = carrier
+        self._write = writer.write
+
+    def publish(self, data: bytes) -> None:
+        """Write one serialized message."""
+        self._write(self._carrier(data))
+
+    def has_subscribers(self) -> bool:
+        """Whether any reader matches."""
+        return bool(self._writer.get_matched_subscriptions())
+
+
+class DdsMiddleware:
+    """One DDS participant that shows itself as a ROS 2 node, and a thread that takes what its readers receive."""
+
+    def __init__(self, node: NodeIdentity) -> None:
+        domain_id = _domain_id()
+        try:
+            _configure(domain_id)
+            self._participant = DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+        except DDSException as error:
+            raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
+        self._announcer = GraphAnnouncer(self._participant, node)
+        self._waitset = WaitSet(self._participant)
+        self._stopped = GuardCondition(self._participant)
+        self._waitset.attach(self._stopped)
+        self._readers: list[tuple[DataReader[Any], Callable[[bytes], None]]] = []
+        self._conditions: list[ReadCondition] = []
+        self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
+
+    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
+        """A writer on a fully qualified topic."""
+        carrier = carrier_type(message_type)
+        writer = DataWriter(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=True))
+        self._announcer.add_writer(writer)
+        return DdsPublisher(writer, carrier)
+
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
+        """Call ``callback`` with every serialized message of a fully qualified topic, from the taking thread."""
+        carrier = carrier_type(message_type)
+        reader = DataReader(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=False))
+        condition = ReadCondition(reader, SampleState.Any | ViewState.Any | InstanceState.Any)
+        self._readers.append((reader, callback))
+        self._conditions.append(condition)
+        self._waitset.attach(condition)
+        self._announcer.add_reader(reader)
+
+    def __enter__(self) -> DdsMiddleware:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stopped.set(True)
+        self._thread.join()
+
+    def _topic(self, topic: str, carrier: type[Any]) -> Topic[Any]:
+        return Topic(self._participant, f"rt{topic}", carrier)
+
+    def _take_until_stopped(self) -> None:
+        while not self._stopped.read():
+            self._waitset.wait(duration(infinite=True))
+            for reader, callback in list(self._readers):
+                while samples := reader.take(_TAKE):
+                    for sample in samples:
+                        if sample.sample_info.valid_data:  # else an instance's end, which ROS does not know
+                            callback(sample.data)
+
+
+def _domain_id() -> int:
+    text = os.environ.get("ROS_DOMAIN_ID", "") or "0"
+    if not text.isdecimal() or int(text) > _LARGEST_DOMAIN:
+        raise MiddlewareError(f"ROS_DOMAIN_ID is {text!r}; it must be a number from 0 to {_LARGEST_DOMAIN}")
+    return int(text)
+
+
+def _configure(domain_id: int) -> None:
+    """Keep to this host where ROS 2's environment says so."""
+    if os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST":
+        _localhost_domain(domain_id)
+
+
+@cache
+def _localhost_domain(domain_id: int) -> Domain:
+    """A domain is configured once a process, before its first participant, and lives as long as the process."""
+    users_own = os.environ.get("CYCLONEDDS_URI")
+    return Domain(domain_id, ",".join(filter(None, (users_own, _LOCALHOST_ONLY))))

@@ -1,0 +1,103 @@
+"""DDS types and qualities of service for ROS 2 messages.
+
+A type carries the real structure of its message, since Cyclone DDS compares structures where both sides announce one;
+but samples are never built from it: what is written and taken are serialized bytes, as `DataWriter.write` asks the
+sample itself for them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cyclonedds.idl import IdlStruct, make_idl_struct, types
+from cyclonedds.qos import Policy
+from cyclonedds.qos import Qos as DdsQos
+from cyclonedds.util import duration
+
+from runtime.handler import Qos
+from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
+
+_MAX_BLOCKING = duration(milliseconds=100)  # of a reliable write; rmw's value
+
+_DDS_TYPES: dict[str, Any] = {
+    "bool": bool,
+    "byte": types.uint8,
+    "char": types.uint8,
+    "int8": types.int8,
+    "uint8": types.uint8,
+    "int16": types.int16,
+    "uint16": types.uint16,
+    "int32": types.int32,
+    "uint32": types.uint32,
+    "int64": types.int64,
+    "uint64": types.uint64,
+    "float32": types.float32,
+    "float64": types.float64,
+}
+
+
+def dds_qos(qos: Qos, writing: bool) -> DdsQos:
+    """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader."""
+    reliable = qos.reliability == "reliable"
+    policies = [
+        Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,
+        Policy.Durability.TransientLocal if qos.durability == "transient_local" else Policy.Durability.Volatile,
+        Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(qos.depth),
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+    ]
+    if writing:
+        policies.append(Policy.WriterDataLifecycle(autodispose=False))
+    return DdsQos(*policies)
+
+
+# cyclonedds makes these by subscript, which its own stubs do not declare.
+_sequence: Any = types.sequence.__class_getitem__
+_array: Any = types.array.__class_getitem__
+_bounded_text: Any = types.bounded_str.__class_getitem__
+
+
+@once_a_type
+def carrier_type(message_type: type[Message]) -> type[Any]:
+    """The DDS type of a message whose samples are serialized messages: made of bytes, holding them as ``data``."""
+    carrier: Any = make_idl_struct(*_declaration(message_type), dataclassify=False)
+    carrier.__init__ = _carry
+    carrier.serialize = _carried
+    carrier.deserialize = classmethod(lambda cls, data, *_, **__: cls(data))
+    carrier.deserialize_key = carrier.deserialize  # of an instance's end, which carries nothing
+    return carrier  # type: ignore[no-any-return]  # it was given what a carrier needs just above
+
+
+def _carry(self: Any, data: bytes) -> None:
+    self.data = data
+
+
+def _carried(self: Any, *_: object, **__: object) -> bytes:
+    """What `DataWriter.write` writes."""
+    data: bytes = self.data
+    return data
+
+
+@once_a_type
+def _structure(message_type: type[Message]) -> type[IdlStruct]:
+    """The DDS type of a ROS 2 message, as a part of another."""
+    return make_idl_struct(*_declaration(message_type))
+
+
+def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]:
+    """Class name, DDS type name and fields of a message, as ROS 2's IDL has them."""
+    package, kind, name = message_type.__msgtype__.split("/")
+    fields = {field.name: _dds_type(field.type) for field in fields_of(message_type)}
+    return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}
+
+
+def _dds_type(field_type: FieldType) -> Any:
+    if isinstance(field_type, Primitive):
+        return _DDS_TYPES[field_type.name]
+    if isinstance(field_type, Text):
+        return str if field_type.bound is None else _bounded_text(field_type.bound)
+    if isinstance(field_type, Sequence):
+        element = _dds_type(field_type.element)
+        return _sequence(element) if field_type.bound is None else _sequence((element, field_type.bound))
+    if isinstance(field_type, Array):
+        return _array((_dds_type(field_type.element), field_type.length))
+    return _structure(field_type)

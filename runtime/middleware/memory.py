@@ -1,0 +1,56 @@
+"""A middleware inside one process: for tests, and where there is no ROS 2 at all."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from runtime.handler import Qos
+from runtime.messages import Message
+
+Callbacks = list[Callable[[bytes], None]]
+
+
+@dataclass
+class Graph:
+    """The topics of one process, and who listens to each. Middlewares that share a graph see each other."""
+
+    callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
+
+
+class MemoryPublisher:
+    """Calls every subscriber of its topic at once, in the publishing thread."""
+
+    def __init__(self, callbacks: Callbacks) -> None:
+        self._callbacks = callbacks
+
+    def publish(self, data: bytes) -> None:
+        """Hand the message to each subscriber."""
+        for callback in self._callbacks:
+            callback(data)
+
+    def has_subscribers(self) -> bool:
+        """Whether anyone subscribed."""
+        return bool(self._callbacks)
+
+
+class MemoryMiddleware:
+    """Topics within one process."""
+
+    def __init__(self, graph: Graph | None = None) -> None:
+        self._graph = graph if graph is not None else Graph()
+
+    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
+        """A writer on a topic."""
+        return MemoryPublisher(self._graph.callbacks[topic])
+
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
+        """Call ``callback`` with every message of a topic, from the thread that publishes it."""
+        self._graph.callbacks[topic].append(callback)
+
+    def __enter__(self) -> MemoryMiddleware:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._graph.callbacks.clear()

@@ -1,0 +1,100 @@
+"""ROS 2 through an installed rclpy, publishing and subscribing serialized messages.
+
+Needs the interface package built and sourced (``colcon build`` of ``generated/ros``): rclpy takes type support only
+from message classes of its own.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import threading
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from runtime.errors import MiddlewareError
+from runtime.handler import Qos
+from runtime.messages import Message
+from runtime.middleware import NodeIdentity
+
+
+class RclpyPublisher:
+    """A publisher of rclpy's that is given serialized messages."""
+
+    def __init__(self, publisher: Any) -> None:
+        self._publisher = publisher
+
+    def publish(self, data: bytes) -> None:
+        """Write one serialized message; rclpy takes bytes for a message that is serialized already."""
+        self._publisher.publish(data)
+
+    def has_subscribers(self) -> bool:
+        """Whether any subscription matches."""
+        return bool(self._publisher.get_subscription_count())
+
+
+class RclpyMiddleware:
+    """One rclpy node, spun by a thread of its own."""
+
+    def __init__(self, node: NodeIdentity, arguments: list[str]) -> None:
+        self._context = rclpy.Context()
+        # Signals stay with the program; parameters and remaps were resolved by it, so only logging is left for rcl.
+        rclpy.init(args=arguments, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            node.name, namespace=node.namespace, context=self._context, use_global_arguments=False
+        )
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._spin, name="rclpy-spin", daemon=True)
+
+    def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
+        """A writer on a fully qualified topic."""
+        return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
+
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
+        """Call ``callback`` with every serialized message of a topic, from the spinning thread."""
+        self._node.create_subscription(_ros_class(message_type), topic, callback, _profile(qos), raw=True)
+
+    def __enter__(self) -> RclpyMiddleware:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._executor.shutdown()
+        self._thread.join()
+        self._node.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+
+    def _spin(self) -> None:
+        # ROS 2 may be shut down from outside; the program hears of it by its own signal.
+        with contextlib.suppress(ExternalShutdownException):
+            self._executor.spin()
+
+
+def _ros_class(message_type: type[Message]) -> Any:
+    """The class of the installed interface package that has this message's type support."""
+    package, _, name = message_type.__msgtype__.split("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as error:
+        raise MiddlewareError(
+            f"the interface {message_type.__msgtype__} is not installed ({error}); "
+            "build generated/ros with colcon and source its setup.bash"
+        ) from error
+
+
+def _profile(qos: Qos) -> QoSProfile:
+    return QoSProfile(
+        reliability=ReliabilityPolicy[qos.reliability.upper()],
+        durability=DurabilityPolicy[qos.durability.upper()],
+        history=HistoryPolicy[qos.history.upper()],
+        depth=qos.depth,
+    )

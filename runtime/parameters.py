@@ -1,0 +1,90 @@
+"""The parameters of the node ``udp_forwarder``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from runtime.errors import SetupError
+from runtime.registry import Registry
+
+FORWARD_POLICIES = ("mapping", "all")
+_PORTS = range(1, 65_536)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """What can be set on the node; the ports of the peers are named by the table."""
+
+    listen_port: int
+    """UDP port for the datagrams of all peers; 0 takes a free one."""
+    listen_address: str
+    """Address of the interface to listen on."""
+    dst_ip: str
+    """Address or name of the host that has the peers' ports."""
+    peer_ports: Mapping[str, int]
+    """UDP port of each peer, by the peer's name."""
+    forward_policy: str
+    """``mapping``: each row's ``forward``; ``all``: every received datagram goes raw to every peer."""
+    max_datagram: int
+    """Longest datagram in bytes that is taken; what fits an Ethernet frame by default."""
+    receive_buffer: int
+    """Bytes that the kernel may hold until we read them."""
+
+
+def defaults(registry: Registry) -> dict[str, Any]:
+    """Every parameter's name and default, in the order in which they are documented."""
+    ports = {peer.port_parameter: peer.port for peer in registry.peers}
+    return {
+        "listen_port": 5000,
+        "listen_address": "0.0.0.0",  # noqa: S104  # boards are other machines
+        "dst_ip": "127.0.0.1",
+        **ports,
+        "forward_policy": "mapping",
+        "max_datagram": 1472,
+        "receive_buffer": 4 * 1024 * 1024,
+    }
+
+
+def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
+    """The parameters of a run. Raises `SetupError` for a name or a value that cannot be."""
+    values = defaults(registry)
+    for name, value in given.items():
+        if name == "use_sim_time":  # every ROS 2 node has it; nothing here depends on time
+            continue
+        if name not in values:
+            raise SetupError(_unknown(name, list(values)))
+        if type(value) is not type(values[name]):
+            raise SetupError(f"parameter {name} is {value!r}; it must be of type {type(values[name]).__name__}")
+        values[name] = value
+    ports = {peer.name: _port(peer.port_parameter, values.pop(peer.port_parameter)) for peer in registry.peers}
+    parameters = Parameters(peer_ports=ports, **values)
+    _check(parameters)
+    return parameters
+
+
+def _unknown(name: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    return f"no parameter {name!r}; {hint}"
+
+
+def _port(name: str, value: int) -> int:
+    if value not in _PORTS:
+        raise SetupError(f"parameter {name} is {value}; a UDP port is a number from 1 to 65535")
+    return value
+
+
+def _check(parameters: Parameters) -> None:
+    if parameters.listen_port != 0:
+        _port("listen_port", parameters.listen_port)
+    if parameters.forward_policy not in FORWARD_POLICIES:
+        raise SetupError(
+            f"parameter forward_policy is {parameters.forward_policy!r}; it is one of {', '.join(FORWARD_POLICIES)}"
+        )
+    if not 1 <= parameters.max_datagram <= 65_507:
+        raise SetupError(f"parameter max_datagram is {parameters.max_datagram}; a UDP datagram has 1 to 65507 bytes")
+    if parameters.receive_buffer < 1:
+        raise SetupError(f"parameter receive_buffer is {parameters.receive_buffer}; it is a number of bytes")

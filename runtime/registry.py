@@ -1,0 +1,101 @@
+"""The registry: what the generated code says of the table, as the bridge reads it."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from runtime.errors import RegistryError
+from runtime.handler import Handler
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+AnyHandler = Handler[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """A machine at the other end of the datagrams."""
+
+    name: str
+    port_parameter: str
+    """The node's parameter that holds the peer's UDP port."""
+    port: int
+    """The default of that parameter."""
+    strip_trailing_zeros: bool = False
+    """Whether datagrams to this peer are sent without their trailing zero bytes."""
+
+
+@dataclass(frozen=True)
+class Registry:
+    """Every row's handler, by number and by name, with the envelope they travel in."""
+
+    package: str
+    envelope: type[ProtoMessage]
+    oneof: str
+    peers: tuple[Peer, ...]
+    handlers: tuple[AnyHandler, ...]
+    fingerprint: str
+    """SHA-256 over the table and the wire schema from which the code was generated."""
+    retired: Mapping[int, str] = field(default_factory=dict)
+    """Numbers that were used once and never will be again, with the name that each had."""
+
+    @cached_property
+    def by_number(self) -> dict[int, AnyHandler]:
+        """The handlers by their number in the envelope."""
+        return {handler.route.number: handler for handler in self.handlers}
+
+    @cached_property
+    def by_name(self) -> dict[str, AnyHandler]:
+        """The handlers by their name in the envelope's oneof."""
+        return {handler.route.name: handler for handler in self.handlers}
+
+    @cached_property
+    def by_topic(self) -> dict[str, AnyHandler]:
+        """The handlers by their topic, as the table spells it."""
+        return {handler.route.topic: handler for handler in self.handlers}
+
+    @cached_property
+    def peers_by_name(self) -> dict[str, Peer]:
+        """The peers by name."""
+        return {peer.name: peer for peer in self.peers}
+
+
+def load_registry(project: str | Path | None = None) -> Registry:
+    """Import the generated registry and check that it fits the descriptors that are loaded.
+
+    ``project`` is the folder that holds ``generated/``; without it, ``generated`` is taken from the import path.
+    Raises `RegistryError` where there is no generated code, where it does not import, or where a loaded descriptor is
+    not the one from which it was generated.
+    """
+    if project is not None:
+        _put_first(Path(project).resolve())
+    try:
+        registry = importlib.import_module("generated.registry").REGISTRY
+        check: Callable[[], None] = importlib.import_module("generated.checks").check
+    except ModuleNotFoundError as error:
+        where = project if project is not None else "the import path"
+        raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
+    except (ImportError, TypeError, AttributeError) as error:
+        raise RegistryError(f"the generated code does not load: {error}; run `roverlink generate`") from error
+    check()
+    if not isinstance(registry, Registry):
+        raise RegistryError("generated.registry.REGISTRY is no registry; run `roverlink generate`")
+    return registry
+
+
+def _put_first(project: Path) -> None:
+    """Let ``import generated`` find the project's own code before any other of that name."""
+    if not (project / "generated" / "registry.py").is_file():
+        raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
+    loaded = sys.modules.get("generated")
+    if loaded is not None and Path(str(loaded.__file__)).resolve().parent.parent != project:
+        raise RegistryError(f"the generated code of another project is loaded already: {loaded.__file__}")
+    if str(project) not in sys.path:
+        sys.path.insert(0, str(project))

@@ -1,0 +1,206 @@
+"""The command line of a ROS 2 node: what stands after ``--ros-args``.
+
+As rcl has it: ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` with ``__ns`` and ``__node``, and
+``--log-level``, closed by ``--`` or by the end of the line. A rule or a parameter may name the node that it is for
+(``node:name:=value``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from runtime.errors import SetupError
+from runtime.middleware import NodeIdentity
+
+LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
+_NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
+_TOPIC = re.compile(r"(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+
+
+@dataclass(frozen=True, slots=True)
+class _Remap:
+    source: str
+    target: str
+
+
+@dataclass(slots=True)
+class RosArguments:
+    """What a ROS 2 command line says of one node."""
+
+    node: NodeIdentity
+    parameters: dict[str, Any] = field(default_factory=dict)
+    log_level: str = "info"
+    remaps: list[_Remap] = field(default_factory=list)
+
+    def topic(self, name: str) -> str:
+        """The fully qualified name of a topic, remapped. The first rule that matches decides, as in rcl."""
+        full = self._qualify(name)
+        for remap in self.remaps:
+            if self._qualify(remap.source) == full:
+                return self._qualify(remap.target)
+        return full
+
+    def _qualify(self, name: str) -> str:
+        if name.startswith("/"):
+            return name
+        if name.startswith("~/"):
+            return f"{self.node.full_name}/{name[2:]}"
+        return f"{self.node.namespace.rstrip('/')}/{name}"
+
+
+def split(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """A command line as the program's own arguments, and those between ``--ros-args`` and ``--``."""
+    own: list[str] = []
+    ros: list[str] = []
+    target = own
+    for argument in arguments:
+        if argument == "--ros-args":
+            target = ros
+        elif argument == "--" and target is ros:
+            target = own
+        else:
+            target.append(argument)
+    return own, ros
+
+
+def parse(arguments: list[str], default_name: str) -> RosArguments:
+    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes what it does not understand."""
+    options = list(_options(arguments))
+    parsed = RosArguments(_identity(options, default_name))
+    for option, value in options:
+        if option == "params-file":
+            parsed.parameters.update(_read_params_file(Path(value), parsed.node))
+        elif option == "parameter":
+            _set_parameter(parsed, value)
+        elif option == "remap":
+            _add_remap(parsed, value)
+        else:
+            parsed.log_level = _log_level(value)
+    return parsed
+
+
+_OPTIONS = {
+    "-p": "parameter",
+    "--param": "parameter",
+    "--params-file": "params-file",
+    "-r": "remap",
+    "--remap": "remap",
+    "--log-level": "log-level",
+}
+
+
+def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
+    remaining = iter(arguments)
+    for argument in remaining:
+        option = _OPTIONS.get(argument)
+        if option is None:
+            raise SetupError(f"--ros-args does not take {argument!r}; it takes {', '.join(_OPTIONS)}")
+        value = next(remaining, None)
+        if value is None:
+            raise SetupError(f"{argument} wants a value after it")
+        yield option, value
+
+
+def _assignment(text: str, what: str) -> tuple[str, str, str]:
+    """``[node:]name:=value`` as node (or empty), name and value."""
+    name, separator, value = text.partition(":=")
+    if not separator or not name:
+        raise SetupError(f"{what} {text!r} is not of the form name:=value")
+    node, _, name = name.rpartition(":")
+    return node, name, value
+
+
+def _identity(options: list[tuple[str, str]], default_name: str) -> NodeIdentity:
+    name, namespace = default_name, "/"
+    for option, text in options:
+        if option != "remap":
+            continue
+        node, source, target = _assignment(text, "the remap")
+        if node not in ("", default_name):
+            continue
+        if source in ("__node", "__name"):
+            name = target
+        elif source == "__ns":
+            namespace = target
+    if not _NODE_NAME.fullmatch(name):
+        raise SetupError(f"{name!r} is not a node name: letters, digits and underscores, not starting with a digit")
+    if not _NAMESPACE.fullmatch(namespace):
+        raise SetupError(f"{namespace!r} is not a namespace: a slash, then names that are separated by slashes")
+    return NodeIdentity(name, namespace)
+
+
+def _set_parameter(parsed: RosArguments, text: str) -> None:
+    node, name, value = _assignment(text, "the parameter")
+    if node not in ("", parsed.node.name):
+        return
+    try:
+        parsed.parameters[name] = yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise SetupError(f"the value of parameter {text!r} is not YAML") from error
+
+
+def _add_remap(parsed: RosArguments, text: str) -> None:
+    node, source, target = _assignment(text, "the remap")
+    if node not in ("", parsed.node.name) or source.startswith("__"):
+        return
+    source, target = source.removeprefix("rostopic://"), target.removeprefix("rostopic://")
+    for name in (source, target):
+        if not _TOPIC.fullmatch(name):
+            raise SetupError(f"{name!r} in the remap {text!r} is not a topic name")
+    parsed.remaps.append(_Remap(source, target))
+
+
+def _log_level(text: str) -> str:
+    """The level of ``level`` or ``logger:=level``; there is one logger."""
+    level = text.rpartition(":=")[2].lower()
+    if level not in LOG_LEVELS:
+        raise SetupError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
+    return level
+
+
+def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
+    """The parameters that a file has for a node: under its name, its full name, or a wildcard."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeError) as error:
+        raise SetupError(f"{path}: cannot be read: {error}") from error
+    except yaml.YAMLError as error:
+        raise SetupError(f"{path}: not YAML: {error}") from error
+    if not isinstance(content, Mapping):
+        raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
+    parameters: dict[str, Any] = {}
+    for pattern, section in _sections(content):
+        if _matches(pattern, node):
+            parameters.update(_section_parameters(path, pattern, section))
+    return parameters
+
+
+def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """The node sections of a parameter file, namespaces nested as mappings included."""
+    for key, value in content.items():
+        name = f"{prefix.rstrip('/')}/{str(key).strip('/')}" if prefix else str(key)
+        if isinstance(value, Mapping) and "ros__parameters" not in value and value:
+            yield from _sections(value, name if name.startswith("/") else f"/{name}")
+        else:
+            yield name, value
+
+
+def _matches(pattern: str, node: NodeIdentity) -> bool:
+    if not pattern.startswith("/"):
+        pattern = f"/{pattern}"
+    escaped = re.escape(pattern).replace(r"/\*\*", "(/[^/]+)*").replace(r"\*", "[^/]+")
+    return re.fullmatch(escaped, node.full_name) is not None
+
+
+def _section_parameters(path: Path, pattern: str, section: object) -> dict[str, Any]:
+    parameters = section.get("ros__parameters") if isinstance(section, Mapping) else None
+    if not isinstance(parameters, Mapping):
+        raise SetupError(f"{path}: {pattern} has no `ros__parameters:` with names and values below it")
+    return {str(name): value for name, value in parameters.items()}

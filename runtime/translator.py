@@ -1,0 +1,100 @@
+"""The bridge's pure core: datagram bytes to serialized ROS 2 messages and back. No socket, no ROS, no clock."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING
+
+from google.protobuf.message import DecodeError
+
+from runtime import envelope
+from runtime.errors import ConversionError, DatagramError, Reason
+from runtime.registry import AnyHandler, Registry
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+
+class Translator:
+    """Translates by the registry alone; it knows no message."""
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+        self._parse = registry.envelope.FromString
+        self._oneof = registry.oneof
+        self._inbound = {h.route.name: h for h in registry.handlers if h.route.inbound}
+
+    def receive(self, datagram: bytes) -> tuple[AnyHandler, bytes]:
+        """The handler of a datagram from a peer, and the serialized ROS 2 message to publish.
+
+        Raises `DatagramError` with the reason, and number and name of the payload where they are known.
+        """
+        message = self.parse(datagram)
+        name = message.WhichOneof(self._oneof)
+        handler = self._inbound.get(name)
+        if handler is None:
+            raise self._refusal(name, datagram)
+        payload = getattr(message, handler.route.name)
+        try:
+            return handler, handler.pack(payload)
+        except (struct.error, ConversionError):
+            return handler, self._explained(handler, payload)
+
+    def parse(self, datagram: bytes) -> ProtoMessage:
+        """The envelope in a datagram, whatever was done to its trailing zeros.
+
+        A stripped or padded envelope never parses as it stands, so the ordinary one costs one parse and no more.
+        """
+        try:
+            return self._parse(datagram)
+        except DecodeError:
+            pass
+        try:
+            return self._parse(envelope.restore(datagram))
+        except DecodeError as error:
+            start = datagram[:8].hex(" ")
+            raise DatagramError(
+                Reason.MALFORMED, f"no {self._name} in {len(datagram)} bytes starting {start}"
+            ) from error
+
+    def send(self, handler: AnyHandler, cdr: bytes) -> bytes:
+        """The datagram for a peer that says what a serialized ROS 2 message says.
+
+        Raises `ConversionError` with route and field where a value does not fit.
+        """
+        payload = handler.from_cdr(cdr)
+        datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
+        if self._registry.peers_by_name[handler.route.peer].strip_trailing_zeros:
+            return envelope.strip_trailing_zeros(datagram)
+        return datagram
+
+    @property
+    def _name(self) -> str:
+        return self._registry.envelope.DESCRIPTOR.name
+
+    def _refusal(self, name: str | None, datagram: bytes) -> DatagramError:
+        if name is not None:
+            handler = self._registry.by_name.get(name)
+            if handler is not None:
+                route = handler.route
+                return DatagramError(
+                    Reason.WRONG_DIRECTION,
+                    f"{route.name} ({route.number}) goes {route.direction}, but came from a peer",
+                )
+        numbers = envelope.payload_numbers(envelope.restore(datagram))
+        if not numbers:
+            return DatagramError(Reason.EMPTY, f"an empty {self._name} ({len(datagram)} bytes)")
+        return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {self._known(numbers[-1], name)}")
+
+    def _known(self, number: int, name: str | None) -> str:
+        if name is not None:
+            return f"{number} ({name})"
+        retired = self._registry.retired.get(number)
+        return f"{number} (retired: {retired})" if retired else str(number)
+
+    @staticmethod
+    def _explained(handler: AnyHandler, payload: ProtoMessage) -> bytes:
+        try:
+            return handler.to_cdr(payload)
+        except ConversionError as error:
+            raise DatagramError(Reason.CONVERSION, str(error)) from error
