@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 HAND_WRITTEN := generator runtime roverlink bench tests
 
-.PHONY: help demo test lint bench soak generate clean
+.PHONY: help demo test lint bench generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)

@@ -11,6 +11,8 @@ from enum import Enum
 class Severity(str, Enum):
     """What a finding does to a run."""
 
+    FATAL = "fatal"
+    """Something could not be looked at, or not be written; the exit code is 2."""
     ERROR = "error"
     """Nothing is written; the exit code is 1."""
     WARNING = "warning"
@@ -76,7 +78,7 @@ def in_order(findings: Iterable[Finding]) -> list[Finding]:
 
 def has_errors(findings: Iterable[Finding]) -> bool:
     """Whether any finding is an error."""
-    return any(finding.rule.severity is Severity.ERROR for finding in findings)
+    return any(finding.rule.severity is not Severity.WARNING for finding in findings)
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:

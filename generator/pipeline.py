@@ -53,7 +53,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
         raise FindingsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")])
-    return DeclarationIndex(root, table.proto.exclude)
+    return DeclarationIndex(root, table.proto.exclude, table.proto.root)
 
 
 def _compile(

@@ -23,10 +23,10 @@ from google.protobuf.descriptor_pb2 import (
 )
 from google.protobuf.descriptor_pool import DescriptorPool
 
-from generator.findings import Finding, FindingsError, Rule, Span
+from generator.findings import Finding, FindingsError, Rule, Severity, Span
 
 DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
-UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto")
+UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
 
 _SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
 
@@ -113,7 +113,8 @@ _TOKEN = re.compile(
 class DeclarationIndex:
     """Which file declares which message or enum, without compiling any."""
 
-    def __init__(self, root: Path, exclude: Iterable[str]) -> None:
+    def __init__(self, root: Path, exclude: Iterable[str], shown_root: str) -> None:
+        """``shown_root`` is how findings call the root. Raises `FindingsError` for a file that cannot be read."""
         excluded = {str(PurePosixPath(path)) for path in exclude}
         self.excluded: dict[str, list[str]] = {}
         """Like `files`, of the excluded files."""
@@ -122,8 +123,15 @@ class DeclarationIndex:
         for path in sorted(root.rglob("*.proto")):
             name = path.relative_to(root).as_posix()
             target = self.excluded if name in excluded else self.files
-            for declared in declared_names(path.read_text(encoding="utf-8", errors="replace")):
+            for declared in declared_names(_read(path, f"{shown_root}/{name}")):
                 target.setdefault(declared, []).append(name)
+
+
+def _read(path: Path, shown: str) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise FindingsError([UNREADABLE_PROTO.at(Span(shown), f"cannot be read: {error.strerror}")]) from error
 
 
 def declared_names(text: str) -> Iterator[str]:

@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.findings import Finding, FindingsError, Rule, Span, has_errors, nearest
+from generator.findings import Finding, FindingsError, Rule, Severity, Span, has_errors, nearest
 from generator.table import (
     EnumSettings,
     EnvelopeSettings,
@@ -25,7 +25,7 @@ from generator.table import (
 )
 from generator.table_format import TABLE, Boolean, Integer, ListOf, MapOf, Object, Text, Type
 
-UNREADABLE = Rule("MAP101", "unreadable-table")
+UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
 SYNTAX = Rule("MAP102", "yaml-syntax")
 DUPLICATE_KEY = Rule("MAP103", "duplicate-key")
 UNKNOWN_KEY = Rule("MAP104", "unknown-key")

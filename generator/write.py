@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.findings import FindingsError, Rule, Span
+from generator.findings import FindingsError, Rule, Severity, Span
 from generator.targets.rendering import REGENERATE
 
-CANNOT_WRITE = Rule("OUT101", "cannot-write")
+CANNOT_WRITE = Rule("OUT101", "cannot-write", Severity.FATAL)
 
 _FOLDER = "generated"
 _MARK_WITHIN = 400  # bytes; the header is at the top

@@ -1,28 +1,32 @@
 """The bridge: datagrams from the peers to topics, and topics to datagrams for the peers.
 
-Three threads. `Receiver` empties the socket and waits for nothing else. The thread that calls `Bridge.run` translates,
-publishes and forwards. The middleware's thread calls back with what topics say, which is translated and sent there.
+Two threads do the work. `Receiver` takes datagrams from the socket, and there they are translated, published and
+forwarded; publishing never waits (see `Publisher`), so neither does receiving. The middleware's thread calls back with
+what topics say, and there it is translated and sent.
 """
 
 from __future__ import annotations
 
 import logging
-import socket
-import sys
 import time
 from collections.abc import Callable
 from types import TracebackType
+from typing import NamedTuple
 
 from runtime import udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
-from runtime.errors import ConversionError, DatagramError, Reason
+from runtime.errors import ConversionError, DatagramError, PublishError, Reason
 from runtime.middleware import Middleware, Publisher
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.translator import Translator
 
-_INBOX_LIMIT = 65_536  # datagrams
-_SWITCH_INTERVAL_S = 0.0005
+
+class _Lane(NamedTuple):
+    """Where an inbound row's messages and datagrams go."""
+
+    publish: Callable[[bytes], None]
+    forward: tuple[udp.Destination, ...]
 
 
 class Bridge:
@@ -41,14 +45,12 @@ class Bridge:
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
         self._logger, self._warnings = logger, ThrottledWarnings(logger)
-        self._destinations = {
-            name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()
-        }
+        addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
-        self._outgoing = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._inbox = udp.Inbox(_INBOX_LIMIT)
-        self._receiver = udp.Receiver(self._socket, parameters.max_datagram + 1, self._inbox)
-        self._publishers: dict[str, Publisher] = {}
+        self._destinations = {name: udp.Destination(name, address) for name, address in addresses.items()}
+        self._receiver = udp.Receiver(self._socket, parameters.max_datagram + 1, self._handle)
+        self._lanes: dict[str, _Lane] = {}
+        self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
         self._next_look = 0.0
 
     @property
@@ -60,7 +62,7 @@ class Bridge:
     def __enter__(self) -> Bridge:
         for handler in self._registry.handlers:
             if handler.route.inbound:
-                self._publishers[handler.route.name] = self._publisher(handler)
+                self._lanes[handler.route.name] = _Lane(self._publisher(handler).publish, self._forward_of(handler))
             else:
                 self._subscribe(handler)
         self._warn_of_small_buffer()
@@ -72,26 +74,19 @@ class Bridge:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._receiver.__exit__()
-        self._handle_waiting()
         self._middleware.__exit__(kind, error, trace)
         self._count_lost()
         self._socket.close()
-        self._outgoing.close()
+        for destination in self._destinations.values():
+            destination.close()
 
     def stop(self) -> None:
         """Let `run` handle what has arrived and return. May be called from a signal handler."""
         self._receiver.stop()
 
     def run(self) -> None:
-        """Bridge until `stop` is called."""
-        # Two threads share the interpreter; at the default interval of 5 ms the receiving one would come too late.
-        sys.setswitchinterval(_SWITCH_INTERVAL_S)
-        self._handle_waiting()
-
-    def _handle_waiting(self) -> None:
-        """Handle batches until the inbox is closed and empty."""
-        while (batch := self._inbox.get()) is not None:
-            self._handle(batch)
+        """Bridge until `stop` is called. Raises whatever unforeseen ended the bridging."""
+        self._receiver.join()
 
     # --- peers to topics ---
 
@@ -100,62 +95,64 @@ class Bridge:
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
             self._count_lost()
-        receive, longest = self._translator.receive, self._parameters.max_datagram
-        publishers, published = self._publishers, self.account.published
-        forward_all = self._parameters.forward_policy == "all"
+        receive, lanes, published = self._translator.receive, self._lanes, self.account.published
+        longest, to_all = self._parameters.max_datagram, self._to_all
         for datagram in batch:
             if len(datagram) > longest:
                 self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
                 continue
-            if forward_all:
-                self._forward(datagram, self._destinations)
+            for destination in to_all:
+                self._forward(datagram, destination)
             try:
-                handler, message = receive(datagram)
-            except DatagramError as error:
+                name, message = receive(datagram)
+                lane = lanes[name]
+                lane.publish(message)
+            except (DatagramError, PublishError) as error:
                 self._drop(error)
                 continue
-            route = handler.route
-            publishers[route.name].publish(message)
-            published[route.name] += 1
-            if route.forward and not forward_all:
-                self._forward(datagram, route.forward)
+            published[name] += 1
+            for destination in lane.forward:
+                self._forward(datagram, destination)
 
-    def _forward(self, datagram: bytes, peers: tuple[str, ...] | dict[str, tuple[str, int]]) -> None:
-        for peer in peers:
-            if self._send(datagram, peer):
-                self.account.forwarded[peer] += 1
+    def _forward(self, datagram: bytes, destination: udp.Destination) -> None:
+        if self._send(datagram, destination):
+            self.account.forwarded[destination.peer] += 1
 
-    def _send(self, datagram: bytes, peer: str) -> bool:
+    def _send(self, datagram: bytes, destination: udp.Destination) -> bool:
         """Send to a peer; False, counted and warned of, where the network refuses."""
         try:
-            self._outgoing.sendto(datagram, self._destinations[peer])
+            destination.send(datagram)
         except OSError as error:
-            self.account.unsent[peer] += 1
-            self._warnings.warn(f"send to {peer}", f"cannot send to {peer} at {self._destinations[peer]}: {error}")
+            self.account.unsent[destination.peer] += 1
+            self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
             return False
         return True
 
-    def _count_lost(self) -> None:
-        """Look at what was lost before it reached us, and warn where it has grown."""
-        account = self.account
-        lost_before = account.kernel_drops + account.dropped[Reason.INBOX_FULL.value]
-        account.kernel_drops = udp.kernel_drops(self._socket)
-        account.dropped[Reason.INBOX_FULL.value] = self._inbox.overflow
-        lost = account.kernel_drops + self._inbox.overflow - lost_before
-        if lost:
-            self._warnings.warn("lost", f"{lost} datagrams were lost: they arrive faster than they can be handled")
-
-    def _drop(self, error: DatagramError) -> None:
+    def _drop(self, error: DatagramError | PublishError) -> None:
         self.account.dropped[error.reason.value] += 1
         self._warnings.warn(error.reason.value, f"dropped: {error}")
+
+    def _count_lost(self) -> None:
+        """Look at what was lost before it reached us, and warn where it has grown."""
+        before = self.account.kernel_drops
+        self.account.kernel_drops = udp.kernel_drops(self._socket)
+        if lost := self.account.kernel_drops - before:
+            self._warnings.warn(
+                "lost", f"the kernel dropped {lost} datagrams: they arrive faster than they are handled"
+            )
 
     # --- topics to peers ---
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
 
+    def _forward_of(self, handler: AnyHandler) -> tuple[udp.Destination, ...]:
+        """The peers that get the raw datagrams of a row; where all get all, none is left."""
+        return () if self._to_all else tuple(self._destinations[peer] for peer in handler.route.forward)
+
     def _subscribe(self, handler: AnyHandler) -> None:
         route = handler.route
+        destination = self._destinations[route.peer]
 
         def send(message: bytes) -> None:
             try:
@@ -164,7 +161,7 @@ class Bridge:
                 self.account.refused[route.name] += 1
                 self._warnings.warn(route.name, f"not sent: {error}")
                 return
-            if self._send(datagram, route.peer):
+            if self._send(datagram, destination):
                 self.account.sent[route.name] += 1
 
         self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)

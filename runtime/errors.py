@@ -41,7 +41,7 @@ class Reason(str, Enum):
     UNKNOWN_PAYLOAD = "unknown_payload"
     WRONG_DIRECTION = "wrong_direction"
     CONVERSION = "conversion"
-    INBOX_FULL = "inbox_full"
+    NOT_PUBLISHED = "not_published"
 
 
 class DatagramError(RoverlinkError):
@@ -50,3 +50,9 @@ class DatagramError(RoverlinkError):
     def __init__(self, reason: Reason, message: str) -> None:
         super().__init__(message)
         self.reason = reason
+
+
+class PublishError(RoverlinkError):
+    """The middleware did not accept a message, since accepting it would have meant to wait for a subscriber."""
+
+    reason = Reason.NOT_PUBLISHED

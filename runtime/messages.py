@@ -120,14 +120,14 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
     """
     hints = get_type_hints(message_type, include_extras=True)
     return tuple(
-        Field(name, _field_type(hint))
+        Field(name, type_of(hint))
         for name, hint in hints.items()
         if get_origin(hint) is not ClassVar and not name.startswith("__")
     )
 
 
-def _field_type(hint: Any) -> FieldType:
-    """The ROS type that an annotation stands for."""
+def type_of(hint: Any) -> FieldType:
+    """The ROS type that an annotation stands for. Raises `TypeError` where it stands for none."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)
@@ -149,7 +149,7 @@ def _element_type(hint: Any) -> FieldType:
     if hint is bytes:
         return UINT8
     if get_origin(hint) is list:
-        return _field_type(get_args(hint)[0])
+        return type_of(get_args(hint)[0])
     raise TypeError(f"{hint!r} is not the annotation of a ROS 2 type")
 
 

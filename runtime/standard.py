@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from runtime.errors import SetupError
 from runtime.messages import (
-    UINT8,
     Bool,
     Bound,
     Byte,
     Char,
-    FieldType,
     Float32,
     Float64,
     Int8,
@@ -28,7 +26,7 @@ from runtime.messages import (
     UInt32,
     UInt64,
     default_of,
-    fields_of,
+    type_of,
 )
 
 if TYPE_CHECKING:
@@ -77,11 +75,7 @@ def message_type(type_name: str) -> type[Message]:
     _, definitions = store.fielddefs[type_name]
     fields = [_field(name, definition) for name, definition in definitions if name != _PLACEHOLDER]
     name = type_name.rpartition("/")[2]
-    made: Any = dataclasses.make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": type_name})
-    for field in fields_of(made):
-        # The default of an annotation is only known once the annotation is read.
-        made.__dataclass_fields__[field.name].default_factory = default_of(field.type)
-    return made  # type: ignore[no-any-return]  # made just above
+    return dataclasses.make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": type_name})
 
 
 @cache
@@ -96,8 +90,9 @@ def _store() -> Typestore:
     return get_typestore(getattr(Stores, f"ROS2_{distribution}", Stores.ROS2_HUMBLE))
 
 
-def _field(name: str, definition: Any) -> tuple[str, Any]:
-    return name, _annotation(definition)
+def _field(name: str, definition: Any) -> tuple[str, Any, Any]:
+    annotation = _annotation(definition)
+    return name, annotation, dataclasses.field(default_factory=default_of(type_of(annotation)))
 
 
 def _annotation(definition: Any) -> Any:
@@ -121,6 +116,3 @@ def _text(base: str, bound: int) -> Any:
     if base == "wstring":
         raise SetupError("wide strings have no conversion yet")
     return Annotated[str, Bound(bound)] if bound else str
-
-
-__all__ = ["UINT8", "FieldType", "full_name", "message_type"]

@@ -24,8 +24,8 @@ class Translator:
         self._oneof = registry.oneof
         self._inbound = {h.route.name: h for h in registry.handlers if h.route.inbound}
 
-    def receive(self, datagram: bytes) -> tuple[AnyHandler, bytes]:
-        """The handler of a datagram from a peer, and the serialized ROS 2 message to publish.
+    def receive(self, datagram: bytes) -> tuple[str, bytes]:
+        """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
 
         Raises `DatagramError` with the reason, and number and name of the payload where they are known.
         """
@@ -34,11 +34,11 @@ class Translator:
         handler = self._inbound.get(name)
         if handler is None:
             raise self._refusal(name, datagram)
-        payload = getattr(message, handler.route.name)
+        payload = getattr(message, name)
         try:
-            return handler, handler.pack(payload)
+            return name, handler.pack(payload)
         except (struct.error, ConversionError):
-            return handler, self._explained(handler, payload)
+            return name, self._explained(handler, payload)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
         """The envelope in a datagram, whatever was done to its trailing zeros.

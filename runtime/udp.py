@@ -14,7 +14,6 @@ import struct
 import sys
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
 
 from runtime import mmsg
@@ -23,7 +22,7 @@ from runtime.errors import SetupError
 _SO_RCVBUFFORCE = 33
 _SO_MEMINFO = 55
 _MEMINFO_DROPS = 8  # SK_MEMINFO_DROPS in linux/sock_diag.h
-_COALESCING_PAUSE_S = 0.0005
+_DRAIN_S = 0.5
 
 Batch = list[bytes]
 
@@ -85,59 +84,44 @@ def resolve(host: str, port: int) -> tuple[str, int]:
     return address
 
 
-class Inbox:
-    """Batches of datagrams on their way from the receiving thread to the one that handles them; bounded."""
+class Destination:
+    """A peer to send to."""
 
-    def __init__(self, limit: int) -> None:
-        self._batches: deque[Batch] = deque()
-        self._limit = limit
-        self._room = limit
-        self._ready = threading.Semaphore(0)
-        self._closed = False
-        self.overflow = 0
-        """Datagrams that found the inbox full."""
+    def __init__(self, peer: str, address: tuple[str, int]) -> None:
+        self.peer, self.address = peer, address
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.connect(address)  # spares the kernel a look-up for each datagram
 
-    def put(self, batch: Batch) -> None:
-        """Add a batch, or count it as overflow where ``limit`` datagrams wait already. Never waits."""
-        if len(batch) > self._room:
-            self.overflow += len(batch)
-            return
-        self._room -= len(batch)
-        self._batches.append(batch)
-        self._ready.release()
+    def send(self, datagram: bytes) -> None:
+        """Send one datagram. Raises `OSError` where the network refuses it."""
+        try:
+            self._socket.send(datagram)
+        except ConnectionRefusedError:
+            # The news that nobody received an earlier datagram; this one has not been sent yet.
+            self._socket.send(datagram)
 
     def close(self) -> None:
-        """Nothing more will be put; `get` returns None once all is taken."""
-        self._closed = True
-        self._ready.release()
+        """Give the socket back."""
+        self._socket.close()
 
-    @property
-    def waiting(self) -> bool:
-        """Whether a batch has not been taken yet."""
-        return bool(self._batches)
-
-    def get(self) -> Batch | None:
-        """The oldest batch, waiting for one; None when the inbox is closed and empty."""
-        self._ready.acquire()
-        if not self._batches:
-            self._ready.release()
-            return None
-        batch = self._batches.popleft()
-        self._room += len(batch)
-        return batch
+    def __str__(self) -> str:
+        return f"{self.peer} at {self.address[0]}:{self.address[1]}"
 
 
 class Receiver:
-    """The thread that empties a UDP socket into an inbox and waits for nothing else.
+    """The thread that empties a UDP socket, a batch at a time, into a function that must not wait for anybody.
 
-    A context manager: leaving it stops the thread, after everything that had arrived is in the inbox.
+    What arrives while the function works gathers in the kernel's buffer, so nothing is queued twice. A context
+    manager: leaving it stops the thread, after the function was given everything that had arrived.
     """
 
-    def __init__(self, sock: socket.socket, size: int, inbox: Inbox) -> None:
+    def __init__(self, sock: socket.socket, size: int, handle: Callable[[Batch], None]) -> None:
+        """``size`` is the longest datagram that is wanted, in bytes, and one more; longer ones come cut to it."""
         self._sock = sock
-        self._inbox = inbox
+        self._handle = handle
         self._read = _reader(sock, size)
         self._wake, self._woken = socket.socketpair()
+        self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
 
     def __enter__(self) -> Receiver:
@@ -154,24 +138,28 @@ class Receiver:
         """Ask the thread to drain the socket and end. May be called from a signal handler, and more than once."""
         self._wake.send(b"\0")
 
+    def join(self) -> None:
+        """Wait until the thread ends. Raises what the function raised, where that ended it."""
+        self._thread.join()
+        if self._failure is not None:
+            raise self._failure
+
     def _run(self) -> None:
         poll = select.poll()
         poll.register(self._sock, select.POLLIN)
         poll.register(self._woken, select.POLLIN)
         try:
             while not any(descriptor == self._woken.fileno() for descriptor, _ in poll.poll()):
-                self._drain()
-                if self._inbox.waiting:
-                    # The handling thread is behind. Woken for every datagram, this thread would only take the
-                    # interpreter from it; meanwhile the kernel's buffer gathers a larger batch.
-                    time.sleep(_COALESCING_PAUSE_S)
+                self._handle(self._read())
             self._drain()
-        finally:
-            self._inbox.close()
+        except BaseException as failure:  # noqa: BLE001  # handed to whoever joins
+            self._failure = failure
 
     def _drain(self) -> None:
-        while batch := self._read():
-            self._inbox.put(batch)
+        """Handle what had arrived; a sender that goes on sending does not keep us."""
+        deadline = time.monotonic() + _DRAIN_S
+        while time.monotonic() < deadline and (batch := self._read()):
+            self._handle(batch)
 
 
 def _reader(sock: socket.socket, size: int) -> Callable[[], Batch]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import generator
 from generator import FindingsError, Severity
-from roverlink.console import FINDINGS, OK, TABLE, Subparsers, command
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command
 
 
 def add(commands: Subparsers) -> None:
@@ -59,7 +59,8 @@ def _check(table: Path, changes: list[generator.Change]) -> int:
 
 
 def _report(table: Path, error: FindingsError) -> int:
-    errors = sum(finding.rule.severity is Severity.ERROR for finding in error.findings)
+    severities = [finding.rule.severity for finding in error.findings]
+    errors = len(severities) - severities.count(Severity.WARNING)
     print(error, file=sys.stderr)
     print(f"{errors} error{'s' if errors != 1 else ''} in {table}; nothing was written", file=sys.stderr)
-    return FINDINGS
+    return UNABLE if Severity.FATAL in severities else FINDINGS

@@ -35,7 +35,10 @@ class Publisher(Protocol):
     """One topic to write to."""
 
     def publish(self, data: bytes) -> None:
-        """Write one serialized message (CDR with its header)."""
+        """Write one serialized message (CDR with its header). Never waits for a subscriber.
+
+        Raises `PublishError` where the message was not accepted.
+        """
 
     def has_subscribers(self) -> bool:
         """Whether anyone is known to listen."""

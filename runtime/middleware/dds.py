@@ -22,7 +22,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from runtime.errors import MiddlewareError
+from runtime.errors import MiddlewareError, PublishError
 from runtime.handler import Qos
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
@@ -39,16 +39,20 @@ _TAKE = 256  # samples taken at a time
 
 
 class DdsPublisher:
-    """A DDS writer that is given serialized messages."""
+    """A DDS writer that is given serialized messages, by one thread at a time."""
 
     def __init__(self, writer: DataWriter[Any], carrier: type[Any]) -> None:
         self._writer = writer
-        self._carrier = carrier
+        self._sample = carrier(b"")
         self._write = writer.write
 
     def publish(self, data: bytes) -> None:
-        """Write one serialized message."""
-        self._write(self._carrier(data))
+        """Write one serialized message. Raises `PublishError` where Cyclone DDS would have to wait."""
+        self._sample.data = data
+        try:
+            self._write(self._sample)
+        except DDSException as error:
+            raise PublishError(f"{self._writer.topic.name}: {error.msg or error}") from error
 
     def has_subscribers(self) -> bool:
         """Whether any reader matches."""

@@ -12,12 +12,11 @@ from typing import Any
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
-from cyclonedds.util import duration
 
 from runtime.handler import Qos
 from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
 
-_MAX_BLOCKING = duration(milliseconds=100)  # of a reliable write; rmw's value
+_MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
 
 _DDS_TYPES: dict[str, Any] = {
     "bool": bool,
@@ -71,7 +70,7 @@ def _carry(self: Any, data: bytes) -> None:
     self.data = data
 
 
-def _carried(self: Any, *_: object, **__: object) -> bytes:
+def _carried(self: Any, use_version_2: bool | None = None) -> bytes:  # noqa: ARG001  # as IdlStruct.serialize
     """What `DataWriter.write` writes."""
     data: bytes = self.data
     return data
