@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from roverlink.commands import demo, echo, generate, listen, pub, run, send
 from roverlink.console import OK, UNABLE, complain
@@ -21,7 +22,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(own)
     arguments.ros_args = ros
     try:
-        return int(arguments.run(arguments))
+        code = int(arguments.run(arguments))
+        sys.stdout.flush()  # here, where a reader that has gone is no error
     except RoverlinkError as error:
         complain(str(error))
         return UNABLE
@@ -31,6 +33,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Whoever read our output has had enough; what Python still holds of it must not complain at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
+    return code
+
+
+class _AnyOrderParser(argparse.ArgumentParser):
+    """Takes options among the positional arguments too, as `ros2 topic pub` does."""
+
+    _in_any_order = True
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        if not self._in_any_order:
+            return super().parse_known_args(args, namespace)
+        self._in_any_order = False  # it calls this method for what is left when the options are out
+        try:
+            return self.parse_known_intermixed_args(args, namespace)
+        finally:
+            self._in_any_order = True
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -39,7 +57,7 @@ def _parser() -> argparse.ArgumentParser:
         description="One table from protobuf over UDP to ROS 2 topics.",
         epilog="example: roverlink generate && roverlink run",
     )
-    commands = parser.add_subparsers(required=True, metavar="command")
+    commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
     for command in _COMMANDS:
         command.add(commands)
     return parser

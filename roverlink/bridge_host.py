@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import Any, Protocol
+from typing import IO, Any, Protocol, cast
 
 from runtime import Bridge, Registry, SetupError, parameters
 from runtime.middleware import Middleware, NodeIdentity, open_middleware
@@ -52,18 +52,20 @@ class BridgeProcess:
         self._child = subprocess.Popen(  # noqa: S603  # our own program
             self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
-        for line in self._child.stderr or ():
+        self._output = cast(IO[str], self._child.stdout)
+        self._log = cast(IO[str], self._child.stderr)
+        for line in self._log:
             if _READY in line:
                 self.port = int(line.rpartition(_READY)[2])
-                self._log = threading.Thread(target=self._pass_on, daemon=True)
-                self._log.start()
+                threading.Thread(target=self._pass_on, daemon=True).start()
                 return self
             sys.stderr.write(line)
+        self._child.wait()
         raise SetupError("the bridge did not start")
 
     def _pass_on(self) -> None:
         """Show what the bridge warns of."""
-        for line in self._child.stderr or ():
+        for line in self._log:
             if not line.startswith("[INFO]"):
                 sys.stderr.write(line)
 
@@ -74,10 +76,13 @@ class BridgeProcess:
     def stop(self) -> dict[str, Any]:
         """Interrupt the child, as an operator would. Raises `SetupError` where it does not end well."""
         self._child.send_signal(signal.SIGINT)
-        output, _ = self._child.communicate(timeout=_STOP_TIMEOUT_S)
-        if self._child.returncode:
-            raise SetupError(f"the bridge ended with exit code {self._child.returncode}")
-        account: dict[str, Any] = json.loads(output)
+        try:
+            code = self._child.wait(_STOP_TIMEOUT_S)  # its account is far less than a pipe holds
+        except subprocess.TimeoutExpired as error:
+            raise SetupError(f"the bridge did not stop within {_STOP_TIMEOUT_S} s") from error
+        if code:
+            raise SetupError(f"the bridge ended with exit code {code}")
+        account: dict[str, Any] = json.load(self._output)
         return account
 
     def __exit__(self, *_: object) -> None:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
+import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+N = TypeVar("N", int, float)
 
 OK = 0
 FINDINGS = 1
@@ -41,6 +46,33 @@ def add_project(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of mapping.yaml and generated/ (default: this folder or the nearest above it that has them)",
     )
+
+
+def port(text: str) -> int:
+    """A UDP port on the command line; 0 takes a free one."""
+    return _number(text, int, lambda number: 0 <= number < 65_536, "a UDP port, 0 to 65535")
+
+
+def count(text: str) -> int:
+    """How many, on the command line."""
+    return _number(text, int, lambda number: number > 0, "a whole number above 0")
+
+
+def rate(text: str) -> float:
+    """How many a second, on the command line."""
+    return _number(text, float, lambda number: 0 < number < math.inf, "a number above 0")
+
+
+def seconds(text: str) -> float:
+    """A time on the command line."""
+    return _number(text, float, lambda number: 0 <= number < math.inf, "a number of seconds")
+
+
+def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what: str) -> N:
+    with contextlib.suppress(ValueError):
+        if fits(number := read(text)):
+            return number
+    raise argparse.ArgumentTypeError(f"{text!r} is not {what}")
 
 
 def project_folder(given: Path | None) -> Path | None:

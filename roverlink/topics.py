@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Mapping
 from typing import Any
+
+import yaml
 
 from runtime import Registry, SetupError, standard
 from runtime.messages import Message
@@ -16,7 +20,7 @@ from runtime.values import nearest
 def message_type(registry: Registry, topic: str, type_name: str | None) -> type[Message]:
     """The type of a topic: by its name, or that of its row. Raises `SetupError` where there is none."""
     if type_name is None:
-        handler = registry.by_topic.get(topic) or registry.by_topic.get(topic.removeprefix("/"))
+        handler = next((h for h in registry.handlers if full_topic(h.route.topic) == full_topic(topic)), None)
         if handler is None:
             hint = nearest(topic.removeprefix("/"), registry.by_topic)
             raise SetupError(f"no row has the topic {topic!r}; {hint} For any other topic, say its --type")
@@ -40,41 +44,21 @@ def identity(command: str) -> NodeIdentity:
     return NodeIdentity(f"roverlink_{command}_{os.getpid()}")
 
 
-def yaml_lines(values: Mapping[str, Any], indent: str = "") -> Iterator[str]:
-    """A message as ``ros2 topic echo`` prints it."""
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            yield f"{indent}{name}:" if value else f"{indent}{name}: {{}}"
-            yield from yaml_lines(value, f"{indent}  ")
-        elif isinstance(value, list) and value:
-            yield f"{indent}{name}:"
-            yield from _items(value, indent)
-        else:
-            yield f"{indent}{name}: {_scalar(value)}"
+def yaml_text(values: Mapping[str, Any]) -> str:
+    """A message as ``ros2 topic echo`` prints it, which is as PyYAML writes it: a block, no line folded."""
+    return yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True, width=sys.maxsize)
 
 
-def _items(values: list[Any], indent: str) -> Iterator[str]:
-    for value in values:
-        if isinstance(value, Mapping):
-            first, *rest = yaml_lines(value, "  ") if value else ["  {}"]
-            yield f"{indent}- {first[2:]}"
-            yield from (f"{indent}{line}" for line in rest)
-        else:
-            yield f"{indent}- {_scalar(value)}"
+def json_text(values: Mapping[str, Any]) -> str:
+    """A message as one JSON object on one line; what JSON has no number for is a string, as protobuf's JSON has it."""
+    return json.dumps(_json_ready(values), allow_nan=False)
 
 
-def _scalar(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
+def _json_ready(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _json_ready(part) for name, part in value.items()}
+    if isinstance(value, list):
+        return [_json_ready(element) for element in value]
     if isinstance(value, float) and not math.isfinite(value):
-        return ".nan" if math.isnan(value) else (".inf" if value > 0 else "-.inf")
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''") + "'" if _needs_quotes(value) else value
-    return "[]" if value == [] else str(value)
-
-
-def _needs_quotes(text: str) -> bool:
-    """Whether YAML would read a plain scalar as something else than this string."""
-    return (
-        not text or text != text.strip() or not text.replace("_", "a").replace("-", "a").isalnum() or text[0].isdigit()
-    )
+        return "NaN" if math.isnan(value) else ("Infinity" if value > 0 else "-Infinity")
+    return value

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import NamedTuple
 
 from runtime import udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
-from runtime.errors import ConversionError, DatagramError, PublishError, Reason
+from runtime.errors import ConversionError, DatagramError, Reason
 from runtime.middleware import Middleware, Publisher
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
@@ -25,7 +26,7 @@ from runtime.translator import Translator
 class _Lane(NamedTuple):
     """Where an inbound row's messages and datagrams go."""
 
-    publish: Callable[[bytes], None]
+    publish: Callable[[Sequence[bytes]], int]
     forward: tuple[udp.Destination, ...]
 
 
@@ -95,40 +96,57 @@ class Bridge:
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
             self._count_lost()
-        receive, lanes, published = self._translator.receive, self._lanes, self.account.published
+        receive, lanes = self._translator.receive, self._lanes
         longest, to_all = self._parameters.max_datagram, self._to_all
+        messages: defaultdict[str, list[bytes]] = defaultdict(list)
         for datagram in batch:
             if len(datagram) > longest:
                 self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
                 continue
-            for destination in to_all:
-                self._forward(datagram, destination)
+            if to_all:
+                self._forward(datagram, to_all)
             try:
                 name, message = receive(datagram)
-                lane = lanes[name]
-                lane.publish(message)
-            except (DatagramError, PublishError) as error:
+            except DatagramError as error:
                 self._drop(error)
                 continue
-            published[name] += 1
-            for destination in lane.forward:
-                self._forward(datagram, destination)
+            messages[name].append(message)
+            if forward := lanes[name].forward:
+                self._forward(datagram, forward)
+        for name, run in messages.items():
+            self._publish(name, run)
 
-    def _forward(self, datagram: bytes, destination: udp.Destination) -> None:
-        if self._send(datagram, destination):
-            self.account.forwarded[destination.peer] += 1
+    def _publish(self, name: str, messages: list[bytes]) -> None:
+        accepted = self._lanes[name].publish(messages)
+        self.account.published[name] += accepted
+        for _ in messages[accepted:]:
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{name}: its subscribers are too slow"))
 
-    def _send(self, datagram: bytes, destination: udp.Destination) -> bool:
-        """Send to a peer; False, counted and warned of, where the network refuses."""
-        try:
-            destination.send(datagram)
-        except OSError as error:
-            self.account.unsent[destination.peer] += 1
-            self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
-            return False
-        return True
+    def _forward(self, datagram: bytes, destinations: tuple[udp.Destination, ...]) -> None:
+        forwarded = self.account.forwarded
+        for destination in destinations:
+            try:
+                destination.send(datagram)
+            except OSError as error:
+                if not self._sent_after(error, datagram, destination):
+                    continue
+            forwarded[destination.peer] += 1
 
-    def _drop(self, error: DatagramError | PublishError) -> None:
+    def _sent_after(self, error: OSError, datagram: bytes, destination: udp.Destination) -> bool:
+        """Whether a datagram goes out although the network complained; counted and warned of where it does not."""
+        if isinstance(error, ConnectionRefusedError):
+            # The news that nobody received an earlier datagram; this one has not been sent yet.
+            try:
+                destination.send(datagram)
+            except OSError as again:
+                error = again
+            else:
+                return True
+        self.account.unsent[destination.peer] += 1
+        self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
+        return False
+
+    def _drop(self, error: DatagramError) -> None:
         self.account.dropped[error.reason.value] += 1
         self._warnings.warn(error.reason.value, f"dropped: {error}")
 
@@ -161,8 +179,12 @@ class Bridge:
                 self.account.refused[route.name] += 1
                 self._warnings.warn(route.name, f"not sent: {error}")
                 return
-            if self._send(datagram, destination):
-                self.account.sent[route.name] += 1
+            try:
+                destination.send(datagram)
+            except OSError as error:
+                if not self._sent_after(error, datagram, destination):
+                    return
+            self.account.sent[route.name] += 1
 
         self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)
 

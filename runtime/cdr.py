@@ -10,8 +10,9 @@ A message whose fields all have a fixed size is one `struct.Struct`; any other i
 
 from __future__ import annotations
 
+import reprlib
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -27,6 +28,9 @@ LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _BYTE_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 _PLACEHOLDER = Field("structure_needs_at_least_one_member", UINT8)
 _COUNT = Primitive("uint32", "I", 4)
+_BOOL = "?"
+_MISFITS = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
+"""What writing a value that does not fit its type raises."""
 
 
 def encode(message: Message) -> bytes:
@@ -37,7 +41,7 @@ def encode(message: Message) -> bytes:
     codec = _codec(type(message), "<")
     try:
         return codec.encode(message)
-    except (struct.error, OverflowError, TypeError, AttributeError) as error:
+    except _MISFITS as error:
         raise _misfit(message) or ConversionError(str(error)) from error
 
 
@@ -127,10 +131,13 @@ def _fixed_codec(message_type: type[M], order: str, leaves: list[_Leaf]) -> _Cod
     packer = _fixed_struct(order, leaves)
     paths = [leaf.path for leaf in leaves]
     values_of = attrgetter(*paths) if len(paths) > 1 else _one(attrgetter(paths[0]))
+    flags = [index for index, leaf in enumerate(leaves) if leaf.primitive.format == _BOOL]
     build = _builder(message_type)
 
     def encode_fixed(message: M) -> bytes:
-        return packer.pack(LITTLE_ENDIAN, *values_of(message))
+        values = values_of(message)
+        _check_flags(values[index] for index in flags)
+        return packer.pack(LITTLE_ENDIAN, *values)
 
     def decode_fixed(data: bytes) -> M:
         values = iter(packer.unpack_from(data))
@@ -139,6 +146,13 @@ def _fixed_codec(message_type: type[M], order: str, leaves: list[_Leaf]) -> _Cod
         return message
 
     return _Codec(encode_fixed, decode_fixed)
+
+
+def _check_flags(values: Iterable[Any]) -> None:
+    """Refuse what `struct` would take for a bool: it asks any object whether it is true."""
+    for value in values:
+        if value not in (True, False):
+            raise TypeError("neither true nor false")
 
 
 def _one(getter: Callable[[Any], Any]) -> Callable[[Any], tuple[Any]]:
@@ -248,6 +262,8 @@ def _primitive_part(primitive: Primitive, order: str) -> _Part:
     packer, size = struct.Struct(order + primitive.format), primitive.size
 
     def write(body: bytearray, value: Any) -> None:
+        if primitive.format == _BOOL:
+            _check_flags((value,))
         _write_aligned(body, size, packer.pack(value))
 
     return _Part(write, lambda reader: reader.unpack(packer.format, size)[0])
@@ -324,6 +340,8 @@ def _write_bytes(body: bytearray, values: bytes) -> None:
 
 def _primitive_elements(primitive: Primitive, order: str) -> _Elements:
     def write(body: bytearray, values: list[Any]) -> None:
+        if primitive.format == _BOOL:
+            _check_flags(values)
         if values:  # an empty run has no first element to align
             packed = struct.pack(f"{order}{len(values)}{primitive.format}", *values)
             _write_aligned(body, primitive.size, packed)
@@ -342,17 +360,24 @@ def _primitive_elements(primitive: Primitive, order: str) -> _Elements:
 def _misfit(message: Message, prefix: str = "") -> ConversionError | None:
     """The error of the first field whose value cannot be written, found by writing them one at a time."""
     for field in fields_of(type(message)):
-        value = getattr(message, field.name)
-        if isinstance(value, Message):
-            found = _misfit(value, f"{prefix}{field.name}.")
+        found = _value_misfit(field.type, getattr(message, field.name), prefix + field.name)
+        if found is not None:
+            return found
+    return None
+
+
+def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionError | None:
+    if isinstance(field_type, type) and isinstance(value, field_type):
+        return _misfit(value, f"{path}.")
+    if isinstance(field_type, (Sequence, Array)) and isinstance(value, list):
+        for index, element in enumerate(value):
+            found = _value_misfit(field_type.element, element, f"{path}[{index}]")
             if found is not None:
                 return found
-            continue
-        try:
-            _part(field.type, "<").write(bytearray(), value)
-        except (struct.error, OverflowError, TypeError, AttributeError) as error:
-            reason = f"{value!r} does not fit {type_name(field.type)} ({error})"
-            return ConversionError(reason, prefix + field.name)
+    try:
+        _part(field_type, "<").write(bytearray(), value)
+    except _MISFITS as error:
+        return ConversionError(f"{reprlib.repr(value)} does not fit {type_name(field_type)} ({error})", path)
     return None
 
 

@@ -50,9 +50,3 @@ class DatagramError(RoverlinkError):
     def __init__(self, reason: Reason, message: str) -> None:
         super().__init__(message)
         self.reason = reason
-
-
-class PublishError(RoverlinkError):
-    """The middleware did not accept a message, since accepting it would have meant to wait for a subscriber."""
-
-    reason = Reason.NOT_PUBLISHED

@@ -42,7 +42,7 @@ class BatchReader:
     a length of ``size`` means too long.
     """
 
-    def __init__(self, sock: socket.socket, size: int, slots: int = 128) -> None:
+    def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         self._descriptor = sock.fileno()
         self._size, self._slots = size, slots
         self._buffer = (ctypes.c_char * (size * slots))()

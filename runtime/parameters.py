@@ -12,6 +12,7 @@ from runtime.registry import Registry
 
 FORWARD_POLICIES = ("mapping", "all")
 _PORTS = range(1, 65_536)
+_LARGEST_BUFFER = 2**30  # the kernel doubles it, in an int
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,8 @@ class Parameters:
     """Longest datagram in bytes that is taken; what fits an Ethernet frame by default."""
     receive_buffer: int
     """Bytes that the kernel may hold until we read them."""
+    values: Mapping[str, Any]
+    """Every parameter by its ROS 2 name."""
 
 
 def defaults(registry: Registry) -> dict[str, Any]:
@@ -59,8 +62,11 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if type(value) is not type(values[name]):
             raise SetupError(f"parameter {name} is {value!r}; it must be of type {type(values[name]).__name__}")
         values[name] = value
-    ports = {peer.name: _port(peer.port_parameter, values.pop(peer.port_parameter)) for peer in registry.peers}
-    parameters = Parameters(peer_ports=ports, **values)
+    ports = {peer.name: _port(peer.port_parameter, values[peer.port_parameter]) for peer in registry.peers}
+    own = {
+        name: value for name, value in values.items() if name not in {peer.port_parameter for peer in registry.peers}
+    }
+    parameters = Parameters(peer_ports=ports, values=values, **own)
     _check(parameters)
     return parameters
 
@@ -86,5 +92,7 @@ def _check(parameters: Parameters) -> None:
         )
     if not 1 <= parameters.max_datagram <= 65_507:
         raise SetupError(f"parameter max_datagram is {parameters.max_datagram}; a UDP datagram has 1 to 65507 bytes")
-    if parameters.receive_buffer < 1:
-        raise SetupError(f"parameter receive_buffer is {parameters.receive_buffer}; it is a number of bytes")
+    if not 1 <= parameters.receive_buffer <= _LARGEST_BUFFER:
+        raise SetupError(
+            f"parameter receive_buffer is {parameters.receive_buffer}; it is a number of bytes up to {_LARGEST_BUFFER}"
+        )

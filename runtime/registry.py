@@ -10,6 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from google.protobuf.runtime_version import VersionError
+
 from runtime.errors import RegistryError
 from runtime.handler import Handler
 
@@ -79,14 +81,14 @@ def load_registry(project: str | Path | None = None) -> Registry:
     try:
         registry = importlib.import_module("generated.registry").REGISTRY
         check: Callable[[], None] = importlib.import_module("generated.checks").check
-    except ModuleNotFoundError as error:
-        where = project if project is not None else "the import path"
-        raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
-    except (ImportError, TypeError, AttributeError) as error:
+    except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
+        if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] == "generated":
+            where = project if project is not None else "the import path"
+            raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
         raise RegistryError(f"the generated code does not load: {error}; run `roverlink generate`") from error
-    check()
     if not isinstance(registry, Registry):
         raise RegistryError("generated.registry.REGISTRY is no registry; run `roverlink generate`")
+    check()
     return registry
 
 

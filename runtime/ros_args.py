@@ -22,6 +22,7 @@ LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
 _TOPIC = re.compile(r"(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+_LEFT_SIDE = re.compile(r"((?P<node>\w+):(?!//))?(?P<name>.+)")  # the colon of rostopic://topic names no node
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,25 +111,21 @@ def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
 
 def _assignment(text: str, what: str) -> tuple[str, str, str]:
     """``[node:]name:=value`` as node (or empty), name and value."""
-    name, separator, value = text.partition(":=")
-    if not separator or not name:
+    left, separator, value = text.partition(":=")
+    found = _LEFT_SIDE.fullmatch(left)
+    if not separator or found is None:
         raise SetupError(f"{what} {text!r} is not of the form name:=value")
-    node, _, name = name.rpartition(":")
-    return node, name, value
+    return found["node"] or "", found["name"], value
 
 
 def _identity(options: list[tuple[str, str]], default_name: str) -> NodeIdentity:
-    name, namespace = default_name, "/"
+    given: dict[str, str] = {}
     for option, text in options:
-        if option != "remap":
-            continue
-        node, source, target = _assignment(text, "the remap")
-        if node not in ("", default_name):
-            continue
-        if source in ("__node", "__name"):
-            name = target
-        elif source == "__ns":
-            namespace = target
+        if option == "remap":
+            node, source, target = _assignment(text, "the remap")
+            if node in ("", default_name):
+                given.setdefault("__node" if source == "__name" else source, target)  # the first rule decides
+    name, namespace = given.get("__node", default_name), given.get("__ns", "/")
     if not _NODE_NAME.fullmatch(name):
         raise SetupError(f"{name!r} is not a node name: letters, digits and underscores, not starting with a digit")
     if not _NAMESPACE.fullmatch(namespace):
@@ -177,8 +174,9 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
     parameters: dict[str, Any] = {}
     for pattern, section in _sections(content):
+        found = _section_parameters(path, pattern, section)
         if _matches(pattern, node):
-            parameters.update(_section_parameters(path, pattern, section))
+            parameters.update(found)
     return parameters
 
 

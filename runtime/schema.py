@@ -58,4 +58,9 @@ def describe(descriptor: Descriptor) -> tuple[str, ...]:
 def _describe_field(field: FieldDescriptor) -> str:
     repeated = "repeated " if field.is_repeated else ""
     named = field.message_type or field.enum_type
-    return f"{field.number} {field.name} {repeated}{named.full_name if named else _SCALARS[field.type]}"
+    return f"{field.number} {field.name} {repeated}{named.full_name if named else scalar_name(field)}"
+
+
+def scalar_name(field: FieldDescriptor) -> str:
+    """The type of a scalar field, as a .proto spells it."""
+    return _SCALARS[field.type]

@@ -29,7 +29,10 @@ class Translator:
 
         Raises `DatagramError` with the reason, and number and name of the payload where they are known.
         """
-        message = self.parse(datagram)
+        try:
+            message = self._parse(datagram)
+        except DecodeError:
+            message = self._parse_restored(datagram)
         name = message.WhichOneof(self._oneof)
         handler = self._inbound.get(name)
         if handler is None:
@@ -41,14 +44,16 @@ class Translator:
             return name, self._explained(handler, payload)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
-        """The envelope in a datagram, whatever was done to its trailing zeros.
+        """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
 
         A stripped or padded envelope never parses as it stands, so the ordinary one costs one parse and no more.
         """
         try:
             return self._parse(datagram)
         except DecodeError:
-            pass
+            return self._parse_restored(datagram)
+
+    def _parse_restored(self, datagram: bytes) -> ProtoMessage:
         try:
             return self._parse(envelope.restore(datagram))
         except DecodeError as error:
@@ -74,23 +79,24 @@ class Translator:
 
     def _refusal(self, name: str | None, datagram: bytes) -> DatagramError:
         if name is not None:
-            handler = self._registry.by_name.get(name)
-            if handler is not None:
-                route = handler.route
-                return DatagramError(
-                    Reason.WRONG_DIRECTION,
-                    f"{route.name} ({route.number}) goes {route.direction}, but came from a peer",
-                )
+            return self._refusal_of_known(name)
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         if not numbers:
             return DatagramError(Reason.EMPTY, f"an empty {self._name} ({len(datagram)} bytes)")
-        return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {self._known(numbers[-1], name)}")
-
-    def _known(self, number: int, name: str | None) -> str:
-        if name is not None:
-            return f"{number} ({name})"
+        number = numbers[-1]
         retired = self._registry.retired.get(number)
-        return f"{number} (retired: {retired})" if retired else str(number)
+        explained = f"{number} (retired: {retired})" if retired else str(number)
+        return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {explained}")
+
+    def _refusal_of_known(self, name: str) -> DatagramError:
+        """Why a payload that the envelope knows is not bridged."""
+        number = self._registry.envelope.DESCRIPTOR.fields_by_name[name].number
+        handler = self._registry.by_name.get(name)
+        if handler is None:
+            return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name})")
+        return DatagramError(
+            Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer"
+        )
 
     @staticmethod
     def _explained(handler: AnyHandler, payload: ProtoMessage) -> bytes:

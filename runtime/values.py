@@ -5,12 +5,11 @@ ROS 2 messages are keyed by their ROS field names, payloads by their proto field
 
 from __future__ import annotations
 
-import base64
 import difflib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from google.protobuf.json_format import MessageToDict, ParseDict, ParseError
+from google.protobuf.json_format import MessageToDict
 
 from runtime.errors import ConversionError
 from runtime.messages import UINT8, Array, FieldType, Message, Primitive, Sequence, Text, default_of, fields_of
@@ -19,8 +18,8 @@ if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 M = TypeVar("M", bound=Message)
-P = TypeVar("P", bound="ProtoMessage")
 
+_NAMED = 30  # choices that an error lists
 _KINDS = {"?": bool, "f": (int, float), "d": (int, float)}
 
 
@@ -28,7 +27,10 @@ def nearest(word: str, known: Iterable[str]) -> str:
     """``did you mean ...?`` with the known word nearest to one that is not; else all that are known."""
     choices = list(known)
     found = difflib.get_close_matches(word, choices, 1)
-    return f"did you mean {found[0]}?" if found else f"there are {', '.join(choices)}"
+    if found:
+        return f"did you mean {found[0]}?"
+    more = len(choices) - _NAMED
+    return f"there are {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"
 
 
 # --- ROS 2 messages ---------------------------------------------------------------------------------------------
@@ -70,6 +72,8 @@ def message_from_values(message_type: type[M], values: object, path: str = "") -
 def _from_value(field_type: FieldType, value: Any, path: str) -> Any:
     if isinstance(field_type, Primitive):
         kind: Any = _KINDS.get(field_type.format, int)
+        if isinstance(value, str) and field_type.format in "fd":
+            value = _float(value)
         if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
             raise ConversionError(f"{value!r} is no {field_type.name}", path)
         return float(value) if field_type.format in "fd" else value
@@ -80,6 +84,14 @@ def _from_value(field_type: FieldType, value: Any, path: str) -> Any:
     if isinstance(field_type, (Sequence, Array)):
         return _from_list(field_type.element, value, path)
     return message_from_values(field_type, value, path)
+
+
+def _float(text: str) -> float | str:
+    """The number in a text: YAML has 1e-3 for a string, since it wants a point."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _from_list(element: FieldType, value: Any, path: str) -> Any:
@@ -100,62 +112,3 @@ def _from_list(element: FieldType, value: Any, path: str) -> Any:
 def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
     """A payload as mappings, lists and scalars, zeros included; enum values by name, bytes in base64."""
     return MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
-
-
-def payload_from_assignments(payload_type: type[P], assignments: Mapping[str, Any]) -> P:
-    """The payload that assignments of values to dotted paths describe; enum values by name or number.
-
-    Raises `ConversionError` for a path that leads nowhere, or a value that does not fit.
-    """
-    values: dict[str, Any] = {}
-    for path, value in assignments.items():
-        *holders, name = path.split(".")
-        descriptor, target = payload_type.DESCRIPTOR, values
-        for holder in holders:
-            descriptor = _nested(descriptor, holder, path)
-            target = target.setdefault(holder, {})
-            if not isinstance(target, dict):
-                raise ConversionError(f"{holder} is assigned a value of its own as well", path)
-        target[name] = _plain(_field(descriptor, name, path), value, path)
-    try:
-        return ParseDict(values, payload_type())
-    except ParseError as error:
-        raise ConversionError(str(error)) from error
-
-
-def _field(descriptor: Any, name: str, path: str) -> Any:
-    field = descriptor.fields_by_name.get(name)
-    if field is None:
-        raise ConversionError(
-            f"{descriptor.name} has no field {name!r}; {nearest(name, descriptor.fields_by_name)}", path
-        )
-    return field
-
-
-def _nested(descriptor: Any, name: str, path: str) -> Any:
-    nested = _field(descriptor, name, path).message_type
-    if nested is None:
-        raise ConversionError(f"{descriptor.name}.{name} is no message, so it has no fields", path)
-    return nested
-
-
-def _plain(field: Any, value: Any, path: str) -> Any:
-    """The value as protobuf's JSON form wants it."""
-    if field.is_repeated:
-        return [_plain_item(field, item, path) for item in (value if isinstance(value, list) else [value])]
-    return _plain_item(field, value, path)
-
-
-def _plain_item(field: Any, value: Any, path: str) -> Any:
-    if field.enum_type is not None and isinstance(value, str):
-        if value not in field.enum_type.values_by_name:
-            names = field.enum_type.values_by_name
-            raise ConversionError(f"{field.enum_type.name} has no value {value!r}; {nearest(value, names)}", path)
-    elif field.type == field.TYPE_BYTES:
-        try:
-            return base64.b64encode(bytes.fromhex(str(value))).decode()
-        except ValueError as error:
-            raise ConversionError(f"{value!r} is no sequence of bytes in hexadecimal", path) from error
-    elif field.type == field.TYPE_STRING:
-        return str(value)
-    return value

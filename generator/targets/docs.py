@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from generator import ir
 from generator.targets.conversions import Files
 from generator.targets.rendering import header, render
@@ -9,6 +11,10 @@ from generator.targets.rendering import header, render
 
 def emit(bridge: ir.Bridge) -> Files:
     """The page."""
+    taken = {
+        conversion.ros: {field.ros.name: ".".join(field.proto_path) for field in conversion.fields}
+        for conversion in bridge.conversions().values()
+    }
     by_name = {message.name: message for message in bridge.messages}
     shown = [by_name.pop(route.conversion.ros) for route in bridge.routes if route.conversion.ros in by_name]
     yield (
@@ -19,21 +25,18 @@ def emit(bridge: ir.Bridge) -> Files:
             package=bridge.package,
             routes=bridge.routes,
             retired=bridge.envelope.retired,
-            messages=[_view(message, bridge) for message in (*shown, *by_name.values())],
+            messages=[_view(message, taken.get(message.name, {})) for message in (*shown, *by_name.values())],
         ),
     )
 
 
-def _view(message: ir.RosMessage, bridge: ir.Bridge) -> dict[str, object]:
-    taken = {
-        conversion.ros: {field.ros.name: ".".join(field.proto_path) for field in conversion.fields}
-        for conversion in bridge.conversions().values()
-    }
+def _view(message: ir.RosMessage, taken: Mapping[str, str]) -> dict[str, object]:
+    """A message for the template; ``taken`` maps its fields to the proto fields that they are taken from."""
     fields = [
         {
             "type": f"{field.type.name}[]" if field.type.is_sequence else field.type.name,
             "name": field.name,
-            "source": taken.get(message.name, {}).get(field.name, message.source),
+            "source": taken.get(field.name, message.source),
             "comment": " ".join(field.comment.split()).replace("|", "\\|"),
         }
         for field in message.fields

@@ -19,8 +19,10 @@ _LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does no
 def emit(bridge: ir.Bridge) -> Files:
     """The handlers, and the package that names them all."""
     converters = Converters(bridge)
+    by_proto = bridge.conversions()
     for route in bridge.routes:
-        yield f"generated/handlers/{spelling.module(route.name)}.py", _handler(bridge, route, converters)
+        pack = _pack(route.conversion, by_proto)
+        yield f"generated/handlers/{spelling.module(route.name)}.py", _handler(bridge, route, converters, pack)
     names = [(spelling.module(route.name), spelling.handler_class(route)) for route in bridge.routes]
     yield (
         "generated/handlers/__init__.py",
@@ -34,9 +36,8 @@ def emit(bridge: ir.Bridge) -> Files:
     )
 
 
-def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters) -> str:
+def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _Pack | None) -> str:
     conversion = route.conversion
-    pack = _pack(conversion, bridge)
     runtime = ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
     imports = [layout.import_from("runtime.handler", runtime)]
     imports += [layout.import_from("runtime", ["cdr"])] if pack else []
@@ -105,9 +106,9 @@ class _VariableSizeError(Exception):
     """The message has a part of variable size, or none at all."""
 
 
-def _pack(conversion: ir.Conversion, bridge: ir.Bridge) -> _Pack | None:
+def _pack(conversion: ir.Conversion, by_proto: Mapping[str, ir.Conversion]) -> _Pack | None:
     """None for a message of variable size, or of no field, which the base class packs."""
-    flattener = _Flattener(bridge.conversions())
+    flattener = _Flattener(by_proto)
     try:
         flattener.add(conversion, "payload", ())
     except _VariableSizeError:

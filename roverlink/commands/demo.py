@@ -16,7 +16,7 @@ from rich.live import Live
 
 from roverlink import bridge_host, crossings, topics
 from roverlink.bridge_host import BridgeHost
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, seconds
 from roverlink.crossings import Crossing
 from roverlink.simulation import payload_at
 from runtime import Qos, Registry, Translator, cdr, load_registry
@@ -41,7 +41,7 @@ def add(commands: Subparsers) -> None:
         "roverlink demo --seconds 5",
     )
     add_project(parser)
-    parser.add_argument("--seconds", type=float, default=15.0, metavar="S", help="how long (default: %(default)s)")
+    parser.add_argument("--seconds", type=seconds, default=15.0, metavar="S", help="how long (default: %(default)s)")
     parser.add_argument(
         "--middleware",
         choices=("dds", "memory"),
@@ -132,7 +132,7 @@ class _Rig:
                 envelope = self._registry.envelope(**{handler.route.name: payload})
                 self._board.sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
         for handler, publisher in self._publishers:
-            publisher.publish(handler.to_cdr(payload_at(handler.payload_type, seconds)))
+            publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
         """Let every peer take what has arrived."""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import queue
 import sys
 import time
 
 from roverlink import topics
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
 from runtime import Qos, cdr, load_registry
 from runtime.middleware import NAMES, open_middleware
 from runtime.values import message_to_values
@@ -27,8 +26,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument("topic", help="the topic")
     parser.add_argument("--type", metavar="PKG/msg/NAME", help="its type, where no row has the topic")
     parser.add_argument("--json", action="store_true", help="one JSON object a line, keyed by ROS field names")
-    parser.add_argument("--count", type=int, metavar="N", help="stop after so many")
-    parser.add_argument("--timeout", type=float, metavar="S", help="stop after so many seconds without enough; exit 1")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after so many")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after so many seconds, and exit 1")
     parser.add_argument("--best-effort", action="store_true", help="subscribe best effort, as sensor drivers publish")
     parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
     parser.set_defaults(run=run)
@@ -51,7 +50,6 @@ def run(arguments: argparse.Namespace) -> int:
                 print(f"nothing more on {arguments.topic} after {arguments.timeout} s", file=sys.stderr)
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))
-            text = json.dumps(values) if arguments.json else "\n".join([*topics.yaml_lines(values), "---"])
-            print(text, flush=True)
+            print(topics.json_text(values) if arguments.json else f"{topics.yaml_text(values)}---", flush=True)
             seen += 1
     return OK

@@ -7,12 +7,14 @@ import json
 import sys
 from typing import Any
 
-from roverlink.console import OK, Subparsers, add_project, command, project_folder
+from roverlink.console import OK, Subparsers, add_project, command, count, port, project_folder
 from runtime import DatagramError, Registry, Translator, load_registry, udp
+from runtime.envelope import payload_numbers, restore
 from runtime.values import payload_to_values
 
 _RECEIVE_BUFFER = 1024 * 1024
 _LARGEST = 65_536
+_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines
 
 
 def add(commands: Subparsers) -> None:
@@ -24,9 +26,9 @@ def add(commands: Subparsers) -> None:
         "roverlink listen --port 6001",
     )
     add_project(parser)
-    parser.add_argument("--port", type=int, required=True, help="UDP port to listen on")
-    parser.add_argument("--address", default="", help="address to listen on (default: every one of this host)")
-    parser.add_argument("--count", type=int, metavar="N", help="stop after so many")
+    parser.add_argument("--port", type=port, required=True, help="UDP port to listen on")
+    parser.add_argument("--address", default=_EVERY_ADDRESS, help="address to listen on (default: all of this host)")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after so many")
     parser.set_defaults(run=run)
 
 
@@ -36,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     translator = Translator(registry)
     seen = 0
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
-        print(f"listening on UDP port {arguments.port}", file=sys.stderr)
+        print(f"listening on UDP port {sock.getsockname()[1]}", file=sys.stderr)
         while arguments.count is None or seen < arguments.count:
             datagram, (host, port) = sock.recvfrom(_LARGEST)
             print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
@@ -51,6 +53,7 @@ def _line(registry: Registry, translator: Translator, datagram: bytes) -> dict[s
         return {"error": str(error), "bytes": len(datagram)}
     name = envelope.WhichOneof(registry.oneof)
     if name is None:
-        return {"error": "no known payload", "bytes": len(datagram)}
+        numbers = payload_numbers(restore(datagram))
+        return {"error": f"no known payload among {numbers}" if numbers else "empty", "bytes": len(datagram)}
     number = envelope.DESCRIPTOR.fields_by_name[name].number
     return {"number": number, "name": name, "payload": payload_to_values(getattr(envelope, name))}

@@ -9,7 +9,7 @@ import time
 import yaml
 
 from roverlink import topics
-from roverlink.console import OK, Subparsers, add_project, command, project_folder
+from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
 from runtime import Qos, SetupError, cdr, load_registry
 from runtime.middleware import NAMES, Publisher, open_middleware
 from runtime.values import message_from_values
@@ -29,11 +29,11 @@ def add(commands: Subparsers) -> None:
     parser.add_argument("topic", help="the topic")
     parser.add_argument("values", nargs="?", default="{}", help="the message in YAML; fields left out are zero")
     parser.add_argument("--type", metavar="PKG/msg/NAME", help="its type, where no row has the topic")
-    parser.add_argument("--count", type=int, metavar="N", help="how many (default: until interrupted)")
+    parser.add_argument("--count", type=count, metavar="N", help="how many (default: until interrupted)")
     parser.add_argument("-1", "--once", action="store_const", const=1, dest="count", help="the same as --count 1")
-    parser.add_argument("-r", "--rate", type=float, default=1.0, metavar="HZ", help="how many a second (default: 1)")
+    parser.add_argument("-r", "--rate", type=rate, default=1.0, metavar="HZ", help="how many a second (default: 1)")
     parser.add_argument(
-        "--wait", type=float, default=3.0, metavar="S", help="seconds to wait for a subscriber (default: 3)"
+        "--wait", type=seconds, default=3.0, metavar="S", help="seconds to wait for a subscriber (default: 3)"
     )
     parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
     parser.set_defaults(run=run)
@@ -44,15 +44,13 @@ def run(arguments: argparse.Namespace) -> int:
     registry = load_registry(project_folder(arguments.project))
     message_type = topics.message_type(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
-    if arguments.rate <= 0:
-        raise SetupError(f"a rate of {arguments.rate} never publishes; give a number above 0")
     with open_middleware(arguments.middleware, topics.identity("pub")) as middleware:
         publisher = middleware.publisher(topics.full_topic(arguments.topic), message_type, Qos())
         _wait_for_subscriber(publisher, arguments.topic, arguments.wait)
         start, sent = time.monotonic(), 0
         while arguments.count is None or sent < arguments.count:
             time.sleep(max(0.0, start + sent / arguments.rate - time.monotonic()))
-            publisher.publish(data)
+            publisher.publish([data])
             sent += 1
             print(f"published {sent} on {arguments.topic}", flush=True)
         time.sleep(_FLUSH_S)  # a reliable reader that asks again for a sample must still find us

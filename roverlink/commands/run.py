@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     logger = node_logger(ros.node.name, ros.log_level)
     registry = load_registry(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
-    middleware = open_middleware(arguments.middleware, ros.node, arguments.ros_args)
+    middleware = open_middleware(arguments.middleware, ros.node, settings.values)
     bridge = Bridge(registry, settings, middleware, ros.topic, logger)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: bridge.stop())

@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 import socket
 import time
-from typing import Any
 
-import yaml
-
-from roverlink.console import OK, Subparsers, add_project, command, project_folder
+from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
 from runtime import Registry, SetupError, load_registry, udp
+from runtime.assignments import payload_from_assignments
 from runtime.registry import AnyHandler
-from runtime.values import nearest, payload_from_assignments
+from runtime.values import nearest
 
 
 def add(commands: Subparsers) -> None:
@@ -31,9 +29,9 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--to", default="127.0.0.1:5000", metavar="HOST:PORT", help="destination (default: %(default)s)"
     )
-    parser.add_argument("--count", type=int, default=1, metavar="N", help="how many to send (default: %(default)s)")
+    parser.add_argument("--count", type=count, default=1, metavar="N", help="how many to send (default: %(default)s)")
     parser.add_argument(
-        "--rate", type=float, default=10.0, metavar="HZ", help="how many a second (default: %(default)s)"
+        "--rate", type=rate, default=10.0, metavar="HZ", help="how many a second (default: %(default)s)"
     )
     parser.add_argument("--list", action="store_true", help="show what can be sent, and stop")
     parser.set_defaults(run=run)
@@ -46,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         _list(registry)
         return OK
     handler = _handler(registry, arguments.name)
-    payload = payload_from_assignments(handler.payload_type, dict(map(_assignment, arguments.assignments)))
+    payload = payload_from_assignments(handler.payload_type, _assignments(arguments.assignments))
     datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
     destination = destination_of(arguments.to)
     _send(datagram, destination, arguments.count, arguments.rate)
@@ -63,14 +61,16 @@ def _handler(registry: Registry, name: str | None) -> AnyHandler:
     return handler
 
 
-def _assignment(text: str) -> tuple[str, Any]:
-    path, separator, value = text.partition("=")
-    if not separator or not path:
-        raise SetupError(f"{text!r} is not of the form field=value")
-    try:
-        return path, yaml.safe_load(value)
-    except yaml.YAMLError as error:
-        raise SetupError(f"the value in {text!r} cannot be read") from error
+def _assignments(texts: list[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        path, separator, value = text.partition("=")
+        if not separator or not path:
+            raise SetupError(f"{text!r} is not of the form field=value")
+        if path in found:
+            raise SetupError(f"{path} is assigned more than once")
+        found[path] = value
+    return found
 
 
 def destination_of(text: str) -> tuple[str, int]:
@@ -82,8 +82,6 @@ def destination_of(text: str) -> tuple[str, int]:
 
 
 def _send(datagram: bytes, destination: tuple[str, int], count: int, rate: float) -> None:
-    if rate <= 0:
-        raise SetupError(f"a rate of {rate} never sends; give a number above 0")
     start = time.monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         for index in range(count):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Protocol
+from typing import Any, Protocol
 
 from runtime.errors import MiddlewareError
 from runtime.handler import Qos
@@ -34,10 +34,10 @@ class NodeIdentity:
 class Publisher(Protocol):
     """One topic to write to."""
 
-    def publish(self, data: bytes) -> None:
-        """Write one serialized message (CDR with its header). Never waits for a subscriber.
+    def publish(self, messages: Sequence[bytes], /) -> int:
+        """Write serialized messages (CDR with its header), in order. Never waits for a subscriber.
 
-        Raises `PublishError` where the message was not accepted.
+        Returns how many were accepted; the others would have had to wait.
         """
 
     def has_subscribers(self) -> bool:
@@ -60,11 +60,11 @@ class Middleware(Protocol):
     ) -> None: ...
 
 
-def open_middleware(name: str, node: NodeIdentity, arguments: list[str] | None = None) -> Middleware:
+def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:
     """Connect to ROS 2 by name; ``auto`` takes rclpy where it imports, else dds.
 
-    ``arguments`` is the command line after ``--ros-args``, for rclpy. Raises `MiddlewareError` that says how to get
-    what is missing.
+    ``parameters`` are shown as the node's own where the middleware can (rclpy). Raises `MiddlewareError` that says how
+    to get what is missing.
     """
     if name == "auto":
         name = "rclpy" if importlib.util.find_spec("rclpy") else "dds"
@@ -73,13 +73,13 @@ def open_middleware(name: str, node: NodeIdentity, arguments: list[str] | None =
 
         return MemoryMiddleware()
     if name == "rclpy":
-        return _open_rclpy(node, arguments or [])
+        return _open_rclpy(node, parameters or {})
     if name == "dds":
         return _open_dds(node)
     raise MiddlewareError(f"no middleware {name!r}; there are {', '.join(NAMES)}")
 
 
-def _open_rclpy(node: NodeIdentity, arguments: list[str]) -> Middleware:
+def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware:
     try:
         from runtime.middleware.rclpy import RclpyMiddleware
     except ImportError as error:
@@ -87,7 +87,7 @@ def _open_rclpy(node: NodeIdentity, arguments: list[str]) -> Middleware:
             f"rclpy does not import ({error}); source ROS 2 first (`source /opt/ros/humble/setup.bash`), and make the "
             "environment with --system-site-packages"
         ) from error
-    return RclpyMiddleware(node, arguments)
+    return RclpyMiddleware(node, parameters)
 
 
 def _open_dds(node: NodeIdentity) -> Middleware:

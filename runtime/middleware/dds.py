@@ -22,10 +22,11 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from runtime.errors import MiddlewareError, PublishError
+from runtime.errors import MiddlewareError
 from runtime.handler import Qos
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
+from runtime.middleware.cyclone import RawWriter
 from runtime.middleware.dds_types import carrier_type, dds_qos
 from runtime.middleware.discovery import GraphAnnouncer
 
@@ -39,20 +40,11 @@ _TAKE = 256  # samples taken at a time
 
 
 class DdsPublisher:
-    """A DDS writer that is given serialized messages, by one thread at a time."""
+    """A DDS writer that is given serialized messages."""
 
-    def __init__(self, writer: DataWriter[Any], carrier: type[Any]) -> None:
+    def __init__(self, writer: DataWriter[Any]) -> None:
         self._writer = writer
-        self._sample = carrier(b"")
-        self._write = writer.write
-
-    def publish(self, data: bytes) -> None:
-        """Write one serialized message. Raises `PublishError` where Cyclone DDS would have to wait."""
-        self._sample.data = data
-        try:
-            self._write(self._sample)
-        except DDSException as error:
-            raise PublishError(f"{self._writer.topic.name}: {error.msg or error}") from error
+        self.publish = RawWriter(writer).write
 
     def has_subscribers(self) -> bool:
         """Whether any reader matches."""
@@ -82,7 +74,7 @@ class DdsMiddleware:
         carrier = carrier_type(message_type)
         writer = DataWriter(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=True))
         self._announcer.add_writer(writer)
-        return DdsPublisher(writer, carrier)
+        return DdsPublisher(writer)
 
     def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
         """Call ``callback`` with every serialized message of a fully qualified topic, from the taking thread."""
@@ -125,7 +117,9 @@ def _domain_id() -> int:
 
 
 def _configure(domain_id: int) -> None:
-    """Keep to this host where ROS 2's environment says so."""
+    """Keep to this host where ROS 2's environment says so, and no Cyclone DDS configuration of the user's own does."""
+    if os.environ.get("CYCLONEDDS_URI"):
+        return
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST":
         _localhost_domain(domain_id)
 
@@ -133,5 +127,4 @@ def _configure(domain_id: int) -> None:
 @cache
 def _localhost_domain(domain_id: int) -> Domain:
     """A domain is configured once a process, before its first participant, and lives as long as the process."""
-    users_own = os.environ.get("CYCLONEDDS_URI")
-    return Domain(domain_id, ",".join(filter(None, (users_own, _LOCALHOST_ONLY))))
+    return Domain(domain_id, _LOCALHOST_ONLY)

@@ -1,8 +1,7 @@
 """DDS types and qualities of service for ROS 2 messages.
 
 A type carries the real structure of its message, since Cyclone DDS compares structures where both sides announce one;
-but samples are never built from it: what is written and taken are serialized bytes, as `DataWriter.write` asks the
-sample itself for them.
+but samples are never built from it: what is written and taken are serialized bytes.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from cyclonedds.qos import Qos as DdsQos
 
 from runtime.handler import Qos
 from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
+from runtime.middleware.cyclone import WriterBatching
 
 _MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
 
@@ -45,7 +45,7 @@ def dds_qos(qos: Qos, writing: bool) -> DdsQos:
         Policy.DataRepresentation(use_cdrv0_representation=True),
     ]
     if writing:
-        policies.append(Policy.WriterDataLifecycle(autodispose=False))
+        policies += [Policy.WriterDataLifecycle(autodispose=False), WriterBatching()]
     return DdsQos(*policies)
 
 
@@ -60,7 +60,6 @@ def carrier_type(message_type: type[Message]) -> type[Any]:
     """The DDS type of a message whose samples are serialized messages: made of bytes, holding them as ``data``."""
     carrier: Any = make_idl_struct(*_declaration(message_type), dataclassify=False)
     carrier.__init__ = _carry
-    carrier.serialize = _carried
     carrier.deserialize = classmethod(lambda cls, data, *_, **__: cls(data))
     carrier.deserialize_key = carrier.deserialize  # of an instance's end, which carries nothing
     return carrier  # type: ignore[no-any-return]  # it was given what a carrier needs just above
@@ -68,12 +67,6 @@ def carrier_type(message_type: type[Message]) -> type[Any]:
 
 def _carry(self: Any, data: bytes) -> None:
     self.data = data
-
-
-def _carried(self: Any, use_version_2: bool | None = None) -> bytes:  # noqa: ARG001  # as IdlStruct.serialize
-    """What `DataWriter.write` writes."""
-    data: bytes = self.data
-    return data
 
 
 @once_a_type

@@ -20,6 +20,7 @@ from runtime import cdr
 from runtime.handler import Qos
 from runtime.messages import Bound, Length, Message
 from runtime.middleware import NodeIdentity
+from runtime.middleware.cyclone import RawWriter
 from runtime.middleware.dds_types import carrier_type, dds_qos
 
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
@@ -97,9 +98,10 @@ class GraphAnnouncer:
         self._participant, self._node = participant, node
         self._readers: list[Any] = []
         self._writers: list[Any] = []
-        self._carrier = carrier_type(LongGidParticipant if self._long else ShortGidParticipant)
-        topic = Topic(participant, "ros_discovery_info", self._carrier)
-        self._writer: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
+        carrier = carrier_type(LongGidParticipant if self._long else ShortGidParticipant)
+        topic = Topic(participant, "ros_discovery_info", carrier)
+        self._entity: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
+        self._writer = RawWriter(self._entity)
         self._announce()
 
     def add_reader(self, reader: Entity) -> None:
@@ -122,4 +124,4 @@ class GraphAnnouncer:
         )
         node: Any = node_type(self._node.namespace, self._node.name, self._readers, self._writers)
         participant: Any = self._gid(self._participant)
-        self._writer.write(self._carrier(cdr.encode(participant_type(participant, [node]))))
+        self._writer.write([cdr.encode(participant_type(participant, [node]))])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from runtime.handler import Qos
@@ -25,10 +25,12 @@ class MemoryPublisher:
     def __init__(self, callbacks: Callbacks) -> None:
         self._callbacks = callbacks
 
-    def publish(self, data: bytes) -> None:
-        """Hand the message to each subscriber."""
-        for callback in self._callbacks:
-            callback(data)
+    def publish(self, messages: Sequence[bytes], /) -> int:
+        """Hand each message to each subscriber."""
+        for message in messages:
+            for callback in tuple(self._callbacks):
+                callback(message)
+        return len(messages)
 
     def has_subscribers(self) -> bool:
         """Whether anyone subscribed."""
@@ -40,6 +42,7 @@ class MemoryMiddleware:
 
     def __init__(self, graph: Graph | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
+        self._own: list[tuple[Callbacks, Callable[[bytes], None]]] = []
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """A writer on a topic."""
@@ -47,10 +50,14 @@ class MemoryMiddleware:
 
     def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
         """Call ``callback`` with every message of a topic, from the thread that publishes it."""
-        self._graph.callbacks[topic].append(callback)
+        callbacks = self._graph.callbacks[topic]
+        callbacks.append(callback)
+        self._own.append((callbacks, callback))
 
     def __enter__(self) -> MemoryMiddleware:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._graph.callbacks.clear()
+        for callbacks, callback in self._own:
+            callbacks.remove(callback)
+        self._own.clear()

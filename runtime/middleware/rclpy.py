@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -30,9 +30,11 @@ class RclpyPublisher:
     def __init__(self, publisher: Any) -> None:
         self._publisher = publisher
 
-    def publish(self, data: bytes) -> None:
-        """Write one serialized message; rclpy takes bytes for a message that is serialized already."""
-        self._publisher.publish(data)
+    def publish(self, messages: Sequence[bytes], /) -> int:
+        """Write serialized messages; rclpy takes bytes for a message that is serialized already."""
+        for message in messages:
+            self._publisher.publish(message)
+        return len(messages)
 
     def has_subscribers(self) -> bool:
         """Whether any subscription matches."""
@@ -42,13 +44,15 @@ class RclpyPublisher:
 class RclpyMiddleware:
     """One rclpy node, spun by a thread of its own."""
 
-    def __init__(self, node: NodeIdentity, arguments: list[str]) -> None:
+    def __init__(self, node: NodeIdentity, parameters: Mapping[str, Any]) -> None:
         self._context = rclpy.Context()
-        # Signals stay with the program; parameters and remaps were resolved by it, so only logging is left for rcl.
-        rclpy.init(args=arguments, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        # Signals stay with the program, which has resolved remaps and parameters as well.
+        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
             node.name, namespace=node.namespace, context=self._context, use_global_arguments=False
         )
+        for name, value in parameters.items():
+            self._node.declare_parameter(name, value)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="rclpy-spin", daemon=True)

@@ -1,0 +1,96 @@
+"""The command line of the bench: python -m bench."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from bench import bridging
+from bench.contestants import FINDERS, ROOT
+from bench.errors import BenchError
+from bench.lab import Lab, prepare
+from bench.report import draw, print_results, write_json
+from bench.result import SectionResult
+
+# A section is added by a module with such a function, and a line here.
+SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {"bridging": bridging.measure}
+
+SECONDS, QUICK_SECONDS, SHORTEST_SECONDS = 1.0, 0.3, 0.1
+PLAIN_WIDTH = 120  # columns, where the output is not a terminal
+EXAMPLE = "example: python -m bench --quick --only cpp roverlink --json result.json"
+
+
+def _arguments(words: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m bench",
+        description="Measure the bridge beside the ways one would otherwise build it.",
+        epilog=EXAMPLE,
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything that was measured to FILE")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("build/bench"),
+        metavar="DIR",
+        help="folder of the picture, the built programs and the logs (%(default)s)",
+    )
+    parser.add_argument("--proto", type=Path, default=ROOT / "proto", metavar="DIR", help="the .proto tree")
+    parser.add_argument(
+        "--seconds", type=float, help=f"length of a measuring point ({SECONDS:g}; quick {QUICK_SECONDS:g})"
+    )
+    parser.add_argument("--quick", action="store_true", help="fewer rates and settings, short points: a first look")
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        choices=[*SECTIONS, *FINDERS],
+        help="measure only these sections and contestants: " + ", ".join([*SECTIONS, *FINDERS]),
+    )
+    options = parser.parse_args(words)
+    if options.seconds is None:
+        options.seconds = QUICK_SECONDS if options.quick else SECONDS
+    if options.seconds < SHORTEST_SECONDS:
+        parser.error(f"--seconds {options.seconds:g}: a point takes at least {SHORTEST_SECONDS:g} s")
+    if options.json and not options.json.resolve().parent.is_dir():
+        parser.error(f"--json {options.json}: there is no such folder")
+    return options
+
+
+def _run(options: argparse.Namespace) -> None:
+    progress = Console(stderr=True, highlight=False, markup=False)
+    lab = prepare(
+        proto=options.proto,
+        out=options.out.resolve(),
+        seconds=options.seconds,
+        quick=options.quick,
+        only=[name for name in FINDERS if name in options.only],
+        say=progress.print,
+    )
+    for note in lab.notes:
+        progress.print(f"note: {note}")
+    sections = [name for name in SECTIONS if name in options.only] or list(SECTIONS)
+    results = {name: SECTIONS[name](lab) for name in sections}
+    console = Console()
+    print_results(results, lab.notes, console if console.is_terminal else Console(width=PLAIN_WIDTH))
+    if options.json:
+        write_json(options.json, results, lab.notes)
+    progress.print(draw(lab.site.out / "bench.png", results))
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the bench; 2 where it cannot run."""
+    try:
+        _run(_arguments(words))
+    except (BenchError, OSError) as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,159 @@
+"""The programs that are measured.
+
+All are child processes that listen on a UDP port and, on SIGINT, stop and print their counts as one line of JSON.
+"""
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bench.errors import BenchError
+from bench.native import Programs
+from bench.wire import IMU_STAMP
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """The UDP ports of one rig, all on loopback: the bridge's, the basestation's (A) and the hardware's (B)."""
+
+    listen: int
+    a: int
+    b: int
+
+
+@dataclass(frozen=True, slots=True)
+class Contestant:
+    """One way to do the work. `command` takes the ports and whether every datagram goes raw to A and B too.
+
+    `count` is the JSON key of what it handled of the datagrams it received; the floor only receives.
+    """
+
+    name: str
+    about: str
+    command: Callable[[Ports, bool], Sequence[str]]
+    environment: Mapping[str, str] = field(default_factory=dict)
+    count: str = "published"
+
+    @property
+    def bridges(self) -> bool:
+        """Whether anything comes out at the other end."""
+        return self.count != "received"
+
+    def handled(self, counts: Mapping[str, Any]) -> int:
+        """How many datagrams it received and handled, by its own count."""
+        handled = counts.get(self.count)
+        if not isinstance(handled, int):
+            raise BenchError(f"{self.name} printed no count {self.count!r}: {dict(counts)}")
+        return handled
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What contestants are made from: the C++ programs, where they are built; the .proto tree; the bench's folder."""
+
+    programs: Programs | None
+    proto: Path
+    out: Path
+
+    @property
+    def python_protos(self) -> Path:
+        """The folder of the protos' Python modules."""
+        return self.out / "python"
+
+
+def _floor(_site: Site) -> Contestant:
+    stamp = (str(IMU_STAMP.high), str(IMU_STAMP.low))
+
+    def command(ports: Ports, _forwards: bool) -> Sequence[str]:
+        return (sys.executable, "-m", "bench.floor", str(ports.listen), *stamp)
+
+    return Contestant("floor", "a Python socket, receive only", command, {"PYTHONPATH": str(ROOT)}, count="received")
+
+
+def _cpp(site: Site) -> Contestant:
+    if site.programs is None:
+        raise BenchError("its program is not built")
+    reference = str(site.programs.reference)
+
+    def command(ports: Ports, forwards: bool) -> Sequence[str]:
+        return (reference, str(ports.listen), str(ports.a), str(ports.b), str(int(forwards)))
+
+    return Contestant("cpp", "C++ with libprotobuf and Cyclone DDS", command)
+
+
+def _handwritten(site: Site) -> Contestant:
+    if missing := [name for name in ("cyclonedds", "grpc_tools") if importlib.util.find_spec(name) is None]:
+        raise BenchError(f"not installed: {', '.join(missing)}")
+
+    def command(ports: Ports, forwards: bool) -> Sequence[str]:
+        flags = ("--forward",) if forwards else ()
+        return (sys.executable, "-m", "bench.handwritten", str(ports.listen), str(ports.a), str(ports.b), *flags)
+
+    about = "Python, protobuf object to cyclonedds message class, field by field"
+    return Contestant("handwritten", about, command, {"PYTHONPATH": f"{ROOT}:{site.python_protos}"})
+
+
+def _roverlink(site: Site) -> Contestant:
+    script = Path(sys.executable).with_name("roverlink")
+    if not script.exists():
+        raise BenchError(f"no {script}; `make bench` installs it")
+    without_forwards = site.out / "no-forwards"
+    _compile_without_forwards(script, site.proto, without_forwards)
+
+    def command(ports: Ports, forwards: bool) -> Sequence[str]:
+        parameters = {
+            "listen_port": ports.listen,
+            "dst_ip": "127.0.0.1",
+            "dst_a_port": ports.a,
+            "dst_b_port": ports.b,
+            "forward_policy": "all" if forwards else "mapping",
+        }
+        arguments = (word for name, value in parameters.items() for word in ("-p", f"{name}:={value}"))
+        project = str(ROOT if forwards else without_forwards)
+        return (str(script), "run", "--project", project, "--middleware", "dds", "--json", "--ros-args", *arguments)
+
+    return Contestant("roverlink", "this project", command)
+
+
+def _compile_without_forwards(script: Path, proto: Path, project: Path) -> None:
+    """Compile our table once more into a project of its own, without the raw forwards that its rows ask for."""
+    table = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
+    for row in table["messages"]:
+        row.pop("forward", None)
+    shutil.copytree(proto, project / table["proto"]["root"], dirs_exist_ok=True)
+    shutil.copy(ROOT / "mapping.lock", project)
+    mapping = project / "mapping.yaml"
+    mapping.write_text(yaml.safe_dump(table, sort_keys=False), encoding="utf-8")
+    command = (str(script), "generate", "--table", str(mapping))
+    result = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
+    if result.returncode != 0:
+        raise BenchError(f"roverlink generate --table {mapping} fails:\n{result.stderr or result.stdout}")
+
+
+# In the order in which the report shows them.
+FINDERS: dict[str, Callable[[Site], Contestant]] = {
+    "floor": _floor,
+    "cpp": _cpp,
+    "handwritten": _handwritten,
+    "roverlink": _roverlink,
+}
+
+
+def find_contestants(names: Iterable[str], site: Site) -> tuple[list[Contestant], list[str]]:
+    """Those of the named contestants that can run here, and why the others cannot."""
+    found, notes = [], []
+    for name in names:
+        try:
+            found.append(FINDERS[name](site))
+        except BenchError as error:
+            notes.append(f"{name} left out: {error}")
+    return found, notes

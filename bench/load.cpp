@@ -1,0 +1,143 @@
+// Offers load: datagrams to a UDP port, or samples on the topic rt/drive_motor.
+//
+//   load udp PORT DATAGRAM_HEX HIGH_OFFSET LOW_OFFSET
+//   load dds
+//
+// Each line "RATE SECONDS" on stdin offers RATE a second (0: as many as possible) for so long, then prints what was
+// sent, as JSON. Every datagram and sample carries the moment at which it was sent (Stamp).
+#include "cyclone.hpp"
+#include "messages.h"
+
+#include <arpa/inet.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+using Send = std::function<void(int count)>;
+constexpr int batch = 64;
+constexpr int64_t burst_ns = 1'000'000;  // a paced load sends what is due once a millisecond
+
+std::vector<uint8_t> bytes_of(const std::string& hex) {
+  std::vector<uint8_t> bytes;
+  for (size_t i = 0; i < hex.size(); i += 2) bytes.push_back(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+// Copies of one datagram, sent by one system call so that a single core can offer several 100,000 a second.
+class Datagrams {
+ public:
+  Datagrams(int port, const std::vector<uint8_t>& datagram, int high_offset, int low_offset)
+      : high_offset_(high_offset), low_offset_(low_offset) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socket_ = checked(socket(AF_INET, SOCK_DGRAM, 0), "socket");
+    checked(connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), "connect");
+    copies_.fill(datagram);
+    for (int i = 0; i < batch; ++i) {
+      vectors_[i] = {copies_[i].data(), copies_[i].size()};
+      messages_[i].msg_hdr = {nullptr, 0, &vectors_[i], 1, nullptr, 0, 0};
+    }
+  }
+
+  void send(int count) {
+    for (int i = 0; i < count; ++i) {
+      const Stamp stamp = Stamp::now();
+      std::memcpy(&copies_[i][high_offset_], &stamp.high, sizeof stamp.high);
+      std::memcpy(&copies_[i][low_offset_], &stamp.low, sizeof stamp.low);
+    }
+    for (int sent = 0; sent < count;) {
+      sent += checked(sendmmsg(socket_, &messages_[sent], count - sent, 0), "sendmmsg");
+    }
+  }
+
+ private:
+  int socket_, high_offset_, low_offset_;
+  std::array<std::vector<uint8_t>, batch> copies_;
+  std::array<iovec, batch> vectors_;
+  std::array<mmsghdr, batch> messages_{};
+};
+
+Send samples() {
+  const dds_entity_t participant = ros_participant();
+  const dds_entity_t topic = checked(
+      dds_create_topic(participant, &comms_msg_dds__DrivingBoardMotorMessage__desc, "rt/drive_motor", nullptr, nullptr),
+      "dds_create_topic");
+  const dds_entity_t writer = checked(dds_create_writer(participant, topic, ros_qos(10), nullptr), "dds_create_writer");
+  return [writer](int count) {
+    for (int i = 0; i < count; ++i) {
+      const Stamp stamp = Stamp::now();
+      const comms_msg_dds__DrivingBoardMotorMessage_ sample{stamp.high, stamp.low};
+      checked(dds_write(writer, &sample), "dds_write");
+    }
+  };
+}
+
+void sleep_until(int64_t ns) {
+  const timespec moment{ns / 1'000'000'000, ns % 1'000'000'000};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &moment, nullptr);
+}
+
+int64_t flood(const Send& send, int64_t end) {
+  int64_t sent = 0;
+  for (; monotonic_ns() < end; sent += batch) send(batch);
+  return sent;
+}
+
+// A board keeps its pace whatever the bridge's computer does, so the load asks for real-time priority while it is
+// paced; where that is not permitted, it goes without. A flood takes no more than its share of the processor.
+void prefer_this_thread(bool paced) {
+  sched_param priority{};
+  priority.sched_priority = paced ? 1 : 0;
+  sched_setscheduler(0, paced ? SCHED_FIFO : SCHED_OTHER, &priority);
+}
+
+// Late, it shifts its schedule instead of catching up by a burst, which would overflow a buffer that its pace does not.
+int64_t pace(const Send& send, double rate, int64_t start, int64_t end) {
+  int64_t sent = 0, next = start;
+  for (int64_t tick = 1; tick <= (end - start) / burst_ns; ++tick) {
+    const auto due = static_cast<int64_t>(rate * tick * burst_ns / 1e9);
+    while (sent < due) {
+      const int count = std::min<int64_t>(batch, due - sent);
+      send(count);
+      sent += count;
+    }
+    next = std::max(next + burst_ns, monotonic_ns());
+    sleep_until(next);
+  }
+  return sent;
+}
+
+int main(int count, char** words) {
+  const std::vector<std::string> arguments(words + 1, words + count);
+  Send send;
+  if (arguments.size() == 5 && arguments[0] == "udp") {
+    auto datagrams = std::make_shared<Datagrams>(std::stoi(arguments[1]), bytes_of(arguments[2]),
+                                                 std::stoi(arguments[3]), std::stoi(arguments[4]));
+    send = [datagrams](int wanted) { datagrams->send(wanted); };
+  } else if (arguments.size() == 1 && arguments[0] == "dds") {
+    send = samples();
+  } else {
+    std::cerr << "load udp PORT DATAGRAM_HEX HIGH_OFFSET LOW_OFFSET | load dds\n";
+    return 2;
+  }
+  prctl(PR_SET_TIMERSLACK, 1);
+  for (double rate, seconds; std::cin >> rate >> seconds;) {
+    prefer_this_thread(rate > 0);
+    const int64_t start = monotonic_ns(), end = start + static_cast<int64_t>(seconds * 1e9);
+    const int64_t sent = rate > 0 ? pace(send, rate, start, end) : flood(send, end);
+    const double lasted = (monotonic_ns() - start) / 1e9;
+    std::cout << "{\"sent\": " << sent << ", \"seconds\": " << lasted << "}" << std::endl;
+  }
+  if (arguments[0] == "dds") dds_delete(DDS_CYCLONEDDS_HANDLE);  // so that readers forget this writer now
+}

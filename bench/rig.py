@@ -1,0 +1,184 @@
+"""One measuring point: a bridge, load on one side of it, an observer or sinks on the other."""
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from bench.contestants import Contestant, Ports
+from bench.lab import Lab
+from bench.process import QUIET_SECONDS, Child, udp_socket, wait_until_bound, wait_until_quiet
+from bench.wire import IMU_STAMP, MOTOR_STAMP, imu_datagram
+
+WARM_UP_RATE = 1000
+WARM_UP_SECONDS = 0.2
+MATCH_SECONDS = 20.0
+PACE_KEPT = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A way to run the bridge. `observed`: somebody subscribes to what it publishes; outbound always is."""
+
+    name: str
+    heading: str
+    outbound: bool = False
+    observed: bool = False
+    forwards: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Offered:
+    """The load's answer: how many it sent, and how long that took."""
+
+    sent: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """What one contestant did with one load. `rate` is what was asked of the load, per second; None is a flood."""
+
+    setting: str
+    contestant: str
+    rate: float | None
+    sent: int
+    sending_seconds: float
+    delivered: int
+    seconds: float  # from the first datagram until everything had come to rest
+    cpu_seconds: float
+    kernel_drops: int  # at the bridge's socket, whose buffer was full
+    p50_us: float | None
+    p99_us: float | None
+
+    @property
+    def offered_per_second(self) -> float:
+        """What the load really offered."""
+        return self.sent / self.sending_seconds
+
+    @property
+    def delivered_per_second(self) -> float:
+        """What came out at the other end."""
+        return self.delivered / self.seconds
+
+    @property
+    def cpu_us(self) -> float:
+        """CPU time for a datagram that came out, of the bridge's whole process, kernel included."""
+        return self.cpu_seconds / self.delivered * 1e6 if self.delivered else float("nan")
+
+    @property
+    def lost(self) -> int:
+        """How many did not come out."""
+        return self.sent - self.delivered
+
+    @property
+    def kept_up(self) -> bool:
+        """Whether load and bridge kept the pace: what a bridge puts off until the load has ended, it cannot carry."""
+        behind = self.seconds - self.sending_seconds
+        on_pace = self.rate is not None and self.offered_per_second >= self.rate * PACE_KEPT
+        return on_pace and behind <= (1 - PACE_KEPT) * self.sending_seconds + QUIET_SECONDS
+
+    @property
+    def lossless(self) -> bool:
+        """Whether all came out, at the pace at which it came in."""
+        return self.lost == 0 and self.kept_up
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """The surroundings of a bridge in one setting; bridges come and go in it."""
+
+    lab: Lab
+    setting: Setting
+    ports: Ports
+    load: Child
+    observer: Child | None
+
+    def measure(self, contestant: Contestant, rate: float | None, seconds: float) -> Point:
+        """Start the bridge, warm it up, offer the load, and wait until everything has come to rest."""
+        command = contestant.command(self.ports, self.setting.forwards)
+        with self.lab.start(contestant, command) as child:
+            wait_until_bound(child, self.ports.listen)
+            warmed = self._warm_up(child)
+            used, began = child.cpu_seconds(), time.monotonic()
+            offered = self._offer(rate, seconds)
+            rested = self._rest(child)
+            used = child.cpu_seconds() - used
+            state = udp_socket(self.ports.listen)
+            arrived = self.observer.ask("") if self.observer else None
+            counts = child.stop()
+        ages: dict[str, Any] = counts if arrived is None else arrived
+        return Point(
+            setting=self.setting.name,
+            contestant=contestant.name,
+            rate=rate,
+            sent=offered.sent,
+            sending_seconds=offered.seconds,
+            delivered=contestant.handled(counts) - warmed if arrived is None else arrived["received"],
+            seconds=max(rested - began, offered.seconds),
+            cpu_seconds=used,
+            kernel_drops=state.drops if state else 0,
+            p50_us=ages.get("p50_us"),
+            p99_us=ages.get("p99_us"),
+        )
+
+    def _offer(self, rate: float | None, seconds: float) -> Offered:
+        return Offered(**self.load.ask(f"{rate or 0} {seconds}"))
+
+    def _rest(self, child: Child) -> float:
+        return wait_until_quiet([child, self.observer] if self.observer else [child], self.ports.listen)
+
+    def _warm_up(self, child: Child) -> int:
+        """Send until the way through is open (DDS needs a moment to match) and the code warm; return how many."""
+        sent, deadline = 0, time.monotonic() + MATCH_SECONDS
+        while self.observer:
+            sent += self._offer(WARM_UP_RATE, 0.02).sent
+            if self.observer.ask("")["received"]:
+                break
+            child.check_running()
+            if time.monotonic() > deadline:
+                raise child.failure(f"let nothing through within {MATCH_SECONDS:g} s")
+        sent += self._offer(WARM_UP_RATE, WARM_UP_SECONDS).sent
+        self._rest(child)
+        if self.observer:
+            self.observer.ask("")
+        return sent
+
+
+@contextmanager
+def open_rig(lab: Lab, setting: Setting) -> Iterator[Rig]:
+    """Start load, observer and sinks of a setting."""
+    with ExitStack() as stack:
+        sinks = [stack.enter_context(_sink()) for _ in range(2)]
+        a, b = (sink.getsockname()[1] for sink in sinks)
+        listen = _free_port()
+        if setting.outbound:
+            b = _free_port()
+            load = lab.tool("load", "dds")
+            observer: Child | None = lab.tool("observe", "udp", b, MOTOR_STAMP.high, MOTOR_STAMP.low)
+        else:
+            load = lab.tool("load", "udp", listen, imu_datagram().hex(), IMU_STAMP.high, IMU_STAMP.low)
+            observer = lab.tool("observe", "dds") if setting.observed else None
+        stack.enter_context(load)
+        if observer:
+            stack.enter_context(observer)
+        yield Rig(lab, setting, Ports(listen, a, b), load, observer)
+
+
+def _sink() -> socket.socket:
+    """A bound socket that nobody reads, with the smallest buffer: it stands for another computer.
+
+    A port on which nobody listens would answer every datagram with an ICMP error, and that costs.
+    """
+    sink = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sink.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 0)
+    sink.bind(("127.0.0.1", 0))
+    return sink
+
+
+def _free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,59 @@
+"""What Cyclone DDS can do and its Python package does not offer: the one place that reaches beneath its public API.
+
+- *Raw writes*: `DataWriter.write` asks a sample object for bytes; here the bytes are there already.
+- *Batching*: a writer that collects samples until it is flushed, then sends them in one packet. The packet, and waking
+  the subscriber for it, cost several times as much as everything else that is done for a sample.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any
+
+from cyclonedds._clayer import ddspy_write
+from cyclonedds.internal import DDS, dds_c_t
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import BasePolicy, _CQos
+
+_library: Any = DDS._dll_handle
+_flush = _library.dds_write_flush
+_flush.argtypes, _flush.restype = (dds_c_t.entity,), dds_c_t.returnv
+_set_batching = _library.dds_qset_writer_batching
+_set_batching.argtypes, _set_batching.restype = (dds_c_t.qos_p, ctypes.c_bool), None
+
+_WORD = 4  # bytes; Cyclone DDS takes samples in whole words
+
+
+class WriterBatching(BasePolicy):  # type: ignore[no-untyped-call]  # its base declares no types
+    """The writer collects samples until it is flushed."""
+
+    __scope__ = "WriterBatching"
+
+
+def _set_policy(_: object, qos: Any, __: WriterBatching) -> None:
+    _set_batching(qos, True)
+
+
+# The package turns a policy into a call by the name of its scope.
+_CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defined]  # added here
+
+
+class RawWriter:
+    """Writes serialized samples through a writer that batches."""
+
+    def __init__(self, writer: DataWriter[Any]) -> None:
+        self._writer = writer  # which would delete itself where nobody held it
+        self._reference = writer._ref
+
+    def write(self, samples: Sequence[bytes]) -> int:
+        """Write samples and send them; returns how many were accepted, in order, before one was refused."""
+        reference = self._reference
+        accepted = 0
+        for sample in samples:
+            padding = -len(sample) % _WORD
+            if ddspy_write(reference, sample + bytes(padding) if padding else sample) < 0:
+                break
+            accepted += 1
+        _flush(reference)
+        return accepted
