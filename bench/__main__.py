@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging
+from bench import bridging, generation
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -15,7 +15,10 @@ from bench.report import draw, print_results, write_json
 from bench.result import SectionResult
 
 # A section is added by a module with such a function, and a line here.
-SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {"bridging": bridging.measure}
+SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
+    "bridging": bridging.measure,
+    "generation": generation.measure,
+}
 
 SECONDS, QUICK_SECONDS, SHORTEST_SECONDS = 1.0, 0.3, 0.1
 PLAIN_WIDTH = 120  # columns, where the output is not a terminal

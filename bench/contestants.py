@@ -87,7 +87,7 @@ def _cpp(site: Site) -> Contestant:
     def command(ports: Ports, forwards: bool) -> Sequence[str]:
         return (reference, str(ports.listen), str(ports.a), str(ports.b), str(int(forwards)))
 
-    return Contestant("cpp", "C++ with libprotobuf and Cyclone DDS", command)
+    return Contestant("cpp", "C++ with the system's libprotobuf and Cyclone DDS", command)
 
 
 def _handwritten(site: Site) -> Contestant:

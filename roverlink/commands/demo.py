@@ -76,9 +76,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _keep_to_ourselves() -> None:
-    """Stay on this host, and out of the ROS 2 domain of anyone else on it."""
+    """Stay on this host, and out of the ROS 2 domain of anyone else on it.
+
+    The ports of a domain above 100 are among those that Linux hands out to anybody.
+    """
     os.environ["ROS_LOCALHOST_ONLY"] = "1"
-    os.environ.setdefault("ROS_DOMAIN_ID", str(120 + os.getpid() % 80))
+    os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
 
 
 def _peer_socket() -> socket.socket:
