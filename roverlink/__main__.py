@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 from collections.abc import Sequence
 from typing import Any
 
-from roverlink.commands import demo, echo, generate, listen, pub, run, send
 from roverlink.console import OK, UNABLE, complain
 from runtime import ros_args
 from runtime.errors import RoverlinkError
 
-_COMMANDS = (generate, run, send, listen, echo, pub, demo)
+_COMMANDS = ("generate", "run", "send", "listen", "echo", "pub", "demo")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command. Returns 0 where all is well, 1 for findings or failed checks, 2 where it cannot run."""
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
-    arguments = _parser().parse_args(own)
+    arguments = _parser(own).parse_args(own)
     arguments.ros_args = ros
     try:
         code = int(arguments.run(arguments))
@@ -51,15 +51,17 @@ class _AnyOrderParser(argparse.ArgumentParser):
             self._in_any_order = True
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser; of the commands, only the one that is called is loaded, since the generator is slow to import."""
     parser = argparse.ArgumentParser(
         prog="roverlink",
         description="One table from protobuf over UDP to ROS 2 topics.",
         epilog="example: roverlink generate && roverlink run",
     )
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
-    for command in _COMMANDS:
-        command.add(commands)
+    called = [name for name in _COMMANDS if name in arguments[:1]]
+    for name in called or _COMMANDS:
+        importlib.import_module(f"roverlink.commands.{name}").add(commands)
     return parser
 
 
