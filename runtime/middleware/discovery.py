@@ -6,9 +6,8 @@ type is ``rmw_dds_common/msg/ParticipantEntitiesInfo``; its GIDs are 24 bytes up
 
 from __future__ import annotations
 
-import dataclasses
 import os
-from dataclasses import dataclass
+from dataclasses import make_dataclass
 from typing import Annotated, Any
 
 from cyclonedds.core import Entity
@@ -25,81 +24,41 @@ from runtime.middleware.dds_types import carrier_type, dds_qos
 
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
 _GUID_BYTES = 16
+_LONG_GID_BYTES = 24
 _QOS = Qos(durability="transient_local", depth=1)
 
 
-@dataclass(slots=True)
-class LongGid(Message):
-    """A GUID and eight zero bytes."""
-
-    __msgtype__ = "rmw_dds_common/msg/Gid"
-
-    data: Annotated[bytes, Length(_GUID_BYTES + 8)]
+def _message(name: str, fields: list[tuple[str, Any]]) -> Any:
+    """A message class of the package rmw_dds_common."""
+    return make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": f"rmw_dds_common/msg/{name}"})
 
 
-@dataclass(slots=True)
-class ShortGid(Message):
-    """A GUID."""
+class GraphTypes:
+    """The messages about the graph, with GIDs of one of the two sizes."""
 
-    __msgtype__ = "rmw_dds_common/msg/Gid"
-
-    data: Annotated[bytes, Length(_GUID_BYTES)]
-
-
-@dataclass(slots=True)
-class LongGidNode(Message):
-    """A node and its endpoints, up to Humble."""
-
-    __msgtype__ = "rmw_dds_common/msg/NodeEntitiesInfo"
-
-    node_namespace: Annotated[str, Bound(256)]
-    node_name: Annotated[str, Bound(256)]
-    reader_gid_seq: list[LongGid] = dataclasses.field(default_factory=list)
-    writer_gid_seq: list[LongGid] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class ShortGidNode(Message):
-    """A node and its endpoints, from Iron on."""
-
-    __msgtype__ = "rmw_dds_common/msg/NodeEntitiesInfo"
-
-    node_namespace: Annotated[str, Bound(256)]
-    node_name: Annotated[str, Bound(256)]
-    reader_gid_seq: list[ShortGid] = dataclasses.field(default_factory=list)
-    writer_gid_seq: list[ShortGid] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class LongGidParticipant(Message):
-    """A participant and its nodes, up to Humble."""
-
-    __msgtype__ = "rmw_dds_common/msg/ParticipantEntitiesInfo"
-
-    gid: LongGid
-    node_entities_info_seq: list[LongGidNode] = dataclasses.field(default_factory=list)
-
-
-@dataclass(slots=True)
-class ShortGidParticipant(Message):
-    """A participant and its nodes, from Iron on."""
-
-    __msgtype__ = "rmw_dds_common/msg/ParticipantEntitiesInfo"
-
-    gid: ShortGid
-    node_entities_info_seq: list[ShortGidNode] = dataclasses.field(default_factory=list)
+    def __init__(self, gid_bytes: int) -> None:
+        name = Annotated[str, Bound(256)]
+        self.gid = _message("Gid", [("data", Annotated[bytes, Length(gid_bytes)])])
+        gids = list.__class_getitem__(self.gid)
+        self.node = _message(
+            "NodeEntitiesInfo",
+            [("node_namespace", name), ("node_name", name), ("reader_gid_seq", gids), ("writer_gid_seq", gids)],
+        )
+        nodes = list.__class_getitem__(self.node)
+        self.participant = _message("ParticipantEntitiesInfo", [("gid", self.gid), ("node_entities_info_seq", nodes)])
 
 
 class GraphAnnouncer:
     """Keeps the ROS 2 graph told of one node and its endpoints."""
 
     def __init__(self, participant: DomainParticipant, node: NodeIdentity) -> None:
-        self._long = os.environ.get("ROS_DISTRO", "humble") in _LONG_GID_DISTRIBUTIONS
+        long = os.environ.get("ROS_DISTRO", "humble") in _LONG_GID_DISTRIBUTIONS
+        self._gid_bytes = _LONG_GID_BYTES if long else _GUID_BYTES
+        self._types = GraphTypes(self._gid_bytes)
         self._participant, self._node = participant, node
         self._readers: list[Any] = []
         self._writers: list[Any] = []
-        carrier = carrier_type(LongGidParticipant if self._long else ShortGidParticipant)
-        topic = Topic(participant, "ros_discovery_info", carrier)
+        topic = Topic(participant, "ros_discovery_info", carrier_type(self._types.participant))
         self._entity: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
         self._writer = RawWriter(self._entity)
         self._announce()
@@ -114,14 +73,10 @@ class GraphAnnouncer:
         self._writers.append(self._gid(writer))
         self._announce()
 
-    def _gid(self, entity: Entity) -> LongGid | ShortGid:
-        guid = entity.guid.bytes
-        return LongGid(guid + bytes(8)) if self._long else ShortGid(guid)
+    def _gid(self, entity: Entity) -> Any:
+        """A GUID, and zeros up to the size of a GID."""
+        return self._types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
 
     def _announce(self) -> None:
-        node_type, participant_type = (
-            (LongGidNode, LongGidParticipant) if self._long else (ShortGidNode, ShortGidParticipant)
-        )
-        node: Any = node_type(self._node.namespace, self._node.name, self._readers, self._writers)
-        participant: Any = self._gid(self._participant)
-        self._writer.write([cdr.encode(participant_type(participant, [node]))])
+        node = self._types.node(self._node.namespace, self._node.name, self._readers, self._writers)
+        self._writer.write([cdr.encode(self._types.participant(self._gid(self._participant), [node]))])
