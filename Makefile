@@ -4,16 +4,19 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 HAND_WRITTEN := generator runtime roverlink bench tests
 
-.PHONY: help demo test lint bench generate clean
+.PHONY: help demo test test-slow lint bench generate clean
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
 demo: $(VENV)/ready  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
 
 test: $(VENV)/ready-dev  ## the tests
 	$(BIN)/pytest -n auto
+
+test-slow: $(VENV)/ready-dev  ## the tests that take minutes
+	$(BIN)/pytest -n auto -m slow
 
 lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, and whether generated/ is what mapping.yaml says
 	$(BIN)/ruff check .

@@ -11,15 +11,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ir
-from generator.findings import FindingsError, Rule, Span
+from generator.findings import FindingsError, Rule, Severity, Span
 
-UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger")
+UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
+BROKEN_LEDGER = Rule("LED102", "broken-ledger")
 
 NAME = "mapping.lock"
 _HEADER = """\
 # The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
 # Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
 """
+_CONFLICT_END = ">>>>>>>"
+_CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
 _ENTRY = re.compile(r"  (?P<number>[0-9]+): (?P<name>\w+) (?P<proto>[\w.]+)(?P<retired> retired)?")
 
 
@@ -31,6 +34,8 @@ class Entry:
     name: str
     proto: str
     retired: bool
+    contested: bool
+    """Whether it stands on one side of a merge conflict: published by one branch, not by both."""
     span: Span
 
 
@@ -53,26 +58,24 @@ def read(path: Path, name: str = NAME) -> Ledger:
     except (OSError, UnicodeError) as error:
         raise FindingsError([UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error}")]) from error
     entries: dict[tuple[int, str, str], Entry] = {}
-    in_numbers = False
+    in_numbers = in_conflict = False
     for index, line in enumerate(lines, 1):
-        if not line.startswith(" "):
-            in_numbers = line == "numbers:" or (in_numbers and _is_conflict_marker(line))
+        if line.startswith(_CONFLICT_MARKERS):
+            in_conflict = not line.startswith(_CONFLICT_END)
+        elif not line.startswith(" "):
+            in_numbers = line == "numbers:"
         elif in_numbers:
-            entry = _entry(line, Span(name, index, 3))
+            entry = _entry(line, in_conflict, Span(name, index, 3))
             entries.setdefault((entry.number, entry.name, entry.proto), entry)
     return Ledger(tuple(sorted(entries.values(), key=lambda entry: (entry.number, entry.span))))
 
 
-def _is_conflict_marker(line: str) -> bool:
-    return line.startswith(("<<<<<<<", "|||||||", "=======", ">>>>>>>"))
-
-
-def _entry(line: str, span: Span) -> Entry:
+def _entry(line: str, contested: bool, span: Span) -> Entry:
     match = _ENTRY.fullmatch(line)
     if match is None:
         help = "restore the file from version control; it is only written by `roverlink generate`"
-        raise FindingsError([UNREADABLE_LEDGER.at(span, f"not an entry of the ledger: {line.strip()!r}", help)])
-    return Entry(int(match["number"]), match["name"], match["proto"], match["retired"] is not None, span)
+        raise FindingsError([BROKEN_LEDGER.at(span, f"not an entry of the ledger: {line.strip()!r}", help)])
+    return Entry(int(match["number"]), match["name"], match["proto"], match["retired"] is not None, contested, span)
 
 
 def render(bridge: ir.Bridge) -> str:

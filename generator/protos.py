@@ -285,7 +285,8 @@ class _FileReader:
         named = field.type_name.removeprefix(".")
         kind = _SCALARS[field.type]
         named_message = kind in ("message", "group")
-        presence = self._pool.FindFieldByName(f"{full_name}.{field.name}").has_presence
+        required = field.label == FieldDescriptorProto.LABEL_REQUIRED
+        presence = self._pool.FindFieldByName(f"{full_name}.{field.name}").has_presence and not required
         in_oneof = field.HasField("oneof_index") and not field.proto3_optional
         return ProtoField(
             number=field.number,

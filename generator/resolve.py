@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from generator import ir, naming
-from generator.findings import Finding, Rule, Span, nearest
+from generator.findings import Finding, Rule, Severity, Span, nearest
 from generator.protos import DeclarationIndex, ProtoEnum, ProtoField, ProtoMessage, Schema
 from generator.table import EnumSettings, Row, Table
 
@@ -27,6 +27,7 @@ MESSAGE_NAME_TAKEN = Rule("CNV106", "message-name-taken")
 DISAGREEING_ROWS = Rule("CNV107", "rows-disagree-on-a-message")
 CONSTANT_NAME = Rule("CNV108", "constant-name")
 UNKNOWN_ENUM = Rule("CNV109", "unknown-enum")
+EXTENSIONS = Rule("CNV110", "extensions-not-carried", Severity.WARNING)
 UNIMPORTABLE_PROTO = Rule("PRO106", "unimportable-proto-path")
 
 _SCALARS = {
@@ -228,6 +229,8 @@ class _Resolver:
         package = self._package_of(message)
         shape = self._shapes.get(proto) or _Shape(naming.message_name(proto, package))
         self._claim(shape.ros, proto, shape.row.at("ros") if shape.row else message.span)
+        if message.extendable:
+            self._report(EXTENSIONS.at(message.span, f"extensions of {proto} are not carried: no ROS field takes them"))
         self._in_progress.append(proto)
         builder = _MessageBuilder(self, message, shape)
         builder.add_fields(message, ())
@@ -366,6 +369,9 @@ class _MessageBuilder:
     def _take_apart(self, field: ProtoField, path: tuple[str, ...]) -> None:
         """Fields of a nested message become fields of this one."""
         nested = self._resolver.schema.messages.get(field.type_name)
+        if field.optional:
+            message = f"{'.'.join(path)} is optional; taken apart, nothing would say whether it is set"
+            self._resolver.report(CANNOT_CONVERT.at(field.span, message, "let it be a message of its own"))
         if nested is None or field.repeated or field.oneof:
             at = self._shape.at("fields", ".".join(path), field.span)
             finding = UNKNOWN_FIELD.at(

@@ -142,6 +142,8 @@ class Bridge:
                 error = again
             else:
                 return True
+        else:
+            destination.look_up_each_time()
         self.account.unsent[destination.peer] += 1
         self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
         return False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING
 
-from google.protobuf.message import DecodeError
+from google.protobuf.message import DecodeError, EncodeError
 
 from runtime import envelope
 from runtime.errors import ConversionError, DatagramError, Reason
@@ -68,7 +68,10 @@ class Translator:
         Raises `ConversionError` with route and field where a value does not fit.
         """
         payload = handler.from_cdr(cdr)
-        datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
+        try:
+            datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
+        except EncodeError as error:  # a `required` field of proto2 that nothing has set
+            raise ConversionError(f"{handler.route.name}: {error}") from error
         if self._registry.peers_by_name[handler.route.peer].strip_trailing_zeros:
             return envelope.strip_trailing_zeros(datagram)
         return datagram

@@ -40,13 +40,15 @@ def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
     try:
         _size_receive_buffer(sock, receive_buffer)
         sock.bind((address, port))
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
         sock.close()
         raise SetupError(_bind_failure(address, port, error)) from error
     return sock
 
 
-def _bind_failure(address: str, port: int, error: OSError) -> str:
+def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str:
+    if not isinstance(error, OSError):
+        return f"cannot listen on UDP port {port} of {address}: {error}"
     if error.errno == errno.EADDRINUSE:
         return f"UDP port {port} on {address} is in use by another program; stop it, or choose another listen_port"
     return f"cannot listen on UDP port {port} of {address}: {error.strerror}"
@@ -93,15 +95,24 @@ class Destination:
 
     def __init__(self, peer: str, address: tuple[str, int]) -> None:
         self.peer, self.address = peer, address
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.connect(address)  # spares the kernel a look-up for each datagram
-        self.send = self._socket.send
+        self._connected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._unconnected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.send: Callable[[bytes], int] = self._connected.send
         """Send one datagram. Raises `OSError` where the network refuses it: with `ConnectionRefusedError`, where nobody
         received an earlier one."""
+        try:
+            self._connected.connect(address)  # spares the kernel a look-up for each datagram
+        except OSError:
+            self.look_up_each_time()
+
+    def look_up_each_time(self) -> None:
+        """Let the kernel find the way anew for each datagram: the network has changed, or is not there yet."""
+        self.send = lambda datagram: self._unconnected.sendto(datagram, self.address)
 
     def close(self) -> None:
-        """Give the socket back."""
-        self._socket.close()
+        """Give the sockets back."""
+        self._connected.close()
+        self._unconnected.close()
 
     def __str__(self) -> str:
         return f"{self.peer} at {self.address[0]}:{self.address[1]}"
@@ -120,6 +131,7 @@ class Receiver:
         self._handle = handle
         self._read = _reader(sock, size)
         self._wake, self._woken = socket.socketpair()
+        self._wake.setblocking(False)
         self._stopping = False
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
@@ -137,7 +149,8 @@ class Receiver:
     def stop(self) -> None:
         """Ask the thread to drain the socket and end. May be called from a signal handler, and more than once."""
         self._stopping = True
-        self._wake.send(b"\0")
+        with contextlib.suppress(OSError):  # it was told so often that no more fits, or it has ended
+            self._wake.send(b"\0")
 
     def join(self) -> None:
         """Wait until the thread ends. Raises what the function raised, where that ended it."""

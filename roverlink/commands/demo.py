@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages crossed, {crossed} times in all; "
         f"{rig.forwarded} datagrams were forwarded raw"
     )
-    console.print("the bridge says: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), highlight=False)
+    console.print("the bridge says: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), soft_wrap=True)
     if missing:
         console.print(f"[red]did not cross: {', '.join(missing)}")
     return FINDINGS if missing else OK
@@ -177,3 +177,5 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
                     console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages have crossed")
             time.sleep(_TICK_S)
         live.update(crossings.table(rig.crossings, title), refresh=True)
+    if not console.is_terminal:
+        console.print()  # there, the last table ends without a line break

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     messages = len(compiled.bridge.routes)
-    print(f"{len(changes)} of {len(compiled.files)} files written for {messages} messages")
+    print(f"{len(changes)} changes in {len(compiled.files)} files for {messages} messages")
     return OK
 
 
@@ -52,7 +52,7 @@ def _check(table: Path, changes: list[generator.Change]) -> int:
     for change in changes:
         sys.stdout.write(change.diff())
     if changes:
-        print(f"{len(changes)} files are not what {table} says; run `roverlink generate`", file=sys.stderr)
+        print(f"{len(changes)} of the files differ from what {table} says; run `roverlink generate`", file=sys.stderr)
         return FINDINGS
     print(f"everything is what {table} says")
     return OK

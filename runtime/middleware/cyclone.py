@@ -3,6 +3,8 @@
 - *Raw writes*: `DataWriter.write` asks a sample object for bytes; here the bytes are there already.
 - *Batching*: a writer that collects samples until it is flushed, then sends them in one packet. The packet, and waking
   the subscriber for it, cost several times as much as everything else that is done for a sample.
+- *Deleting*: the package deletes an entity when nothing refers to it any more, which at the end of a program is never;
+  others would then see it for ten more seconds.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cyclonedds._clayer import ddspy_write
+from cyclonedds.core import Entity
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import BasePolicy, _CQos
@@ -21,6 +24,9 @@ _flush = _library.dds_write_flush
 _flush.argtypes, _flush.restype = (dds_c_t.entity,), dds_c_t.returnv
 _set_batching = _library.dds_qset_writer_batching
 _set_batching.argtypes, _set_batching.restype = (dds_c_t.qos_p, ctypes.c_bool), None
+
+_delete = _library.dds_delete
+_delete.argtypes, _delete.restype = (dds_c_t.entity,), dds_c_t.returnv
 
 _WORD = 4  # bytes; Cyclone DDS takes samples in whole words
 
@@ -57,3 +63,8 @@ class RawWriter:
             accepted += 1
         _flush(reference)
         return accepted
+
+
+def delete(entity: Entity) -> None:
+    """Delete an entity, and all that was made from it, now."""
+    _delete(entity._ref)

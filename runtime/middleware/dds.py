@@ -26,7 +26,7 @@ from runtime.errors import MiddlewareError
 from runtime.handler import Qos
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
-from runtime.middleware.cyclone import RawWriter
+from runtime.middleware.cyclone import RawWriter, delete
 from runtime.middleware.dds_types import carrier_type, dds_qos
 from runtime.middleware.discovery import GraphAnnouncer
 
@@ -95,6 +95,7 @@ class DdsMiddleware:
     ) -> None:
         self._stopped.set(True)
         self._thread.join()
+        delete(self._participant)
 
     def _topic(self, topic: str, carrier: type[Any]) -> Topic[Any]:
         return Topic(self._participant, f"rt{topic}", carrier)

@@ -1,0 +1,107 @@
+"""docs/mapping.md lists what the generator knows: no key, default or finding is missing, and none is too many."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from page import ROOT, blocks
+
+import generator
+from generator import compile_table, read
+from generator.findings import Rule
+from generator.table_format import TABLE, ListOf, MapOf, Object, Type
+
+_PAGE = ROOT / "docs" / "mapping.md"
+_SMALLEST = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: probe_msgs}
+peers: {drill: {}}
+messages:
+  - {number: 1, name: report, proto: ProbeReport, topic: report, direction: drill_to_ros}
+"""
+
+
+def _rows(columns: int) -> list[list[str]]:
+    """The cells of every table of the page that has so many columns, without the headings."""
+    lines = [line for line in _PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    rows = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines if "---" not in line]
+    return [row for row in rows if len(row) == columns and row[0] not in ("key", "id")]
+
+
+def _documented_keys() -> dict[str, str]:
+    """Each key of the page, with what stands for its default."""
+    return {row[0].strip("`"): row[3] for row in _rows(4) if row[0].startswith("`")}
+
+
+def _keys(type: Type, path: str = "") -> Iterator[tuple[str, bool]]:
+    """Each key of the format with its path, and whether it is required."""
+    if isinstance(type, Object):
+        for name, key in type.keys.items():
+            full = f"{path}.{name}" if path else name
+            yield full, key.required
+            yield from _keys(key.type, full)
+    elif isinstance(type, ListOf):
+        yield from _keys(type.item, f"{path}[]")
+    elif isinstance(type, MapOf) and isinstance(type.value, Object):
+        yield from _keys(type.value, f"{path}.<{ {'peers': 'peer', 'enums': 'enum'}[path] }>")
+
+
+def _rules() -> Iterator[Rule]:
+    """Every rule that a module of the generator defines."""
+    for module in pkgutil.walk_packages(generator.__path__, "generator."):
+        yield from (value for value in vars(importlib.import_module(module.name)).values() if isinstance(value, Rule))
+
+
+def test_every_key_of_the_format_is_documented() -> None:
+    """The page has the keys of the format, all of them and no other, and says which are required."""
+    documented = {key: default == "required" for key, default in _documented_keys().items()}
+
+    assert documented == dict(_keys(TABLE))
+
+
+def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
+    """A table without any optional key reads as the page says."""
+    (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
+    table = read.read(tmp_path / "mapping.yaml")
+    row, peer = table.rows[0], table.peers[0]
+    documented = {key: default.split(",")[0].strip("`") for key, default in _documented_keys().items()}
+
+    assert documented["envelope.owner"] == table.envelope.owner
+    assert documented["peers.<peer>.parameter"] == peer.parameter
+    assert documented["peers.<peer>.port"] == str(peer.port)
+    assert documented["peers.<peer>.strip_trailing_zeros"] == str(peer.strip_trailing_zeros).lower()
+    assert documented["messages[].queue"] == documented["messages[].qos.depth"] == str(row.qos.depth)
+    assert documented["messages[].qos.reliability"] == row.qos.reliability
+    assert documented["messages[].qos.durability"] == row.qos.durability
+    assert documented["messages[].qos.history"] == row.qos.history
+    assert row.ros == "ProbeReport"
+    nothing = {"proto.exclude": table.proto.exclude, "retired": table.retired, "enums": table.enums}
+    nothing |= {"messages[].fields": row.fields, "messages[].ignore": row.ignore, "messages[].forward": row.forward}
+    assert {key: documented[key] for key in nothing if not nothing[key]} == dict.fromkeys(nothing, "none")
+
+
+def test_every_finding_is_documented() -> None:
+    """The page has the id, name and severity of every rule of the generator, all of them and no other."""
+    documented = [tuple(row[:3]) for row in _rows(4) if re.fullmatch(r"[A-Z]{3}[0-9]{3}", row[0])]
+
+    assert sorted(documented) == sorted({(rule.id, rule.name, rule.severity.value) for rule in _rules()})
+
+
+def test_the_example_of_the_conversions_is_what_generate_writes(tmp_path: Path) -> None:
+    """The proto on the page becomes the message on the page."""
+    shown = {block.language: block.text for block in blocks(_PAGE, "What a proto construct becomes")}
+    (tmp_path / "proto").mkdir()
+    (tmp_path / "proto" / "probe.proto").write_text(shown["proto"], encoding="utf-8")
+    (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
+
+    files = compile_table(tmp_path / "mapping.yaml").files
+
+    written = files["generated/ros/probe_msgs/msg/ProbeReport.msg"]
+    assert written.partition("\n\n")[2] == shown["text"]
+    assert "generated/ros/probe_msgs/msg/ProbeReportLayer.msg" in files
