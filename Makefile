@@ -21,7 +21,7 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, and whether generated/ is what mapping.yaml says
 	$(BIN)/ruff check .
 	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
-	$(BIN)/black --quiet --check --diff --line-length 88 --extend-exclude '/pb2/' generated
+	$(BIN)/black --quiet --check --diff --line-length 88 generated
 	$(BIN)/mypy
 	$(BIN)/roverlink generate --check
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ir
-from generator.findings import FindingsError, Rule, Severity, Span
+from generator.findings import Finding, FindingsError, Rule, Severity, Span
 
 UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
 BROKEN_LEDGER = Rule("LED102", "broken-ledger")
@@ -23,7 +23,8 @@ _HEADER = """\
 """
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
-_ENTRY = re.compile(r"  (?P<number>[0-9]+): (?P<name>\w+) (?P<proto>[\w.]+)(?P<retired> retired)?")
+_ENTRY = re.compile(r"  (?P<number>[0-9]{1,9}): (?P<name>\w+) (?P<proto>[\w.]+)(?P<retired> retired)?")
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|  (message|enum) [\w.]+:|    .*)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,32 +50,35 @@ class Ledger:
 def read(path: Path, name: str = NAME) -> Ledger:
     """The ledger on disk; empty where there is none yet.
 
-    Raises `FindingsError` where it cannot be read, or where a line of its numbers is no entry.
+    Raises `FindingsError` where it cannot be read, or where a line is none of the ledger's.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
         return Ledger()
-    except (OSError, UnicodeError) as error:
-        raise FindingsError([UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error}")]) from error
+    except OSError as error:
+        raise FindingsError([UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}")]) from error
+    except UnicodeError as error:
+        raise FindingsError([UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8: {error}")]) from error
     entries: dict[tuple[int, str, str], Entry] = {}
-    in_numbers = in_conflict = False
+    broken: list[Finding] = []
+    in_conflict = False
     for index, line in enumerate(lines, 1):
+        span = Span(name, index, len(line) - len(line.lstrip()) + 1)
         if line.startswith(_CONFLICT_MARKERS):
             in_conflict = not line.startswith(_CONFLICT_END)
-        elif not line.startswith(" "):
-            in_numbers = line == "numbers:"
-        elif in_numbers:
-            entry = _entry(line, in_conflict, Span(name, index, 3))
+        elif match := _ENTRY.fullmatch(line):  # in whatever section: a conflict may reach over both
+            entry = _entry(match, in_conflict, span)
             entries.setdefault((entry.number, entry.name, entry.proto), entry)
+        elif not _OTHER_LINE.fullmatch(line):
+            help = "restore the file from version control; it is only written by `roverlink generate`"
+            broken.append(BROKEN_LEDGER.at(span, f"not a line of the ledger: {line.strip()!r}", help))
+    if broken:
+        raise FindingsError(broken)
     return Ledger(tuple(sorted(entries.values(), key=lambda entry: (entry.number, entry.span))))
 
 
-def _entry(line: str, contested: bool, span: Span) -> Entry:
-    match = _ENTRY.fullmatch(line)
-    if match is None:
-        help = "restore the file from version control; it is only written by `roverlink generate`"
-        raise FindingsError([BROKEN_LEDGER.at(span, f"not an entry of the ledger: {line.strip()!r}", help)])
+def _entry(match: re.Match[str], contested: bool, span: Span) -> Entry:
     return Entry(int(match["number"]), match["name"], match["proto"], match["retired"] is not None, contested, span)
 
 

@@ -8,7 +8,7 @@ import re
 _MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*")
 _PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _FIELD = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
-_CONSTANT = re.compile(r"[A-Z]([A-Z0-9_]?[A-Z0-9]+)*")
+_CONSTANT = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TOPIC = re.compile(r"(/|~/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
@@ -54,6 +54,15 @@ def camel_case(name: str) -> str:
     'ImuInfo'
     """
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+def distinct(name: str) -> str:
+    """What is left of a field's name where capitals and underscores do not count, as in a class and in protobuf's JSON.
+
+    >>> distinct("imu_info") == distinct("ImuInfo")
+    True
+    """
+    return camel_case(name).lower()
 
 
 def message_name(proto: str, package: str) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
-from generator import ir, ledger, read, resolve, targets
+from generator import ir, ledger, naming, read, resolve, targets
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.protos import DeclarationIndex, Schema, compile_protos
 from generator.rules import lint
@@ -14,6 +17,9 @@ from generator.table import Table
 from generator.targets import envelope as envelope_target
 
 NO_PROTO_ROOT = Rule("PRO107", "no-proto-root")
+NO_ENVELOPE = Rule("PRO108", "no-envelope-file")
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +39,12 @@ def compile_table(table_path: Path) -> Compiled:
     """
     project = table_path.resolve().parent
     table = read.read(table_path, table_path.name)
-    index = _index(table, project)
-    published = ledger.read(project / ledger.NAME)
     findings: list[Finding] = []
-    files = resolve.locate(table, index, findings)
+    published = _collecting(findings, lambda: ledger.read(project / ledger.NAME)) or ledger.Ledger()
+    index = _collecting(findings, lambda: _index(table, project))
+    files = {} if index is None else resolve.locate(table, index, findings)
     envelope = resolve.resolve_envelope(table, files)
-    schema = _compile(table, project, envelope, files, findings)
+    schema = None if index is None else _collecting(findings, lambda: _compile(table, project, envelope))
     findings += lint(Subject(table, schema, published))
     bridge = None
     if schema is not None and envelope.message in schema.messages:
@@ -46,6 +52,15 @@ def compile_table(table_path: Path) -> Compiled:
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
     return Compiled(bridge, targets.emit(bridge, table.proto.root), tuple(in_order(findings)))
+
+
+def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
+    """What a phase gives; None, with its findings, where it cannot go on. The others still can."""
+    try:
+        return phase()
+    except FindingsError as error:
+        findings += error.findings
+        return None
 
 
 def _index(table: Table, project: Path) -> DeclarationIndex:
@@ -56,25 +71,35 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     return DeclarationIndex(root, table.proto.exclude, table.proto.root)
 
 
-def _compile(
-    table: Table, project: Path, envelope: ir.Envelope, files: dict[str, str], findings: list[Finding]
-) -> Schema | None:
-    """What protoc makes of the payloads and the envelope; None, with findings, where it refuses them."""
-    wanted = sorted({*files.values(), envelope.file})
+def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Schema:
+    """What protoc makes of the payloads and the envelope. Raises `FindingsError` where it refuses them."""
+    root = project / table.proto.root
+    wanted = sorted({*(member.file for member in envelope.members), envelope.file})
     overlay = {envelope.file: envelope_target.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
-    try:
-        return compile_protos(project / table.proto.root, wanted, overlay, table.proto.root)
-    except FindingsError as error:
-        findings += error.findings
-        return None
+    if not envelope.ours and not (root / envelope.file).is_file():
+        message = f"there is no {envelope.file} below {table.proto.root}"
+        raise FindingsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
+    return compile_protos(root, wanted, overlay, table.proto.root)
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
-    """The envelope without members that clash: the rules report those better than protoc does."""
-    taken: set[int | str] = {part for row in envelope.retired for part in (row.number, row.name)}
-    members = []
-    for member in envelope.members:
-        if not {member.number, member.name} & taken and not 19_000 <= member.number < 20_000:
-            taken |= {member.number, member.name}
-            members.append(member)
-    return ir.Envelope(envelope.file, envelope.message, envelope.oneof, True, tuple(members), envelope.retired)
+    """The envelope without what clashes: the rules report that better than protoc does."""
+    numbers: set[int] = set()
+    names: set[str] = set()
+    classes: set[str] = set()
+    retired = [row for row in envelope.retired if _is_new(row.number, numbers) and _is_new(row.name, names)]
+    members = [
+        member
+        for member in envelope.members
+        if member.name not in {*names, envelope.oneof}
+        and not 19_000 <= member.number < 20_000
+        and _is_new(member.number, numbers)
+        and _is_new(naming.distinct(member.name), classes)
+    ]
+    return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired))
+
+
+def _is_new(value: T, seen: set[T]) -> bool:
+    new = value not in seen
+    seen.add(value)
+    return new

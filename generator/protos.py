@@ -106,12 +106,13 @@ class Schema:
 # --- where is what declared -------------------------------------------------------------------------------------
 
 _TOKEN = re.compile(
-    r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
+    r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
 )
+_DEEPEST = 32  # protoc takes no more messages in messages
 
 
 class DeclarationIndex:
-    """Which file declares which message or enum, without compiling any."""
+    """Which file declares which message, without compiling any."""
 
     def __init__(self, root: Path, exclude: Iterable[str], shown_root: str) -> None:
         """``shown_root`` is how findings call the root. Raises `FindingsError` for a file that cannot be read."""
@@ -120,10 +121,10 @@ class DeclarationIndex:
         """Like `files`, of the excluded files."""
         self.files: dict[str, list[str]] = {}
         """The files, relative to the root, that declare a name."""
-        for path in sorted(root.rglob("*.proto")):
+        for path in sorted(root.rglob("[!.]*.proto")):  # a hidden file is an editor's
             name = path.relative_to(root).as_posix()
             target = self.excluded if name in excluded else self.files
-            for declared in declared_names(_read(path, f"{shown_root}/{name}")):
+            for declared in sorted(set(declared_names(_read(path, f"{shown_root}/{name}")))):
                 target.setdefault(declared, []).append(name)
 
 
@@ -135,7 +136,7 @@ def _read(path: Path, shown: str) -> str:
 
 
 def declared_names(text: str) -> Iterator[str]:
-    """The full names of the messages and enums that a .proto file declares, nested ones included."""
+    """The full names of the messages that a .proto file declares, nested ones included."""
     words = [word for word in _TOKEN.findall(text) if not word.startswith(("//", "/*"))]
     package = ""
     scopes: list[str] = []
@@ -143,9 +144,9 @@ def declared_names(text: str) -> Iterator[str]:
         if word == "package" and not scopes and words[index + 2 : index + 3] == [";"]:
             package = words[index + 1]
         elif word == "{":
-            declares = index >= 2 and words[index - 2] in ("message", "enum")
+            declares = index >= 2 and words[index - 2] == "message"
             scopes.append(words[index - 1] if declares else "")
-            if declares and all(scopes):
+            if declares and len(scopes) <= _DEEPEST and all(scopes):
                 yield ".".join([*filter(None, [package]), *scopes])
         elif word == "}" and scopes:
             scopes.pop()
@@ -167,42 +168,47 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target = over / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
-        _protoc([over] if overlay else [], root, files, out, result, shown_root)
+        folders = [over, root] if overlay else [root]
+        _protoc(folders, files, out, result, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
         extra = [name for name in own if name not in files]
         if extra:  # protoc generates modules for the files it is given, not for what they import
-            _protoc([over] if overlay else [], root, own, out, result, shown_root)
+            _protoc(folders, own, out, result, shown_root)
         modules = {
             path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
         }
     return _schema(compiled, modules, shown_root)
 
 
-def _protoc(overlays: list[Path], root: Path, files: Sequence[str], out: Path, result: Path, shown_root: str) -> None:
+def _protoc(folders: Sequence[Path], files: Sequence[str], out: Path, result: Path, shown_root: str) -> None:
     command = [sys.executable, "-m", "grpc_tools.protoc"]
-    command += [f"-I{folder}" for folder in (*overlays, root)]
+    command += [f"-I{folder}" for folder in folders]
     command += [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
     command += ["--include_imports", "--include_source_info", *files]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own interpreter
+    # In a folder of its own: protoc takes a name for a file of the folder that it runs in, where there is one.
+    done = subprocess.run(command, cwd=out, capture_output=True, text=True, check=False)  # noqa: S603  # our own Python
     if done.returncode:
-        raise FindingsError(_protoc_findings(done.stderr, shown_root))
+        raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))
 
 
 _PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
 
 
-def _protoc_findings(output: str, shown_root: str) -> Iterator[Finding]:
-    found = False
-    for line in output.splitlines():
-        match = _PROTOC_MESSAGE.fullmatch(line)
-        if match is None or match["text"].startswith("warning:"):
-            continue
-        found = True
-        span = Span(f"{shown_root}/{match['file']}", int(match["line"] or 0), int(match["column"] or 0))
-        yield DOES_NOT_COMPILE.at(span, match["text"])
-    if not found:
-        yield DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")
+def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Finding]:
+    """What protoc says; of the overlay, which is ours, only where there is nothing else to say."""
+    *overlays, root = (f"{folder}/" for folder in folders)  # it names a file by where it found it
+    matches = [match for line in output.splitlines() if (match := _PROTOC_MESSAGE.fullmatch(line))]
+    errors = [match for match in matches if not match["text"].startswith("warning:")]
+    theirs = [match for match in errors if not match["file"].startswith(tuple(overlays))]
+    places: dict[Span, list[str]] = {}
+    for match in theirs or errors:
+        file = match["file"].rpartition(root)[2]
+        span = Span(f"{shown_root}/{file}", int(match["line"] or 0), int(match["column"] or 0))
+        places.setdefault(span, []).append(match["text"])
+    if not places:
+        return [DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")]
+    return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
 
 
 # --- descriptors to our own words -------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, has_errors, nearest
+from generator.findings import Finding, FindingsError, Rule, Severity, Span, has_errors, in_order, nearest
 from generator.table import (
     EnumSettings,
     EnvelopeSettings,
@@ -37,6 +37,7 @@ CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
 
 _FIRST_PORT = 6000
 _DEFAULT_DEPTH = 10
+_LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
 
 
 @dataclass(slots=True)
@@ -72,10 +73,10 @@ def read(path: Path, name: str | None = None) -> Table:
     findings: list[Finding] = []
     item = _Reader(file, findings).value(_compose(path, file), TABLE, "the table")
     if has_errors(findings) or item is None:
-        raise FindingsError(findings)
+        raise FindingsError(in_order(findings))
     table = _table(file, item, findings)
     if findings:
-        raise FindingsError(findings)
+        raise FindingsError(in_order(findings))
     return table
 
 
@@ -93,6 +94,8 @@ def _compose(path: Path, file: str) -> Node:
         raise FindingsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
     except yaml.YAMLError as error:
         raise FindingsError([SYNTAX.at(Span(file), f"not YAML: {error}")]) from error
+    except RecursionError as error:
+        raise FindingsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
     if root is None:
         raise FindingsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
     return root
@@ -178,7 +181,19 @@ class _Reader:
             return None
         singular = {"messages": "a row of messages", "retired": "a row of retired"}.get(what, f"an item of {what}")
         items = [self.value(child, type.item, singular) for child in node.value]
-        return _Item(None, self._span(node), items=[item for item in items if item is not None])
+        if len(items) < type.least:
+            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is empty"))
+        item = _Item(None, self._span(node), items=[item for item in items if item is not None])
+        if isinstance(type.item, Text):
+            self._check_unique(item, what)
+        return item
+
+    def _check_unique(self, texts: _Item, what: str) -> None:
+        first: dict[str, Span] = {}
+        for item in texts.items:
+            if (before := first.setdefault(item.value, item.span)) is not item.span:
+                message = f"{what} holds {item.value!r} twice"
+                self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))
 
     def _scalar(self, node: Node, type: Text | Integer | Boolean, what: str) -> _Item | None:
         if not isinstance(node, ScalarNode):
@@ -194,20 +209,19 @@ class _Reader:
         return None if value is None else _Item(value, self._span(node))
 
     def _integer(self, node: ScalarNode, type: Integer, what: str) -> int | None:
-        if not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
-            if re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
+        if node.style or not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
+            if not node.style and re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
                 message = f"{what} is {node.value}, which YAML does not read as a decimal number"
                 help = "write it in decimal, without leading zeros"
                 self.findings.append(SURPRISING_SCALAR.at(self._span(node), message, help))
             else:
                 self._wrong(node, what, "a number")
             return None
-        value = int(node.value)
-        if not type.minimum <= value <= type.maximum:
+        if len(node.value) > _LONGEST_INTEGER or not type.minimum <= int(node.value) <= type.maximum:
             allowed = f"from {type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
-            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is {value}; it must be {allowed}"))
+            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is {node.value}; it must be {allowed}"))
             return None
-        return value
+        return int(node.value)
 
     def _boolean(self, node: ScalarNode, what: str) -> bool | None:
         if node.value not in ("true", "false") or node.style:
@@ -220,7 +234,8 @@ class _Reader:
             self._wrong(node, what, "a string")
             return None
         if node.tag != "tag:yaml.org,2002:str":
-            kind = {"bool": "true or false", "int": "a number", "float": "a number"}.get(node.tag[18:], node.tag[18:])
+            kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
+            kind = kinds.get(node.tag[18:], node.tag[18:])
             message = f"{what} is {node.value}, which YAML reads as {kind}, not as a string"
             self.findings.append(SURPRISING_SCALAR.at(self._span(node), message, f'quote it: "{node.value}"'))
             return None

@@ -6,9 +6,11 @@ What the table or a proto asks for, and this version cannot convert, is a findin
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import keyword
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 from generator import ir, naming
 from generator.findings import Finding, Rule, Severity, Span, nearest
@@ -28,7 +30,9 @@ DISAGREEING_ROWS = Rule("CNV107", "rows-disagree-on-a-message")
 CONSTANT_NAME = Rule("CNV108", "constant-name")
 UNKNOWN_ENUM = Rule("CNV109", "unknown-enum")
 EXTENSIONS = Rule("CNV110", "extensions-not-carried", Severity.WARNING)
+CONTRADICTING_PATHS = Rule("CNV111", "contradicting-paths")
 UNIMPORTABLE_PROTO = Rule("PRO106", "unimportable-proto-path")
+PAYLOAD_IN_ENVELOPE_FILE = Rule("PRO109", "payload-in-envelope-file")
 
 _SCALARS = {
     "double": "float64",
@@ -48,6 +52,7 @@ _SCALARS = {
 }
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
 _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
+_NEEDED_IN_CLASSES = frozenset({"bytes", "dataclasses", "list", "str"})
 
 
 # --- which file has it ------------------------------------------------------------------------------------------
@@ -58,10 +63,13 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
     files: dict[str, str] = {}
     for row in table.rows:
         declared = index.files.get(row.proto, [])
-        if len(declared) == 1:
-            files[row.proto] = declared[0]
-        else:
+        if len(declared) != 1:
             findings.append(_not_located(row, declared, index))
+        elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
+            message = f"{row.proto} is declared in {declared[0]}, which is written from {table.file}"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to a file of its own"))
+        else:
+            files[row.proto] = declared[0]
     return files
 
 
@@ -74,7 +82,7 @@ def _not_located(row: Row, declared: list[str], index: DeclarationIndex) -> Find
         file = index.excluded[row.proto][0]
         return EXCLUDED_PROTO.at(span, f"{row.proto} is declared in {file}, which proto.exclude leaves out")
     help = nearest(row.proto, index.files, "is its file below proto.root?")
-    return UNKNOWN_PROTO.at(span, f"no .proto file declares {row.proto}", help)
+    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {row.proto}", help)
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str]) -> ir.Envelope:
@@ -103,6 +111,7 @@ def resolve(table: Table, schema: Schema, envelope: ir.Envelope, findings: list[
     rows = {row.proto for row in table.rows}
     resolver.check_enums()
     findings += _unimportable(table, schema)
+    findings += _excluded(table, schema)
     messages, enums = _reachable(schema, envelope.message)
     return ir.Bridge(
         table=table.file,
@@ -128,6 +137,14 @@ def _unimportable(table: Table, schema: Schema) -> Iterator[Finding]:
         if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
             span = Span(f"{table.proto.root}/{file}")
             yield UNIMPORTABLE_PROTO.at(span, f"{bad[0]!r} in its path cannot be a Python module", "rename it")
+
+
+def _excluded(table: Table, schema: Schema) -> Iterator[Finding]:
+    """Files that the table leaves out, and that what it needs imports all the same."""
+    for path in table.proto.exclude:
+        if str(PurePosixPath(path)) in schema.files:
+            span = table.proto.at(f"exclude.{path}")
+            yield EXCLUDED_PROTO.at(span, f"{path} is left out, but what the rows name imports it")
 
 
 def _reachable(schema: Schema, root: str) -> tuple[set[str], set[str]]:
@@ -185,7 +202,7 @@ class _Resolver:
         self._table, self._schema, self._findings = table, schema, findings
         self._enum_settings = {enum.proto: enum for enum in table.enums}
         self._shapes = self._row_shapes()
-        self._names: dict[str, str] = {}
+        self._names: dict[str, tuple[str, str]] = {}
         self._in_progress: list[str] = []
         self.messages: dict[str, ir.RosMessage] = {}
         self.conversions: dict[str, ir.Conversion] = {}
@@ -228,7 +245,9 @@ class _Resolver:
             return self.conversions[proto]
         package = self._package_of(message)
         shape = self._shapes.get(proto) or _Shape(naming.message_name(proto, package))
-        self._claim(shape.ros, proto, shape.row.at("ros") if shape.row else message.span)
+        self._claim(shape.ros, proto, shape.row.ros_span if shape.row else message.span)
+        if any(keyword.iskeyword(part) for part in proto.split(".")):
+            self._report(CANNOT_CONVERT.at(message.span, f"{proto} {_BY_KEYWORD}", "rename it: no wire has its name"))
         if message.extendable:
             self._report(EXTENSIONS.at(message.span, f"extensions of {proto} are not carried: no ROS field takes them"))
         self._in_progress.append(proto)
@@ -248,22 +267,26 @@ class _Resolver:
         return outer
 
     def _claim(self, ros: str, source: str, span: Span) -> None:
-        """Two sources must not become ROS messages of one name."""
+        """Two sources must not become ROS messages of one name, nor of two whose files have one name."""
         if not naming.is_message_name(ros) and source not in self._shapes:  # a row's own name has a rule of its own
             self._report(
                 CANNOT_CONVERT.at(span, f"{source} cannot become the ROS message {ros!r}: ROS forbids the name")
             )
-        holder = self._names.setdefault(ros, source)
+        taken, holder = self._names.setdefault(naming.snake_case(ros), (ros, source))
         if holder != source:
-            help = "give one of their rows another `ros`"
-            self._report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, which {holder} is already", help))
+            why = (
+                f"which {holder} is already" if taken == ros else f"which is too much like {taken}, made from {holder}"
+            )
+            help = "give one of them another `ros`"
+            self._report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, {why}", help))
 
     def nested_type(self, field: ProtoField) -> str | None:
         """The ROS message of a message field; None, with a finding, where it cannot be one."""
         proto = field.type_name
         if proto in self._in_progress:
             cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
-            self._report(CANNOT_CONVERT.at(field.span, f"{field.name} makes a recursive message: {cycle}"))
+            help = "no ROS message holds itself: name the field under `ignore` of its row"
+            self._report(CANNOT_CONVERT.at(field.span, f"{field.name} makes a recursive message: {cycle}", help))
             return None
         if proto.startswith("google.protobuf."):
             help = "name the field under `ignore` of its row, or carry the value in fields of your own"
@@ -273,24 +296,24 @@ class _Resolver:
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
         """The table's settings of an enum that is a message of its own; that message is made."""
-        self.enums_used.add(enum.full_name)
         settings = self._enum_settings.get(enum.full_name)
-        if settings is not None and settings.ros not in self.messages:
-            self._claim(settings.ros, enum.full_name, settings.at("ros"))
-            if not _is_usable(settings.field):
-                finding = FIELD_NAME_FORBIDDEN.at(
-                    settings.at("field"), f"ROS forbids the field name {settings.field!r}"
-                )
-                self._report(finding)
-            type = ir.RosType(self.enum_type(enum))
-            self.messages[settings.ros] = ir.RosMessage(
-                settings.ros,
-                (ir.RosField(settings.field, type, ""),),
-                tuple(self.constants(enum, "")),
-                enum.comment,
-                enum.full_name,
-            )
+        if settings is not None and enum.full_name not in self.enums_used:
+            self._make_enum_message(enum, settings)
+        self.enums_used.add(enum.full_name)
         return settings
+
+    def _make_enum_message(self, enum: ProtoEnum, settings: EnumSettings) -> None:
+        self._claim(settings.ros, enum.full_name, settings.at("ros"))
+        if why := _unusable(settings.field):
+            message = f"{settings.field!r} cannot be a field of a ROS message: {why}"
+            self._report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message))
+        self.messages[settings.ros] = ir.RosMessage(
+            settings.ros,
+            (ir.RosField(settings.field, ir.RosType(self.enum_type(enum)), ""),),
+            tuple(self.constants(enum, "")),
+            enum.comment,
+            enum.full_name,
+        )
 
     def enum_type(self, enum: ProtoEnum) -> str:
         """The smallest ROS integer that holds every declared value; signed only where one is negative."""
@@ -307,7 +330,7 @@ class _Resolver:
             name = prefix + value.name
             if not naming.is_constant_name(name):
                 message = f"{enum.full_name}.{value.name} cannot be a constant: ROS wants capitals, digits and single _"
-                self._report(CONSTANT_NAME.at(enum.span, message))
+                self._report(CONSTANT_NAME.at(enum.span, message, "rename it: no wire has its name"))
             yield ir.RosConstant(name, type, value.number, value.comment)
 
     @property
@@ -320,8 +343,16 @@ class _Resolver:
         self._report(finding)
 
 
-def _is_usable(name: str) -> bool:
-    return naming.is_field_name(name) and not keyword.iskeyword(name)
+_BY_KEYWORD = "is named by a keyword of Python, so that generated code cannot reach it"
+
+
+def _unusable(name: str) -> str:
+    """Why a ROS field cannot have a name; empty where it can."""
+    if keyword.iskeyword(name):
+        return "it is a keyword of Python"
+    if name in _NEEDED_IN_CLASSES:
+        return "the generated class needs Python's own"
+    return "" if naming.is_field_name(name) else "lower case, digits, single underscores"
 
 
 class _MessageBuilder:
@@ -373,34 +404,52 @@ class _MessageBuilder:
             message = f"{'.'.join(path)} is optional; taken apart, nothing would say whether it is set"
             self._resolver.report(CANNOT_CONVERT.at(field.span, message, "let it be a message of its own"))
         if nested is None or field.repeated or field.oneof:
-            at = self._shape.at("fields", ".".join(path), field.span)
-            finding = UNKNOWN_FIELD.at(
-                at, f"{'.'.join(path)} is no single message, so that no field in it can be named"
-            )
-            self._resolver.report(finding)
-            return
-        self.add_fields(nested, path)
+            self._report_paths_into(".".join(path), field)
+        else:
+            self.add_fields(nested, path)
+
+    def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
+        """Report the table's paths into a field that has no fields of its own."""
+        for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
+            for path in paths:
+                if path.startswith(f"{dotted}."):
+                    self._paths_seen.add(path)
+                    message = f"{dotted} is no single message, so that no field in it can be named"
+                    self._resolver.report(UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message))
 
     def check_paths(self) -> None:
-        """Every path that the row names must lead to a field."""
+        """Every path that the row names must lead to a field, and none must say otherwise than another."""
         row = self._shape.row
         if row is None:
             return
         for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
             for path in paths:
-                if path not in self._paths_seen:
+                span = self._shape.at(group, path, row.span)
+                if contradiction := self._contradiction(group, path):
+                    self._resolver.report(CONTRADICTING_PATHS.at(span, contradiction, "keep one of them"))
+                elif path not in self._paths_seen:
                     help = nearest(path, self._paths_seen)
-                    span = self._shape.at(group, path, row.span)
-                    self._resolver.report(
-                        UNKNOWN_FIELD.at(span, f"{self._message.full_name} has no field {path!r}", help)
-                    )
+                    message = f"{self._message.full_name} has no field {path!r}"
+                    self._resolver.report(UNKNOWN_FIELD.at(span, message, help))
+
+    def _contradiction(self, group: str, path: str) -> str:
+        """What else the row says of a path, or of the field that it leads into; empty for nothing."""
+        fields, ignore = self._shape.fields, self._shape.ignore
+        if group == "ignore" and path in fields:
+            return f"{path} is renamed to {fields[path]}, and ignored"
+        for whole in itertools.accumulate(path.split(".")[:-1], "{}.{}".format):
+            if whole in ignore:
+                return f"{path} is named, and {whole} is ignored as a whole"
+            if whole in fields:
+                return f"{path} is named, and {whole} is renamed to {fields[whole]} as a whole"
+        return ""
 
     def _is_convertible(self, message: ProtoMessage, field: ProtoField, dotted: str) -> bool:
         reason = self._obstacle(field)
         if reason:
-            help = f"name it under `ignore` of the row that carries {message.full_name}"
-            if dotted != field.name or self._shape.row is not None:
-                help = f"name {dotted} under `ignore` of its row"
+            help = f"name {dotted} under `ignore` of its row"
+            if self._shape.row is None:
+                help = f"name the field that holds {message.full_name} under `ignore` of its row"
             self._resolver.report(CANNOT_CONVERT.at(field.span, f"{dotted} {reason}", help))
         return not reason
 
@@ -416,7 +465,7 @@ class _MessageBuilder:
         if field.type == "bytes" and field.repeated:
             return "is a repeated bytes field, and ROS has no sequence of sequences"
         if keyword.iskeyword(field.name):
-            return "is named by a keyword of Python, so that generated code cannot reach it"
+            return _BY_KEYWORD
         return ""
 
     def _convert(self, field: ProtoField, path: tuple[str, ...], name: str) -> None:
@@ -457,9 +506,11 @@ class _MessageBuilder:
     def _add(self, conversion: ir.FieldConversion, field: ProtoField) -> None:
         name = conversion.ros.name
         span = self._shape.at("fields", ".".join(conversion.proto_path), field.span)
-        if not _is_usable(name):
-            why = "it is a keyword of Python" if keyword.iskeyword(name) else "lower case, digits, single underscores"
-            help = f"give it another name under `fields` of its row ({field.name}: other_name)"
+        if why := _unusable(name):
+            dotted = ".".join(conversion.proto_path)
+            help = f"give it another name under `fields` of its row ({dotted}: other_name)"
+            if self._shape.row is None:
+                help = "rename it in the .proto: no wire has its name"
             self._resolver.report(
                 FIELD_NAME_FORBIDDEN.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help)
             )

@@ -83,6 +83,11 @@ class Row(Placed):
     forward: tuple[str, ...]
     """Peers that also get the raw datagram."""
 
+    @property
+    def ros_span(self) -> Span:
+        """Where the ROS message's name stands, or the proto's, from which it is taken."""
+        return self.spans.get("ros", self.at("proto"))
+
 
 @dataclass(frozen=True, slots=True)
 class RetiredRow(Placed):

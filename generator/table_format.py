@@ -36,9 +36,10 @@ class Boolean:
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list of items of one type."""
+    """A list of items of one type; no text stands in it twice."""
 
     item: Type
+    least: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,9 @@ Type = Text | Integer | Boolean | ListOf | MapOf | Object
 _PROTO_NAME = Text(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*", "SensorBoardIMUInfo")
 _FIELD_PATH = Text(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*", "gps_sensor_1")
 _FIELD_NAME = Text(r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")
-_PROTO_FILE = Text(r"[^\\]+\.proto", "components/common/envelope.proto")
+_ROW_NAME = Text(r"[A-Za-z][A-Za-z0-9_]*", "imu_info")  # a class is named after it
+_ANY_PROTO_FILE = Text(r"[^\\]+\.proto", "components/common/message_types.proto")
+_PROTO_FILE = Text(r"([A-Za-z_][A-Za-z0-9_]*/)*[A-Za-z_][A-Za-z0-9_]*\.proto", "components/common/envelope.proto")
 _PEER_NAME = Text(r"[a-z][a-z0-9_]*", "hardware")
 _NUMBER = Integer(1, LARGEST_NUMBER)
 _QOS = Object(
@@ -84,7 +87,7 @@ _QOS = Object(
 ROW = Object(
     {
         "number": Key(_NUMBER, "Field number in the envelope's oneof. Permanent.", True),
-        "name": Key(_FIELD_NAME, "Field name in the envelope's oneof.", True),
+        "name": Key(_ROW_NAME, "Field name in the envelope's oneof.", True),
         "proto": Key(_PROTO_NAME, "The protobuf message.", True),
         "ros": Key(Text(), "Name of the ROS 2 message; the proto's name where absent."),
         "topic": Key(Text(), "ROS 2 topic, relative to the node's namespace.", True),
@@ -107,7 +110,7 @@ TABLE = Object(
             Object(
                 {
                     "root": Key(Text(), "Folder from which proto imports are resolved.", True),
-                    "exclude": Key(ListOf(_PROTO_FILE), "Files that never take part in a build."),
+                    "exclude": Key(ListOf(_ANY_PROTO_FILE), "Files that never take part in a build."),
                 }
             ),
             "Where the .proto files are.",
@@ -154,7 +157,7 @@ TABLE = Object(
             "The machines at the other end of the datagrams.",
             True,
         ),
-        "messages": Key(ListOf(ROW), "The rows: one a message.", True),
+        "messages": Key(ListOf(ROW, least=1), "The rows: one a message.", True),
         "retired": Key(
             ListOf(
                 Object(
@@ -198,7 +201,7 @@ def _schema_of(type: Type) -> dict[str, Any]:
     if isinstance(type, Boolean):
         return {"type": "boolean"}
     if isinstance(type, ListOf):
-        return {"type": "array", "items": _schema_of(type.item)}
+        return _list_schema(type)
     if isinstance(type, MapOf):
         names = {"pattern": f"^({type.key.pattern})$"} if type.key.pattern else {}
         return {"type": "object", "propertyNames": names, "additionalProperties": _schema_of(type.value)}
@@ -207,8 +210,17 @@ def _schema_of(type: Type) -> dict[str, Any]:
     return _text_schema(type)
 
 
+def _list_schema(type: ListOf) -> dict[str, Any]:
+    schema: dict[str, Any] = {"type": "array", "items": _schema_of(type.item)}
+    if type.least:
+        schema["minItems"] = type.least
+    if isinstance(type.item, Text):
+        schema["uniqueItems"] = True
+    return schema
+
+
 def _text_schema(type: Text) -> dict[str, Any]:
-    schema: dict[str, Any] = {"type": "string"}
+    schema: dict[str, Any] = {"type": "string"} if type.choices or type.pattern else {"type": "string", "minLength": 1}
     if type.choices:
         schema["enum"] = list(type.choices)
     if type.pattern:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import difflib
 import os
+import re
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,42 +37,64 @@ class Change:
 
     def diff(self) -> str:
         """The change as a unified diff."""
-        before, after = ((text or "").splitlines(keepends=True) for text in (self.before, self.after))
-        return "".join(difflib.unified_diff(before, after, f"a/{self.path}", f"b/{self.path}"))
+        before = f"a/{self.path}" if self.before is not None else os.devnull
+        after = f"b/{self.path}" if self.after is not None else os.devnull
+        return "".join(difflib.unified_diff(_lines(self.before), _lines(self.after), before, after))
+
+
+def _lines(text: str | None) -> list[str]:
+    """The lines of a text as a diff has them."""
+    lines = re.findall(r"[^\n]*\n|[^\n]+", text or "")
+    return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
 def compare(project: Path, files: Mapping[str, str]) -> list[Change]:
     """How the disk differs from the files that should be there, generated files that should not be included."""
-    changes = [Change(path, _text(project / path), text) for path, text in files.items()]
-    stale = [Change(path, _text(project / path), None) for path in _generated(project) if path not in files]
+    changes = [Change(path, _text(project, path), text) for path, text in files.items()]
+    stale = [Change(path, _text(project, path), None) for path in _generated(project) if path not in files]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
     )
 
 
 def write(project: Path, changes: Iterable[Change]) -> None:
-    """Make the disk what it should be; each file is replaced as a whole.
+    """Make the disk what it should be; each file is replaced as a whole, and none before all could be prepared.
 
     Raises `FindingsError` for a file that cannot be written.
     """
+    changes = list(changes)
+    with contextlib.ExitStack() as prepared:
+        replacements = []
+        for change in changes:
+            if change.after is not None:
+                with _reporting(change.path, "written"):
+                    temporary = _prepare(project / change.path, change.after)
+                prepared.callback(temporary.unlink, missing_ok=True)
+                replacements.append((change.path, temporary))
+        for path, temporary in replacements:
+            with _reporting(path, "written"):
+                temporary.replace(project / path)
     for change in changes:
-        path = project / change.path
-        try:
-            if change.after is None:
-                _remove(path, project / _FOLDER)
-            else:
-                _replace(path, change.after)
-        except OSError as error:
-            raise FindingsError([CANNOT_WRITE.at(Span(change.path), f"cannot be written: {error.strerror}")]) from error
+        if change.after is None:
+            with _reporting(change.path, "removed"):
+                _remove(project / change.path, project / _FOLDER)
 
 
-def _text(path: Path) -> str | None:
+@contextlib.contextmanager
+def _reporting(path: str, done: str) -> Iterator[None]:
+    """Make a finding of what the operating system refuses."""
     try:
-        return path.read_bytes().decode("utf-8", errors="replace")
-    except (FileNotFoundError, NotADirectoryError):
-        return None
+        yield
     except OSError as error:
-        raise FindingsError([CANNOT_WRITE.at(Span(str(path)), f"cannot be read: {error.strerror}")]) from error
+        raise FindingsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
+
+
+def _text(project: Path, path: str) -> str | None:
+    with _reporting(path, "read"):
+        try:
+            return (project / path).read_bytes().decode("utf-8", errors="replace")
+        except (FileNotFoundError, NotADirectoryError):
+            return None
 
 
 def _generated(project: Path) -> Iterable[str]:
@@ -82,22 +105,26 @@ def _generated(project: Path) -> Iterable[str]:
 
 
 def _is_ours(path: Path) -> bool:
-    with path.open("rb") as file:
-        return REGENERATE.encode() in file.read(_MARK_WITHIN)
+    try:
+        with path.open("rb") as file:
+            return REGENERATE.encode() in file.read(_MARK_WITHIN)
+    except PermissionError:  # what we wrote, we can read
+        return False
 
 
-def _replace(path: Path, text: str) -> None:
+def _prepare(path: Path, text: str) -> Path:
+    """The text in a file of its own, beside the one that it is to replace."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = Path(name)
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(text.encode())
-        os.chmod(temporary, path.stat().st_mode if path.exists() else 0o666 & ~_umask())
-        os.replace(temporary, path)
+        temporary.chmod(path.stat().st_mode if path.exists() else 0o666 & ~_umask())
     except BaseException:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(temporary)
+        temporary.unlink(missing_ok=True)
         raise
+    return temporary
 
 
 def _umask() -> int:

@@ -23,7 +23,7 @@ def message_type(registry: Registry, topic: str, type_name: str | None) -> type[
         handler = next((h for h in registry.handlers if full_topic(h.route.topic) == full_topic(topic)), None)
         if handler is None:
             hint = nearest(topic.removeprefix("/"), registry.by_topic)
-            raise SetupError(f"no row has the topic {topic!r}; {hint} For any other topic, say its --type")
+            raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
         found: type[Message] = handler.message_type
         return found
     wanted = standard.full_name(type_name)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 P = TypeVar("P", bound="ProtoMessage")
 
-_FLOATS = {FieldDescriptor.CPPTYPE_FLOAT: "f", FieldDescriptor.CPPTYPE_DOUBLE: "d"}
+_FLOATS = {FieldDescriptor.CPPTYPE_FLOAT: "<f", FieldDescriptor.CPPTYPE_DOUBLE: "<d"}
 _INTEGERS = {
     FieldDescriptor.CPPTYPE_INT32: range(-(2**31), 2**31),
     FieldDescriptor.CPPTYPE_INT64: range(-(2**63), 2**63),

@@ -139,7 +139,7 @@ def _set_parameter(parsed: RosArguments, text: str) -> None:
         return
     try:
         parsed.parameters[name] = yaml.safe_load(value)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that is none
         raise SetupError(f"the value of parameter {text!r} is not YAML") from error
 
 
@@ -168,7 +168,7 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeError) as error:
         raise SetupError(f"{path}: cannot be read: {error}") from error
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError) as error:
         raise SetupError(f"{path}: not YAML: {error}") from error
     if not isinstance(content, Mapping):
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")

@@ -111,4 +111,20 @@ def _from_list(element: FieldType, value: Any, path: str) -> Any:
 
 def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
     """A payload as mappings, lists and scalars, zeros included; enum values by name, bytes in base64."""
-    return MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
+    values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
+    return _as_declared(payload.DESCRIPTOR, values)
+
+
+def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
+    """The values in the order of the fields; protobuf puts those that are zero behind the others."""
+    return {
+        field.name: _parts_as_declared(field, values[field.name]) for field in descriptor.fields if field.name in values
+    }
+
+
+def _parts_as_declared(field: Any, value: Any) -> Any:
+    if field.message_type is None:
+        return value
+    if isinstance(value, list):
+        return [_as_declared(field.message_type, item) for item in value]
+    return _as_declared(field.message_type, value)

@@ -30,13 +30,15 @@ def check(subject: Subject) -> Iterator[Finding]:
     if not members:
         yield RULE.at(table.envelope.at("oneof"), f"{envelope.full_name} has no oneof {table.envelope.oneof}")
         return
-    rows = {row.number: row for row in table.rows}
     for row in table.rows:
         yield from _compare(row, members.get(row.number))
+    rows, retired = ({row.number for row in group} for group in (table.rows, table.retired))
     for number, field in members.items():
-        if number not in rows:
-            message = f"{field.name} = {number} ({field.wire_type}) has no row in {table.file}"
-            yield RULE.at(field.span, message, "add a row for it under `messages`")
+        member = f"{field.name} = {number} ({field.wire_type})"
+        if number in retired:
+            yield RULE.at(field.span, f"{member} is retired in {table.file}", "remove it where the envelope is kept")
+        elif number not in rows:
+            yield RULE.at(field.span, f"{member} has no row in {table.file}", "add a row for it under `messages`")
 
 
 def _compare(row: Row, field: ProtoField | None) -> Iterator[Finding]:
@@ -46,6 +48,6 @@ def _compare(row: Row, field: ProtoField | None) -> Iterator[Finding]:
         return
     also = [(field.span, "the member")]
     if field.wire_type != row.proto:
-        yield RULE.at(row.at("proto"), f"member {row.number} is a {field.wire_type}, not a {row.proto}", "", also)
+        yield RULE.at(row.at("proto"), f"member {row.number} carries {field.wire_type}, not {row.proto}", "", also)
     if field.name != row.name:
         yield RULE.at(row.at("name"), f"member {row.number} is called {field.name}, not {row.name}", "", also)

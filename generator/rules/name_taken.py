@@ -1,7 +1,7 @@
 """A name in the envelope is given twice.
 
 Two members of one oneof cannot share a name, nor can two handlers: names that differ only in capitals or underscores
-would become the same class. A retired name is taken for ever, as its number is.
+would become the same class. A retired name is taken for ever, as its number is; and the oneof has a name too.
 """
 
 from __future__ import annotations
@@ -9,24 +9,33 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.findings import Finding, Rule
-from generator.naming import camel_case
+from generator.naming import distinct
 from generator.subject import Subject
-from generator.table import Row
+from generator.table import RetiredRow, Row
 
 RULE = Rule("TAB101", "name-taken")
+_HELP = "choose another name"
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Rows whose name an earlier row or a retired one has."""
+    """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
     table = subject.table
-    retired = {row.name: row for row in table.retired}
+    retired: dict[str, RetiredRow] = {}
+    for gone in table.retired:
+        first = retired.setdefault(gone.name, gone)
+        if first is not gone:
+            also = [(first.at("name"), "first retired here")]
+            yield RULE.at(gone.at("name"), f"the name {gone.name} is retired twice", "correct one of them", also)
     seen: dict[str, Row] = {}
     for row in table.rows:
-        first = seen.setdefault(camel_case(row.name).lower(), row)
-        if first is not row:
-            message = f"the name {row.name} is already taken by field {first.number} ({first.proto})"
-            yield RULE.at(row.at("name"), message, "choose another name", [(first.at("name"), "first used here")])
+        earlier = seen.setdefault(distinct(row.name), row)
+        if earlier is not row:
+            message = f"the name {row.name} is already taken by field {earlier.number} ({earlier.proto})"
+            yield RULE.at(row.at("name"), message, _HELP, [(earlier.at("name"), "first used here")])
         elif row.name in retired:
             gone = retired[row.name]
             message = f"the name {row.name} was that of field {gone.number} ({gone.proto}) and is retired"
-            yield RULE.at(row.at("name"), message, "choose another name", [(gone.at("name"), "retired here")])
+            yield RULE.at(row.at("name"), message, _HELP, [(gone.at("name"), "retired here")])
+        elif row.name == table.envelope.oneof:
+            also = [(table.envelope.at("oneof"), "named here")]
+            yield RULE.at(row.at("name"), f"the name {row.name} is that of the oneof", _HELP, also)

@@ -23,8 +23,10 @@ def check(subject: Subject) -> Iterator[Finding]:
         yield RULE.at(table.package_span, f"ROS forbids the package name {table.package!r}", help)
     for row in table.rows:
         if not naming.is_message_name(row.ros):
-            help = f"letters and digits, starting with a capital: {naming.camel_case(row.ros) or 'ImuInfo'}"
-            yield RULE.at(row.at("ros"), f"ROS forbids the message name {row.ros!r}", help)
+            nearest = naming.camel_case(row.ros)
+            example = nearest if naming.is_message_name(nearest) else "ImuInfo"
+            help = f"letters and digits, starting with a capital: {example}"
+            yield RULE.at(row.ros_span, f"ROS forbids the message name {row.ros!r}", help)
         if not naming.is_topic_name(row.topic):
             help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
             yield RULE.at(row.at("topic"), f"ROS forbids the topic name {row.topic!r}", help)

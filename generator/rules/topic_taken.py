@@ -18,7 +18,7 @@ def check(subject: Subject) -> Iterator[Finding]:
     """Rows whose topic an earlier row has."""
     seen: dict[str, Row] = {}
     for row in subject.table.rows:
-        first = seen.setdefault(row.topic, row)
+        first = seen.setdefault(row.topic.removeprefix("/"), row)  # a node's namespace is the root, mostly
         if first is not row:
             message = f"the topic {row.topic} is already that of {first.name}"
             yield RULE.at(

@@ -18,7 +18,7 @@ RULE = Rule("TAB103", "unknown-peer")
 def check(subject: Subject) -> Iterator[Finding]:
     """Directions and forwards without a peer."""
     peers = {peer.name for peer in subject.table.peers}
-    known = f"there are {', '.join(sorted(peers))}"
+    known = f"there are {', '.join(sorted(peers))}" if peers else "name the peers under `peers`"
     for row in subject.table.rows:
         peer = row.direction.removesuffix("_to_ros").removeprefix("ros_to_")
         if peer not in peers:

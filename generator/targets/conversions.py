@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from generator import ir
 from generator.ir import ConversionKind
 from generator.targets import layout, spelling
-from generator.targets.layout import Comprehension, Group
+from generator.targets.layout import Comprehension, Conditional, Group, Item
 from generator.targets.rendering import header, render
 
 Files = Iterator[tuple[str, str]]
@@ -35,7 +36,7 @@ class Converters:
         route = self._handlers.get(proto)
         if route is not None:
             return Converter(f"generated.handlers.{spelling.module(route.name)}", spelling.handler_class(route))
-        return Converter("generated.conversions", spelling.message_module(self._conversions[proto].ros))
+        return Converter("generated.conversions", spelling.conversion_module(self._conversions[proto].ros))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,23 +57,17 @@ def view(
 ) -> ConversionView:
     """The view of a conversion whose functions stand at a depth of indentation."""
     spell = _Spelling(conversion, converters)
-    payload, message = spelling.proto_class(conversion), conversion.ros
-    body = indent + 4
+    payload, message = spelling.proto_class(conversion), spelling.message_class(conversion.ros)
+    unused = "" if conversion.fields else "_"
     return ConversionView(
-        imports=tuple(sorted({*spell.imports(), *extra_imports}, key=_import_order)),
+        imports=tuple(layout.in_import_order([*spell.imports(), *extra_imports])),
         payload=payload,
         message=message,
-        to_ros=layout.statement(Group(f"return {message}(", spell.to_ros_arguments(), ")"), body),
-        from_ros=spell.from_ros_body(payload, body),
-        to_ros_signature=layout.statement(Group("def to_ros(", [f"payload: {payload}"], f") -> {message}:"), indent),
-        from_ros_signature=layout.statement(
-            Group("def from_ros(", [f"message: {message}"], f") -> {payload}:"), indent
-        ),
+        to_ros=layout.statement(Group(f"return {message}(", spell.to_ros_arguments(), ")"), indent + 4),
+        from_ros=layout.statement(Group(f"return {payload}(", spell.from_ros_arguments(), ")"), indent + 4),
+        to_ros_signature=layout.signature("to_ros", [f"{unused}payload: {payload}"], message, indent),
+        from_ros_signature=layout.signature("from_ros", [f"{unused}message: {message}"], payload, indent),
     )
-
-
-def _import_order(line: str) -> str:
-    return line.removeprefix("from ")
 
 
 class _Spelling:
@@ -86,7 +81,8 @@ class _Spelling:
         yield layout.import_from(package, [module])
         fields = self._conversion.fields
         enums = {field.ros.type.name for field in fields if field.kind is ConversionKind.ENUM_MESSAGE}
-        yield layout.import_from("generated.messages", [self._conversion.ros, *(enums - {self._conversion.ros})])
+        messages = sorted({self._conversion.ros, *enums})
+        yield layout.import_from("generated.messages", [spelling.message_class(name) for name in messages])
         nested: dict[str, set[str]] = {}
         for field in fields:
             if field.kind is ConversionKind.MESSAGE:
@@ -96,79 +92,61 @@ class _Spelling:
 
     # --- to ROS ---
 
-    def to_ros_arguments(self) -> list[str | Group | Comprehension]:
+    def to_ros_arguments(self) -> list[Item]:
         return [self._to_ros_argument(field) for field in self._conversion.fields]
 
-    def _to_ros_argument(self, field: ir.FieldConversion) -> str | Group | Comprehension:
+    def _to_ros_argument(self, field: ir.FieldConversion) -> Item:
         source = ".".join(("payload", *field.proto_path))
         name = field.ros.name
         if field.kind is ConversionKind.PRESENCE:
-            return f"{name}={presence(field, 'payload')}"
+            holder = ".".join(("payload", *field.proto_path[:-1]))
+            return Group(f"{name}={holder}.HasField(", [f'"{field.proto_path[-1]}"'], ")")
         if field.kind is ConversionKind.VALUE:
             container = "bytes" if field.ros.type.name == "uint8" else "list"
-            return f"{name}={container}({source})" if field.repeated else f"{name}={source}"
+            return Group(f"{name}={container}(", [source], ")") if field.repeated else f"{name}={source}"
         head, member = self._to_ros_call(field)
         if field.repeated:
-            return Comprehension(f"{name}=[", f"{head}({member}item)", f"for item in {source}", "]")
+            return Comprehension(f"{name}=[", Group(f"{head}(", [f"{member}item"], ")"), f"for item in {source}", "]")
         return Group(f"{name}={head}(", [f"{member}{source}"], ")")
 
     def _to_ros_call(self, field: ir.FieldConversion) -> tuple[str, str]:
         if field.kind is ConversionKind.ENUM_MESSAGE:
-            return field.ros.type.name, f"{field.member}="
+            return spelling.message_class(field.ros.type.name), f"{field.member}="
         return f"{self._converters.of(field.proto).name}.to_ros", ""
 
     # --- from ROS ---
 
-    def from_ros_body(self, payload: str, indent: int) -> str:
-        plain = [field for field in self._conversion.fields if len(field.proto_path) == 1 and not field.guarded]
-        arguments = [self._from_ros_argument(field) for field in plain if field.kind is not ConversionKind.PRESENCE]
-        later = [field for field in self._conversion.fields if len(field.proto_path) > 1 or field.guarded]
-        statements = [s for field in later for s in self._assignment(field, indent)]
-        if not statements:
-            return layout.statement(Group(f"return {payload}(", arguments, ")"), indent)
-        margin = "\n" + " " * indent
-        first = layout.statement(Group(f"payload = {payload}(", arguments, ")"), indent)
-        return margin.join([first, *statements, "return payload"])
+    def from_ros_arguments(self) -> list[Item]:
+        fields = [field for field in self._conversion.fields if field.kind is not ConversionKind.PRESENCE]
+        return list(self._from_ros_items(fields, 0))
 
-    def _from_ros_argument(self, field: ir.FieldConversion) -> str | Group | Comprehension:
-        return self._from_ros_value(f"{field.proto_path[-1]}=", field)
+    def _from_ros_items(self, fields: Iterable[ir.FieldConversion], depth: int) -> Iterator[Item]:
+        """Keyword arguments, and below them the entries of the mappings that stand for messages taken apart."""
+        for name, group in itertools.groupby(fields, lambda field: field.proto_path[depth]):
+            head = f'"{name}": ' if depth else f"{name}="
+            first, *others = group
+            if len(first.proto_path) == depth + 1:
+                yield self._from_ros_item(head, first)
+            else:
+                yield Group(f"{head}{{", list(self._from_ros_items([first, *others], depth + 1)), "}")
 
-    def _from_ros_value(self, head: str, field: ir.FieldConversion, tail: str = "") -> str | Group | Comprehension:
+    def _from_ros_item(self, head: str, field: ir.FieldConversion) -> Item:
+        if not field.guarded:
+            return self._from_ros_value(head, field)
+        return Conditional(head, self._from_ros_value("", field), f"message.has_{field.ros.name}")
+
+    def _from_ros_value(self, head: str, field: ir.FieldConversion) -> Item:
         source = f"message.{field.ros.name}"
         if field.kind is ConversionKind.VALUE:
-            return f"{head}{source}{tail}"
+            return f"{head}{source}"
         if field.kind is ConversionKind.ENUM_MESSAGE:
             if field.repeated:
-                return Comprehension(f"{head}[", f"item.{field.member}", f"for item in {source}", f"]{tail}")
-            return f"{head}{source}.{field.member}{tail}"
+                return Comprehension(f"{head}[", f"item.{field.member}", f"for item in {source}", "]")
+            return f"{head}{source}.{field.member}"
         call = f"{self._converters.of(field.proto).name}.from_ros"
         if field.repeated:
-            return Comprehension(f"{head}[", f"{call}(item)", f"for item in {source}", f"]{tail}")
-        return Group(f"{head}{call}(", [source], f"){tail}")
-
-    def _assignment(self, field: ir.FieldConversion, indent: int) -> Iterator[str]:
-        """Statements for a field that the payload's constructor cannot take."""
-        if field.kind is ConversionKind.PRESENCE:
-            return
-        margin = 0
-        if field.guarded:
-            yield f"if message.has_{field.ros.name}:"
-            margin = 4
-        target = ".".join(("payload", *field.proto_path))
-        if field.repeated:
-            value = self._from_ros_value(f"{target}.extend(", field, ")")
-        elif field.kind is ConversionKind.MESSAGE:
-            value = self._from_ros_value(f"{target}.CopyFrom(", field, ")")
-        else:
-            value = self._from_ros_value(f"{target} = ", field)
-        text = value if isinstance(value, str) else layout.statement(value, indent + margin)
-        yield " " * margin + text
-
-
-def presence(field: ir.FieldConversion, payload: str) -> str:
-    """The expression that says whether a field is set."""
-    *holders, name = field.proto_path
-    return f'{".".join([payload, *holders])}.HasField("{name}")'
+            return Comprehension(f"{head}[", Group(f"{call}(", ["item"], ")"), f"for item in {source}", "]")
+        return Group(f"{head}{call}(", [source], ")")
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -176,7 +154,7 @@ def emit(bridge: ir.Bridge) -> Files:
     converters = Converters(bridge)
     for conversion in bridge.nested:
         yield (
-            f"generated/conversions/{spelling.message_module(conversion.ros)}.py",
+            f"generated/conversions/{spelling.conversion_module(conversion.ros)}.py",
             render(
                 "conversion.py.j2",
                 header=header(f"{bridge.table} and {conversion.file}"),

@@ -13,6 +13,7 @@ def text(envelope: ir.Envelope, table: str) -> str:
         "envelope.proto.j2",
         header=header(table, "//"),
         package=package,
+        outermost="." if package else "",
         message=message,
         oneof=envelope.oneof,
         imports=sorted({member.file for member in envelope.members}),

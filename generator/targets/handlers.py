@@ -30,7 +30,9 @@ def emit(bridge: ir.Bridge) -> Files:
             "package.py.j2",
             header=header(bridge.table),
             docstring='"""The handlers: one a row of the table."""',
-            imports=[layout.import_from(f"generated.handlers.{module}", [name]) for module, name in sorted(names)],
+            imports=layout.in_import_order(
+                layout.import_from(f"generated.handlers.{module}", [name]) for module, name in names
+            ),
             names=sorted(name for _, name in names),
         ),
     )
@@ -58,8 +60,11 @@ def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _
         class_docstring=layout.docstring(f"{conversion.local_name} {_arrow(route)} {route.topic}.", 4),
         route=layout.statement(Group("route = Route(", list(_route_arguments(route)), ")"), 4),
         conversion=view,
+        payload_type=layout.line(f"payload_type = {view.payload}", 4),
+        message_type=layout.line(f"message_type = {view.message}", 4),
         pack=pack,
-        pack_signature=layout.statement(Group("def pack(", ["self", f"payload: {view.payload}"], ") -> bytes:"), 4),
+        layout=layout.line(f"_CDR = cdr.fixed_layout({view.message})", 0),
+        pack_signature=layout.signature("pack", ["self", f"payload: {view.payload}"], "bytes", 4),
     )
 
 
@@ -86,8 +91,8 @@ def _route_arguments(route: ir.Route) -> Iterator[str | Group]:
         ]
         yield Group("qos=Qos(", [f"{name}={value}" for name, value, differs in pairs if differs], ")")
     if route.forward:
-        peers = ", ".join(f'"{peer}"' for peer in route.forward)
-        yield f"forward=({peers}{',' if len(route.forward) == 1 else ''})"
+        peers = [f'"{peer}"' for peer in route.forward]
+        yield Group("forward=(", peers, ")") if len(peers) > 1 else f"forward=({peers[0]},)"
 
 
 # --- the hot path: one struct call for a message of fixed size --------------------------------------------------
@@ -124,10 +129,10 @@ class _Flattener:
 
     def __init__(self, by_proto: Mapping[str, ir.Conversion]) -> None:
         self._by_proto = by_proto
-        self._names: set[str] = {"self", "payload", "cdr"}
+        self._names: set[str] = {"self", "payload", "cdr", "l"}  # l looks like 1
         self._held: dict[str, str] = {}
         self.locals: list[str] = []
-        self.values: list[str] = []
+        self.values: list[str | Group] = []
 
     def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
         """Add what a conversion takes from the payload that is called ``holder``."""
@@ -141,7 +146,7 @@ class _Flattener:
             for depth, part in enumerate(between):
                 owner = self._hold(f"{owner}.{part}", (*path, *between[: depth + 1]))
             if field.kind is ConversionKind.PRESENCE:
-                self.values.append(f'{owner}.HasField("{name}")')
+                self.values.append(Group(f"{owner}.HasField(", [f'"{name}"'], ")"))
             elif field.kind is ConversionKind.MESSAGE:
                 nested = self._hold(f"{owner}.{name}", (*path, *field.proto_path))
                 self.add(self._by_proto[field.proto], nested, (*path, *field.proto_path))
@@ -157,5 +162,5 @@ class _Flattener:
             name += "_"
         self._names.add(name)
         self._held[expression] = name
-        self.locals.append(f"{name} = {expression}")
+        self.locals.append(layout.line(f"{name} = {expression}", 8))
         return name

@@ -7,6 +7,7 @@ take forty times as long as making it; a test and `make lint` hold it to that.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ class Group:
     """Something in brackets: ``head`` ends with the opening one, ``tail`` starts with the closing one."""
 
     head: str
-    items: Sequence[str | Group | Comprehension]
+    items: Sequence[Item]
     tail: str
 
     def flat(self) -> str:
@@ -36,28 +37,56 @@ class Comprehension:
     """A list comprehension."""
 
     head: str
-    element: str
+    element: str | Group
     loop: str
     tail: str
 
     def flat(self) -> str:
         """On one line."""
-        return f"{self.head}{self.element} {self.loop}{self.tail}"
+        return f"{self.head}{_flat(self.element)} {self.loop}{self.tail}"
 
     def lines(self, indent: int) -> list[str]:
         """Its inside on one line, or element and loop on two."""
-        inner = f"{' ' * (indent + 4)}{self.element} {self.loop}"
-        parts = (
-            [inner] if len(inner) <= LINE_LENGTH else [" " * (indent + 4) + part for part in (self.element, self.loop)]
-        )
+        parts = _one_or_more_lines(self.element, [self.loop], indent + 4)
         return [f"{' ' * indent}{self.head}", *parts, f"{' ' * indent}{self.tail}"]
 
 
-def _flat(item: str | Group | Comprehension) -> str:
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """A value, or None where its condition does not hold."""
+
+    head: str
+    value: Item
+    condition: str
+
+    def flat(self) -> str:
+        """On one line."""
+        return f"{self.head}{_flat(self.value)} if {self.condition} else None"
+
+    def lines(self, indent: int) -> list[str]:
+        """In parentheses, on one line or on three."""
+        parts = _one_or_more_lines(self.value, [f"if {self.condition}", "else None"], indent + 4)
+        return [f"{' ' * indent}{self.head}(", *parts, f"{' ' * indent})"]
+
+
+Item = str | Group | Comprehension | Conditional
+
+
+def _flat(item: Item) -> str:
     return item if isinstance(item, str) else item.flat()
 
 
-def _item_lines(item: str | Group | Comprehension, indent: int, force: bool = False) -> list[str]:
+def _one_or_more_lines(value: Item, clauses: Sequence[str], indent: int) -> list[str]:
+    """A value and the clauses that belong to it, on one line where they fit, else on one each."""
+    margin = " " * indent
+    inner = f"{margin}{' '.join([_flat(value), *clauses])}"
+    if len(inner) <= LINE_LENGTH:
+        return [inner]
+    value = value if isinstance(value, str) else statement(value, indent)
+    return [f"{margin}{part}" for part in (value, *clauses)]
+
+
+def _item_lines(item: Item, indent: int, force: bool = False) -> list[str]:
     flat = f"{' ' * indent}{_flat(item)},"
     if isinstance(item, str) or (len(flat) <= LINE_LENGTH and not force):
         return [flat]
@@ -65,11 +94,27 @@ def _item_lines(item: str | Group | Comprehension, indent: int, force: bool = Fa
     return [*lines, f"{last},"]
 
 
-def statement(group: Group | Comprehension, indent: int = 0) -> str:
+def line(text: str, indent: int) -> str:
+    """A statement for which one line has to do; where it is too long, black is asked to leave it."""
+    return text if indent + len(text) <= LINE_LENGTH else f"{text}  # fmt: skip"
+
+
+def statement(group: Group | Comprehension | Conditional, indent: int = 0) -> str:
     """A statement at a depth of indentation, without that indentation on its first line."""
     if indent + len(group.flat()) <= LINE_LENGTH:
         return group.flat()
     return "\n".join(group.lines(indent)).lstrip(" ")
+
+
+def signature(name: str, parameters: Sequence[str], returns: str, indent: int) -> str:
+    """The first line of a function, or its first lines."""
+    flat = f"def {name}({', '.join(parameters)}) -> {returns}:"
+    if indent + len(flat) <= LINE_LENGTH:
+        return flat
+    margin = " " * indent
+    end = f"{margin}) -> {returns}:"
+    ends = [end] if len(end) <= LINE_LENGTH else [f"{margin}) -> (", f"{margin}    {returns}", f"{margin}):"]
+    return "\n".join([f"def {name}(", *(f"{margin}    {parameter}," for parameter in parameters), *ends])
 
 
 def entry(head: str, open: str, items: Sequence[str], close: str, indent: int) -> str:
@@ -87,11 +132,22 @@ def entry(head: str, open: str, items: Sequence[str], close: str, indent: int) -
 
 def import_from(module: str, names: Iterable[str]) -> str:
     """A ``from ... import ...``, its names in isort's order."""
-    ordered = sorted(names, key=natural_order)
+    ordered = sorted(names, key=_member_order)
     flat = f"from {module} import {', '.join(ordered)}"
     if len(flat) <= LINE_LENGTH:
         return flat
     return "\n".join(Group(f"from {module} import (", ordered, ")").lines(0))
+
+
+def in_import_order(lines: Iterable[str]) -> list[str]:
+    """Statements made by `import_from`, each once, in isort's order."""
+    return sorted(set(lines), key=lambda line: natural_order(line.split(" ", 2)[1]))
+
+
+def _member_order(name: str) -> tuple[int, list[tuple[str, int]]]:
+    """The order that isort gives imported names: constants, then classes, then the others."""
+    kind = 0 if name.isupper() and len(name) > 1 else 1 if name[:1].isupper() else 2
+    return kind, natural_order(name)
 
 
 def natural_order(name: str) -> list[tuple[str, int]]:
@@ -101,10 +157,11 @@ def natural_order(name: str) -> list[tuple[str, int]]:
 
 def docstring(text: str, indent: int) -> str:
     """A docstring, without the indentation of its first line."""
-    text = text.expandtabs(4).replace("\\", "\\\\").replace('"""', "'''")
-    lines = [line.rstrip() for line in text.strip().splitlines()]
+    first, *others = text.expandtabs(4).replace('"""', "'''").strip().splitlines()
+    lines = [first.rstrip(), *textwrap.dedent("\n".join(others)).splitlines()]
+    open = 'r"""' if "\\" in text else '"""'
     if len(lines) == 1:
-        end = " " if lines[0].endswith('"') else ""
-        return f'"""{lines[0]}{end}"""'
+        end = " " if first.endswith(('"', "\\")) else ""
+        return f'{open}{first}{end}"""'
     margin = " " * indent
-    return "\n".join([f'"""{lines[0]}', *(f"{margin}{line}".rstrip() for line in lines[1:]), f'{margin}"""'])
+    return "\n".join([f"{open}{lines[0]}", *(f"{margin}{line}".rstrip() for line in lines[1:]), f'{margin}"""'])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from generator import ir
 from generator.targets import layout, spelling
 from generator.targets.conversions import Files
@@ -13,26 +15,25 @@ def emit(bridge: ir.Bridge) -> Files:
     for message in bridge.messages:
         yield f"generated/messages/{spelling.message_module(message.name)}.py", _message(bridge, message)
     names = sorted(message.name for message in bridge.messages)
-    imports = [
-        layout.import_from(f"generated.messages.{module}", [name])
-        for module, name in sorted((spelling.message_module(name), name) for name in names)
-    ]
     yield (
         "generated/messages/__init__.py",
         render(
             "package.py.j2",
             header=header(bridge.table),
             docstring=layout.docstring(f"The messages of the ROS 2 package {bridge.package}.", 0),
-            imports=imports,
-            names=names,
+            imports=layout.in_import_order(_import(name) for name in names),
+            names=[spelling.message_class(name) for name in names],
         ),
     )
 
 
+def _import(name: str) -> str:
+    return layout.import_from(f"generated.messages.{spelling.message_module(name)}", [spelling.message_class(name)])
+
+
 def _message(bridge: ir.Bridge, message: ir.RosMessage) -> str:
     needed = {spelling.imported_annotation(field.type) for field in message.fields} - {None}
-    nested = sorted({f.type.name for f in message.fields if f.type.is_message})
-    imports = [layout.import_from(f"generated.messages.{spelling.message_module(name)}", [name]) for name in nested]
+    imports = [_import(field.type.name) for field in message.fields if field.type.is_message]
     imports.append(layout.import_from("runtime.messages", ["Message", *(name for name in needed if name)]))
     type_name = f"{bridge.package}/msg/{message.name}"
     fields = [
@@ -46,19 +47,37 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage) -> str:
         "message.py.j2",
         header=header(f"{bridge.table} ({message.source})"),
         docstring=layout.docstring(f"{type_name}.", 0),
-        class_docstring=layout.docstring(message.comment or f"Made from {message.source}.", 4),
+        class_docstring=layout.docstring(_about(message), 4),
         uses_dataclasses=any("dataclasses." in field["statement"] for field in fields),
-        imports=imports,
-        name=message.name,
-        type_name=type_name,
-        constants=message.constants,
+        imports=layout.in_import_order(imports),
+        class_line=_class_line(message),
+        type_line=layout.line(f'__msgtype__: ClassVar[str] = "{type_name}"', 4),
+        constants=[
+            layout.line(f"{constant.name}: ClassVar[int] = {constant.value}", 4) for constant in message.constants
+        ],
         fields=fields,
     )
+
+
+def _about(message: ir.RosMessage) -> str:
+    """The message's comment; where that is no sentence, below one that says where the message is from."""
+    source = f"Made from {message.source}."
+    if not message.comment or re.fullmatch(r"(?!This )[A-Z].*\.", message.comment):
+        return message.comment or source
+    return f"{source}\n\n{message.comment}"
+
+
+def _class_line(message: ir.RosMessage) -> str:
+    name = spelling.message_class(message.name)
+    suppression = "" if name == message.name else "  # noqa: N801  # the code here needs the name itself"
+    return f"class {name}(Message):{suppression}"
 
 
 def _field(field: ir.RosField) -> str:
     head = f"{field.name}: {spelling.annotation(field.type)} = "
     if field.type.name == "uint8" or not (field.type.is_sequence or field.type.is_message):
-        return head + spelling.default(field.type)
-    factory = "list" if field.type.is_sequence else field.type.name
-    return layout.statement(layout.Group(f"{head}dataclasses.field(", [f"default_factory={factory}"], ")"), 4)
+        ambiguous = "  # noqa: E741  # the .proto calls it so" if field.name == "l" else ""
+        return layout.line(f"{head}{spelling.default(field.type)}", 4) + ambiguous
+    factory = "list" if field.type.is_sequence else spelling.message_class(field.type.name)
+    group = layout.Group(f"{head}dataclasses.field(", [f"default_factory={factory}"], ")")
+    return layout.statement(group, 4) if len(group.head) + 4 <= layout.LINE_LENGTH else layout.line(group.flat(), 4)

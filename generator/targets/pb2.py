@@ -1,7 +1,8 @@
 """The Python modules of the .proto files: protoc's own, moved into ``generated.pb2``.
 
 protoc imports by the path below the proto root, as if that were the import path; two projects in one environment would
-then take each other's modules. Its stubs leave out that an enum field takes a number.
+then take each other's modules. Its stubs leave out that an enum field takes a number, and the type of fields that are
+named by keywords.
 """
 
 from __future__ import annotations
@@ -36,4 +37,5 @@ def _moved(text: str) -> str:
         lambda match: f"from {'.'.join(filter(None, ['generated.pb2', match['package']]))} import ", text
     )
     text = _MODULE_NAME.sub("generated.pb2.", text)
+    text = text.replace("**kwargs) -> None", "**kwargs: object) -> None")
     return _ENUM_ARGUMENT.sub(lambda match: f"_Union[{match['enum']}, int, str]", text)

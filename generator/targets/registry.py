@@ -19,7 +19,7 @@ def emit(bridge: ir.Bridge) -> Files:
         render(
             "registry.py.j2",
             header=header(bridge.table),
-            imports=sorted(
+            imports=layout.in_import_order(
                 [
                     layout.import_from("generated.handlers", classes),
                     layout.import_from(package, [module]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import keyword
 
 from generator import ir, naming
@@ -20,6 +21,8 @@ _ANNOTATIONS = {
     "float64": "Float64",
 }
 _DEFAULTS = {"bool": "False", "float32": "0.0", "float64": "0.0"}
+_TAKEN_CLASSES = frozenset({*_ANNOTATIONS.values(), "ClassVar", "Handler", "Message", "Qos", "Route"})
+_TAKEN_MODULES = frozenset({*dir(builtins), "cdr", "item", "message", "payload"})
 
 
 def handler_class(route: ir.Route) -> str:
@@ -33,9 +36,21 @@ def module(name: str) -> str:
     return f"{lower}_" if keyword.iskeyword(lower) else lower
 
 
+def message_class(message: str) -> str:
+    """The class of a ROS message: its name, with an underscore where generated code needs that for something else."""
+    taken = message in _TAKEN_CLASSES or message.endswith("Handler") or keyword.iskeyword(message)
+    return f"{message}_" if taken else message
+
+
 def message_module(message: str) -> str:
     """The module of a ROS message's class."""
     return module(naming.snake_case(message))
+
+
+def conversion_module(message: str) -> str:
+    """The module with the conversion of a nested message, by a name that means nothing else where it is used."""
+    name = message_module(message)
+    return f"{name}_" if name in _TAKEN_MODULES or name.endswith("_pb2") else name
 
 
 def proto_module(file: str) -> tuple[str, str]:
@@ -51,7 +66,7 @@ def proto_class(conversion: ir.Conversion) -> str:
 
 def annotation(type: ir.RosType) -> str:
     """A field's annotation in a message class."""
-    element = type.name if type.is_message else _ANNOTATIONS.get(type.name, "str")
+    element = message_class(type.name) if type.is_message else _ANNOTATIONS.get(type.name, "str")
     if not type.is_sequence:
         return element
     return "bytes" if type.name == "uint8" else f"list[{element}]"

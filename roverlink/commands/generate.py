@@ -44,7 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     messages = len(compiled.bridge.routes)
-    print(f"{len(changes)} changes in {len(compiled.files)} files for {messages} messages")
+    print(
+        f"{len(changes)} change{'s' if len(changes) != 1 else ''} in {len(compiled.files)} files for {messages} messages"
+    )
     return OK
 
 

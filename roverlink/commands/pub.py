@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _values(text: str) -> object:
     try:
         return yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that is none
         raise SetupError(f"the message {text!r} is not YAML") from error
 
 

@@ -11,6 +11,7 @@ from runtime import Bridge, load_registry, parameters, ros_args
 from runtime.middleware import NAMES, open_middleware
 
 _NODE = "udp_forwarder"
+_STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 
 def add(commands: Subparsers) -> None:
@@ -38,11 +39,13 @@ def run(arguments: argparse.Namespace) -> int:
     settings = parameters.read(registry, ros.parameters)
     middleware = open_middleware(arguments.middleware, ros.node, settings.values)
     bridge = Bridge(registry, settings, middleware, ros.topic, logger)
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _STOPPING:
         signal.signal(number, lambda *_: bridge.stop())
     with bridge:
         logger.info("%s bridges %d messages on UDP port %d", ros.node.full_name, len(registry.handlers), bridge.port)
         bridge.run()
+    for number in _STOPPING:
+        signal.signal(number, signal.SIG_IGN)  # it is stopping; at its very end Python would obey them itself
     logger.info("%s", bridge.account.summary())
     if arguments.json:
         print(json.dumps(bridge.account.as_dict()))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -67,7 +66,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
     to get what is missing.
     """
     if name == "auto":
-        name = "rclpy" if importlib.util.find_spec("rclpy") else "dds"
+        name = "rclpy" if _imports("rclpy") else "dds"
     if name == "memory":
         from runtime.middleware.memory import MemoryMiddleware
 
@@ -77,6 +76,15 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
     if name == "dds":
         return _open_dds(node)
     raise MiddlewareError(f"no middleware {name!r}; there are {', '.join(NAMES)}")
+
+
+def _imports(package: str) -> bool:
+    """Whether a package imports; one that was built for another Python is found, and does not."""
+    try:
+        importlib.import_module(package)
+    except ImportError:
+        return False
+    return True
 
 
 def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable
 from functools import cache
 from types import TracebackType
@@ -35,16 +36,21 @@ _LOCALHOST_ONLY = (
     '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>'
     "</Domain></CycloneDDS>"
 )
+# Else every single writer that is deleted would wait for a subscriber that hangs.
+_NO_LINGERING = (
+    "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
+)
 _LARGEST_DOMAIN = 232  # the ports of a larger one would lie beyond 65535 (RTPS 2.2, 9.6.1)
 _TAKE = 256  # samples taken at a time
+_LEAVE_S = 0.3  # that subscribers have to acknowledge what was written last
 
 
 class DdsPublisher:
     """A DDS writer that is given serialized messages."""
 
-    def __init__(self, writer: DataWriter[Any]) -> None:
+    def __init__(self, writer: DataWriter[Any], raw_writer: RawWriter) -> None:
         self._writer = writer
-        self.publish = RawWriter(writer).write
+        self.publish = raw_writer.write
 
     def has_subscribers(self) -> bool:
         """Whether any reader matches."""
@@ -65,6 +71,7 @@ class DdsMiddleware:
         self._waitset = WaitSet(self._participant)
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
+        self._writers: list[RawWriter] = []
         self._readers: list[tuple[DataReader[Any], Callable[[bytes], None]]] = []
         self._conditions: list[ReadCondition] = []
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
@@ -74,7 +81,9 @@ class DdsMiddleware:
         carrier = carrier_type(message_type)
         writer = DataWriter(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=True))
         self._announcer.add_writer(writer)
-        return DdsPublisher(writer)
+        raw_writer = RawWriter(writer)
+        self._writers.append(raw_writer)
+        return DdsPublisher(writer, raw_writer)
 
     def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
         """Call ``callback`` with every serialized message of a fully qualified topic, from the taking thread."""
@@ -95,6 +104,9 @@ class DdsMiddleware:
     ) -> None:
         self._stopped.set(True)
         self._thread.join()
+        deadline = time.monotonic() + _LEAVE_S
+        for writer in self._writers:
+            writer.wait_for_acknowledgement(max(0.0, deadline - time.monotonic()))
         delete(self._participant)
 
     def _topic(self, topic: str, carrier: type[Any]) -> Topic[Any]:
@@ -119,13 +131,16 @@ def _domain_id() -> int:
 
 def _configure(domain_id: int) -> None:
     """Keep to this host where ROS 2's environment says so, and no Cyclone DDS configuration of the user's own does."""
-    if os.environ.get("CYCLONEDDS_URI"):
-        return
-    if os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST":
-        _localhost_domain(domain_id)
+    users_own = os.environ.get("CYCLONEDDS_URI", "")
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
+    local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach == "LOCALHOST"
+    _domain(domain_id, users_own or (_LOCALHOST_ONLY if local else ""))
 
 
 @cache
-def _localhost_domain(domain_id: int) -> Domain:
+def _domain(domain_id: int, configuration: str) -> Domain | None:
     """A domain is configured once a process, before its first participant, and lives as long as the process."""
-    return Domain(domain_id, _LOCALHOST_ONLY)
+    try:
+        return Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
+    except DDSException:
+        return None  # another part of the program was in the domain before us, and has configured it

@@ -17,6 +17,7 @@ from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Tex
 from runtime.middleware.cyclone import WriterBatching
 
 _MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
+_UNLIMITED = -1
 
 _DDS_TYPES: dict[str, Any] = {
     "bool": bool,
@@ -38,12 +39,17 @@ _DDS_TYPES: dict[str, Any] = {
 def dds_qos(qos: Qos, writing: bool) -> DdsQos:
     """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader."""
     reliable = qos.reliability == "reliable"
+    latched = qos.durability == "transient_local"
+    history: Any = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(qos.depth)
     policies = [
         Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,
-        Policy.Durability.TransientLocal if qos.durability == "transient_local" else Policy.Durability.Volatile,
-        Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(qos.depth),
+        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
+        history,
         Policy.DataRepresentation(use_cdrv0_representation=True),
     ]
+    if latched:
+        # What is kept for those who come late has a history of its own.
+        policies.append(Policy.DurabilityService(0, history, _UNLIMITED, _UNLIMITED, _UNLIMITED))
     if writing:
         policies += [Policy.WriterDataLifecycle(autodispose=False), WriterBatching()]
     return DdsQos(*policies)
