@@ -71,7 +71,7 @@ def read(path: Path, name: str | None = None) -> Table:
     """
     file = name or str(path)
     findings: list[Finding] = []
-    item = _Reader(file, findings).value(_compose(path, file), TABLE, "the table")
+    item = _Reader(file, findings).value(_compose(_text(path, file), file), TABLE, "the table")
     if has_errors(findings) or item is None:
         raise FindingsError(in_order(findings))
     table = _table(file, item, findings)
@@ -80,20 +80,29 @@ def read(path: Path, name: str | None = None) -> Table:
     return table
 
 
-def _compose(path: Path, file: str) -> Node:
+def _text(path: Path, file: str) -> str:
     try:
-        root = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         help = "give the table with --table, or run this in the folder that holds mapping.yaml"
         raise FindingsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
     except UnicodeDecodeError as error:
         raise FindingsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
+
+
+def _compose(text: str, file: str) -> Node:
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
         raise FindingsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
-    except yaml.YAMLError as error:
-        raise FindingsError([SYNTAX.at(Span(file), f"not YAML: {error}")]) from error
+    except yaml.reader.ReaderError as error:
+        before = text[: error.position]
+        span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
+        raise FindingsError(
+            [SYNTAX.at(span, f"not YAML: it cannot hold the character {error.character:#x}")]
+        ) from error
     except RecursionError as error:
         raise FindingsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
     if root is None:
@@ -219,7 +228,8 @@ class _Reader:
             return None
         if len(node.value) > _LONGEST_INTEGER or not type.minimum <= int(node.value) <= type.maximum:
             allowed = f"from {type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
-            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is {node.value}; it must be {allowed}"))
+            shown = node.value if len(node.value) <= _LONGEST_INTEGER else f"{node.value[:_LONGEST_INTEGER]}..."
+            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is {shown}; it must be {allowed}"))
             return None
         return int(node.value)
 

@@ -74,7 +74,7 @@ _FIELD_NAME = Text(r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")
 _ROW_NAME = Text(r"[A-Za-z][A-Za-z0-9_]*", "imu_info")  # a class is named after it
 _ANY_PROTO_FILE = Text(r"[^\\]+\.proto", "components/common/message_types.proto")
 _PROTO_FILE = Text(r"([A-Za-z_][A-Za-z0-9_]*/)*[A-Za-z_][A-Za-z0-9_]*\.proto", "components/common/envelope.proto")
-_PEER_NAME = Text(r"[a-z][a-z0-9_]*", "hardware")
+_PEER_NAME = Text(r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware")  # so that a direction reads in one way
 _NUMBER = Integer(1, LARGEST_NUMBER)
 _QOS = Object(
     {

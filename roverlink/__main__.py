@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -21,6 +22,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
     arguments = _parser(own).parse_args(own)
     arguments.ros_args = ros
+    signal.signal(signal.SIGTERM, _interrupt)
     try:
         code = int(arguments.run(arguments))
         sys.stdout.flush()  # here, where a reader that has gone is no error
@@ -34,6 +36,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
     return code
+
+
+def _interrupt(*_: object) -> None:
+    """End on SIGTERM as on SIGINT: whatever is open is closed, a bridge of the demo's among it."""
+    raise KeyboardInterrupt
 
 
 class _AnyOrderParser(argparse.ArgumentParser):

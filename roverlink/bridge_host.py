@@ -11,7 +11,7 @@ import threading
 from pathlib import Path
 from typing import IO, Any, Protocol, cast
 
-from runtime import Bridge, Registry, SetupError, parameters
+from runtime import NODE, Bridge, Registry, SetupError, parameters
 from runtime.middleware import Middleware, NodeIdentity, open_middleware
 from runtime.middleware.memory import Graph, MemoryMiddleware
 
@@ -98,7 +98,7 @@ class BridgeThread:
         self._graph = Graph()
         settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports})
         self._bridge = Bridge(
-            registry, settings, MemoryMiddleware(self._graph), lambda topic: f"/{topic}", logging.getLogger("bridge")
+            registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logging.getLogger("bridge")
         )
         self.port = self._bridge.port
         self._thread = threading.Thread(target=self._bridge.run, daemon=True)

@@ -23,6 +23,8 @@ def payload_at(payload_type: type[P], seconds: float) -> P:
 
 def _fill(payload: ProtoMessage, seconds: float) -> None:
     for field in payload.DESCRIPTOR.fields:
+        if field.message_type is not None and field.message_type.GetOptions().map_entry:
+            continue  # no row carries a map
         if field.message_type is not None and not field.is_repeated:
             nested = getattr(payload, field.name)
             nested.SetInParent()

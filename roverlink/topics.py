@@ -5,27 +5,39 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import sys
 from collections.abc import Mapping
 from typing import Any
 
 import yaml
 
-from runtime import Registry, SetupError, standard
+from runtime import NODE, Qos, Registry, SetupError, standard
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
 from runtime.values import nearest
 
+_UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
+_TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
-def message_type(registry: Registry, topic: str, type_name: str | None) -> type[Message]:
-    """The type of a topic: by its name, or that of its row. Raises `SetupError` where there is none."""
-    if type_name is None:
-        handler = next((h for h in registry.handlers if full_topic(h.route.topic) == full_topic(topic)), None)
-        if handler is None:
-            hint = nearest(topic.removeprefix("/"), registry.by_topic)
-            raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
-        found: type[Message] = handler.message_type
-        return found
+
+def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
+    """Type and quality of service of a topic: those of its row, or of a type that is named.
+
+    Raises `SetupError` where there is neither, and for what is no topic.
+    """
+    if not _TOPIC.fullmatch(topic):
+        raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
+    if type_name is not None:
+        return _named_type(registry, type_name), Qos()
+    handler = next((h for h in registry.handlers if full_topic(h.route.topic) == full_topic(topic)), None)
+    if handler is None:
+        hint = nearest(topic.removeprefix("/"), registry.by_topic)
+        raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
+    return handler.message_type, handler.route.qos
+
+
+def _named_type(registry: Registry, type_name: str) -> type[Message]:
     wanted = standard.full_name(type_name)
     for handler in registry.handlers:
         if handler.message_type.__msgtype__ == wanted:
@@ -35,8 +47,8 @@ def message_type(registry: Registry, topic: str, type_name: str | None) -> type[
 
 
 def full_topic(topic: str) -> str:
-    """A topic as the graph knows it: relative names are in the root namespace."""
-    return topic if topic.startswith("/") else f"/{topic}"
+    """A topic as the graph knows it, where the bridge runs under its own name."""
+    return NodeIdentity(NODE).topic(topic)
 
 
 def identity(command: str) -> NodeIdentity:
@@ -46,7 +58,18 @@ def identity(command: str) -> NodeIdentity:
 
 def yaml_text(values: Mapping[str, Any]) -> str:
     """A message as ``ros2 topic echo`` prints it, which is as PyYAML writes it: a block, no line folded."""
-    return yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True, width=sys.maxsize)
+    return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
+
+
+class _Dumper(yaml.SafeDumper):
+    """PyYAML's, but for texts with line breaks of Unicode's, which it would not read back as it writes them."""
+
+    def represent_text(self, text: str) -> yaml.ScalarNode:
+        style = '"' if _UNICODE_BREAKS.intersection(text) else None
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_Dumper.add_representer(str, _Dumper.represent_text)
 
 
 def json_text(values: Mapping[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """What runs on the rover: datagrams to handlers to ROS 2, and back."""
 
-from runtime.bridge import Bridge
+from runtime.bridge import NODE, Bridge
 from runtime.errors import (
     ConversionError,
     DatagramError,
@@ -15,6 +15,7 @@ from runtime.registry import Peer, Registry, load_registry
 from runtime.translator import Translator
 
 __all__ = [
+    "NODE",
     "Bridge",
     "ConversionError",
     "DatagramError",

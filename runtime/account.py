@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -66,13 +67,15 @@ class ThrottledWarnings:
         self._logger, self._clock = logger, clock
         self._next: dict[str, float] = {}
         self._kept_back: Counter[str] = Counter()
+        self._lock = threading.Lock()
 
     def warn(self, subject: str, message: str) -> None:
         """Log a warning about a subject, or count it where one was logged a moment ago."""
         now = self._clock()
-        if now < self._next.get(subject, now):
-            self._kept_back[subject] += 1
-            return
-        self._next[subject] = now + WARNING_INTERVAL_S
-        kept_back = self._kept_back.pop(subject, 0)
+        with self._lock:
+            if now < self._next.get(subject, now):
+                self._kept_back[subject] += 1
+                return
+            self._next[subject] = now + WARNING_INTERVAL_S
+            kept_back = self._kept_back.pop(subject, 0)
         self._logger.warning("%s%s", message, f" (and {kept_back} more like it)" if kept_back else "")

@@ -69,6 +69,8 @@ def _nested(descriptor: Any, name: str, path: str) -> Any:
 
 def _field_value(field: Any, value: Any, path: str) -> Any:
     """The value as the payload's class takes it."""
+    if field.message_type is not None and field.message_type.GetOptions().map_entry:
+        raise ConversionError("is a map, which cannot be given here", path)
     if not field.is_repeated:
         return _item_value(field, value, path)
     values = _yaml(value, path) if isinstance(value, str) else value

@@ -7,11 +7,12 @@ what topics say, and there it is translated and sent.
 
 from __future__ import annotations
 
+import errno
 import logging
+import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import NamedTuple
 
 from runtime import udp
@@ -21,6 +22,12 @@ from runtime.middleware import Middleware, Publisher
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.translator import Translator
+
+NODE = "udp_forwarder"
+"""The bridge's name on the ROS 2 graph, where nobody gives it another."""
+
+_THE_WAY_IS_GONE = frozenset({errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EINVAL})
+"""What sending on a connected socket fails with once the address or the network that it was connected by has gone."""
 
 
 class _Lane(NamedTuple):
@@ -53,6 +60,8 @@ class Bridge:
         self._lanes: dict[str, _Lane] = {}
         self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
         self._next_look = 0.0
+        self._failure: BaseException | None = None
+        self._unsent_lock = threading.Lock()
 
     @property
     def port(self) -> int:
@@ -67,15 +76,12 @@ class Bridge:
             else:
                 self._subscribe(handler)
         self._warn_of_small_buffer()
-        self._middleware.__enter__()
         self._receiver.__enter__()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._receiver.__exit__()
-        self._middleware.__exit__(kind, error, trace)
+        self._middleware.close()
         self._count_lost()
         self._socket.close()
         for destination in self._destinations.values():
@@ -86,8 +92,10 @@ class Bridge:
         self._receiver.stop()
 
     def run(self) -> None:
-        """Bridge until `stop` is called. Raises whatever unforeseen ended the bridging."""
+        """Bridge until `stop` is called. Raises whatever unforeseen ended the bridging, in either direction."""
         self._receiver.join()
+        if self._failure is not None:
+            raise self._failure
 
     # --- peers to topics ---
 
@@ -119,8 +127,9 @@ class Bridge:
     def _publish(self, name: str, messages: list[bytes]) -> None:
         accepted = self._lanes[name].publish(messages)
         self.account.published[name] += accepted
+        number = self._registry.by_name[name].route.number
         for _ in messages[accepted:]:
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{name}: its subscribers are too slow"))
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{name} ({number}): its subscribers are too slow"))
 
     def _forward(self, datagram: bytes, destinations: tuple[udp.Destination, ...]) -> None:
         forwarded = self.account.forwarded
@@ -142,9 +151,10 @@ class Bridge:
                 error = again
             else:
                 return True
-        else:
+        elif error.errno in _THE_WAY_IS_GONE:
             destination.look_up_each_time()
-        self.account.unsent[destination.peer] += 1
+        with self._unsent_lock:  # both directions come here
+            self.account.unsent[destination.peer] += 1
         self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
         return False
 
@@ -176,19 +186,29 @@ class Bridge:
 
         def send(message: bytes) -> None:
             try:
-                datagram = self._translator.send(handler, message)
-            except ConversionError as error:
-                self.account.refused[route.name] += 1
-                self._warnings.warn(route.name, f"not sent: {error}")
-                return
-            try:
-                destination.send(datagram)
-            except OSError as error:
-                if not self._sent_after(error, datagram, destination):
-                    return
-            self.account.sent[route.name] += 1
+                self._to_peer(handler, destination, message)
+            except BaseException as failure:
+                # Raised in a thread of the middleware's; whoever waits in `run` has to hear of it.
+                self._failure = failure
+                self.stop()
+                raise
 
         self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)
+
+    def _to_peer(self, handler: AnyHandler, destination: udp.Destination, message: bytes) -> None:
+        route = handler.route
+        try:
+            datagram = self._translator.send(handler, message)
+        except ConversionError as error:
+            self.account.refused[route.name] += 1
+            self._warnings.warn(route.name, f"not sent: {error}")
+            return
+        try:
+            destination.send(datagram)
+        except OSError as error:
+            if not self._sent_after(error, datagram, destination):
+                return
+        self.account.sent[route.name] += 1
 
     def _warn_of_small_buffer(self) -> None:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer

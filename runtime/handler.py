@@ -88,7 +88,7 @@ class Handler(ABC, Generic[P, M]):
         """The serialized ROS 2 message of a payload; `ConversionError` names route and field that do not fit."""
         try:
             return self.pack(payload)
-        except (struct.error, ConversionError):
+        except (struct.error, ConversionError, ValueError):
             return self._explained(payload)
 
     def _explained(self, payload: P) -> bytes:
@@ -96,6 +96,8 @@ class Handler(ABC, Generic[P, M]):
             return cdr.encode(self.to_ros(payload))
         except ConversionError as error:
             raise ConversionError(f"{self.route.name}.{error}") from error
+        except ValueError as error:  # of numbers that are held as bytes
+            raise ConversionError(f"{self.route.name}: {error}") from error
 
     def from_cdr(self, data: bytes) -> P:
         """The payload of a serialized ROS 2 message; `ConversionError` names route and what does not fit."""

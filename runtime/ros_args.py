@@ -42,18 +42,11 @@ class RosArguments:
 
     def topic(self, name: str) -> str:
         """The fully qualified name of a topic, remapped. The first rule that matches decides, as in rcl."""
-        full = self._qualify(name)
+        full = self.node.topic(name)
         for remap in self.remaps:
-            if self._qualify(remap.source) == full:
-                return self._qualify(remap.target)
+            if self.node.topic(remap.source) == full:
+                return self.node.topic(remap.target)
         return full
-
-    def _qualify(self, name: str) -> str:
-        if name.startswith("/"):
-            return name
-        if name.startswith("~/"):
-            return f"{self.node.full_name}/{name[2:]}"
-        return f"{self.node.namespace.rstrip('/')}/{name}"
 
 
 def split(arguments: list[str]) -> tuple[list[str], list[str]]:

@@ -40,7 +40,7 @@ class Translator:
         payload = getattr(message, name)
         try:
             return name, handler.pack(payload)
-        except (struct.error, ConversionError):
+        except (struct.error, ConversionError, ValueError):
             return name, self._explained(handler, payload)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
@@ -106,4 +106,4 @@ class Translator:
         try:
             return handler.to_cdr(payload)
         except ConversionError as error:
-            raise DatagramError(Reason.CONVERSION, str(error)) from error
+            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}") from error

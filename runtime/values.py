@@ -123,8 +123,16 @@ def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _parts_as_declared(field: Any, value: Any) -> Any:
-    if field.message_type is None:
+    if not _has_declared_parts(field):
         return value
     if isinstance(value, list):
         return [_as_declared(field.message_type, item) for item in value]
     return _as_declared(field.message_type, value)
+
+
+def _has_declared_parts(field: Any) -> bool:
+    """Whether protobuf's JSON form of a field is a mapping of its message's fields."""
+    message = field.message_type
+    if message is None or message.GetOptions().map_entry:
+        return False
+    return not message.full_name.startswith("google.protobuf.")

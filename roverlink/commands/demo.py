@@ -19,7 +19,7 @@ from roverlink.bridge_host import BridgeHost
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, seconds
 from roverlink.crossings import Crossing
 from roverlink.simulation import payload_at
-from runtime import Qos, Registry, Translator, cdr, load_registry
+from runtime import Registry, Translator, cdr, load_registry
 from runtime.middleware import Middleware, Publisher
 from runtime.registry import AnyHandler
 from runtime.values import message_to_values, payload_to_values
@@ -106,7 +106,6 @@ class _Rig:
     ) -> None:
         self._registry, self._host, self._sockets = registry, host, sockets
         self._translator = Translator(registry)
-        self._board = sockets[registry.peers[0].name]
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
         self.forwarded = 0
@@ -125,7 +124,7 @@ class _Rig:
         def seen(data: bytes) -> None:
             crossing.add(lambda: message_to_values(cdr.decode(handler.message_type, data)))
 
-        middleware.subscribe(topic, handler.message_type, Qos(), seen)
+        middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
         """Let every board and every node say something."""
@@ -133,7 +132,7 @@ class _Rig:
             if handler.route.inbound:
                 payload = payload_at(handler.payload_type, seconds)
                 envelope = self._registry.envelope(**{handler.route.name: payload})
-                self._board.sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
+                self._sockets[handler.route.peer].sendto(envelope.SerializeToString(), ("127.0.0.1", self._host.port))
         for handler, publisher in self._publishers:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 

@@ -36,8 +36,9 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print until interrupted, until ``--count`` messages came (0), or until ``--timeout`` (1)."""
     registry = load_registry(project_folder(arguments.project))
-    message_type = topics.message_type(registry, arguments.topic, arguments.type)
-    qos = Qos(reliability="best_effort" if arguments.best_effort else "reliable", depth=1000)
+    message_type, published = topics.endpoint(registry, arguments.topic, arguments.type)
+    reliability = "best_effort" if arguments.best_effort else published.reliability
+    qos = Qos(reliability, published.durability, depth=1000)
     arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
     seen = 0

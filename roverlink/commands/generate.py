@@ -44,9 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     messages = len(compiled.bridge.routes)
-    print(
-        f"{len(changes)} change{'s' if len(changes) != 1 else ''} in {len(compiled.files)} files for {messages} messages"
-    )
+    plural = "s" if len(changes) != 1 else ""
+    print(f"{len(changes)} change{plural} in {len(compiled.files)} files for {messages} messages")
     return OK
 
 

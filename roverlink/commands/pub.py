@@ -10,7 +10,7 @@ import yaml
 
 from roverlink import topics
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
-from runtime import Qos, SetupError, cdr, load_registry
+from runtime import SetupError, cdr, load_registry
 from runtime.middleware import NAMES, Publisher, open_middleware
 from runtime.values import message_from_values
 
@@ -42,17 +42,20 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Publish, once somebody listens."""
     registry = load_registry(project_folder(arguments.project))
-    message_type = topics.message_type(registry, arguments.topic, arguments.type)
+    message_type, qos = topics.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
     with open_middleware(arguments.middleware, topics.identity("pub")) as middleware:
-        publisher = middleware.publisher(topics.full_topic(arguments.topic), message_type, Qos())
+        publisher = middleware.publisher(topics.full_topic(arguments.topic), message_type, qos)
         _wait_for_subscriber(publisher, arguments.topic, arguments.wait)
         start, sent = time.monotonic(), 0
         while arguments.count is None or sent < arguments.count:
             time.sleep(max(0.0, start + sent / arguments.rate - time.monotonic()))
-            publisher.publish([data])
+            accepted = publisher.publish([data])
             sent += 1
-            print(f"published {sent} on {arguments.topic}", flush=True)
+            print(
+                f"published {sent} on {arguments.topic}" if accepted else "not published: subscribers are too slow",
+                flush=True,
+            )
         time.sleep(_FLUSH_S)  # a reliable reader that asks again for a sample must still find us
     return OK
 

@@ -7,10 +7,9 @@ import json
 import signal
 
 from roverlink.console import OK, Subparsers, add_project, command, node_logger, project_folder
-from runtime import Bridge, load_registry, parameters, ros_args
+from runtime import NODE, Bridge, load_registry, parameters, ros_args
 from runtime.middleware import NAMES, open_middleware
 
-_NODE = "udp_forwarder"
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -33,17 +32,19 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Bridge until a signal comes; then exit code 0."""
-    ros = ros_args.parse(arguments.ros_args, _NODE)
+    ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level)
     registry = load_registry(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
-    middleware = open_middleware(arguments.middleware, ros.node, settings.values)
-    bridge = Bridge(registry, settings, middleware, ros.topic, logger)
-    for number in _STOPPING:
-        signal.signal(number, lambda *_: bridge.stop())
-    with bridge:
-        logger.info("%s bridges %d messages on UDP port %d", ros.node.full_name, len(registry.handlers), bridge.port)
-        bridge.run()
+    with open_middleware(arguments.middleware, ros.node, settings.values) as middleware:
+        bridge = Bridge(registry, settings, middleware, ros.topic, logger)
+        for number in _STOPPING:
+            signal.signal(number, lambda *_: bridge.stop())
+        with bridge:
+            logger.info(
+                "%s bridges %d messages on UDP port %d", ros.node.full_name, len(registry.handlers), bridge.port
+            )
+            bridge.run()
     for number in _STOPPING:
         signal.signal(number, signal.SIG_IGN)  # it is stopping; at its very end Python would obey them itself
     logger.info("%s", bridge.account.summary())

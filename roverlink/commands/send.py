@@ -6,6 +6,8 @@ import argparse
 import socket
 import time
 
+from google.protobuf.message import EncodeError
+
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
 from runtime import Registry, SetupError, load_registry, udp
 from runtime.assignments import payload_from_assignments
@@ -45,7 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
         return OK
     handler = _handler(registry, arguments.name)
     payload = payload_from_assignments(handler.payload_type, _assignments(arguments.assignments))
-    datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
+    try:
+        datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
+    except EncodeError as error:
+        raise SetupError(f"{handler.route.name} cannot be sent so: {error}") from error
     destination = destination_of(arguments.to)
     _send(datagram, destination, arguments.count, arguments.rate)
     print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")

@@ -6,7 +6,6 @@ import importlib
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Protocol
 
 from runtime.errors import MiddlewareError
@@ -23,6 +22,14 @@ class NodeIdentity:
     name: str
     namespace: str = "/"
     """Fully qualified, starting with a slash."""
+
+    def topic(self, name: str) -> str:
+        """The fully qualified name of a topic: ``~/x`` is below the node, ``x`` in its namespace."""
+        if name.startswith("/"):
+            return name
+        if name.startswith("~/"):
+            return f"{self.full_name}/{name[2:]}"
+        return f"{self.namespace.rstrip('/')}/{name}"
 
     @property
     def full_name(self) -> str:
@@ -52,11 +59,12 @@ class Middleware(Protocol):
     def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
         """Call ``callback`` with every serialized message of a fully qualified topic, from a thread of ours."""
 
+    def close(self) -> None:
+        """Take the node away. More than once does no harm."""
+
     def __enter__(self) -> Middleware: ...
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None: ...
+    def __exit__(self, *_: object) -> None: ...
 
 
 def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:

@@ -15,11 +15,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from cyclonedds._clayer import ddspy_write
-from cyclonedds.core import Entity
+from cyclonedds.core import DDSException, Entity
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import BasePolicy, _CQos
 from cyclonedds.util import duration
+
+from runtime.errors import MiddlewareError
 
 _library: Any = DDS._dll_handle
 _flush = _library.dds_write_flush
@@ -55,15 +57,22 @@ class RawWriter:
     def __init__(self, writer: DataWriter[Any]) -> None:
         self._writer = writer  # which would delete itself where nobody held it
         self._reference = writer._ref
+        self._topic = writer.topic.name
 
     def write(self, samples: Sequence[bytes]) -> int:
-        """Write samples and send them; returns how many were accepted, in order, before one was refused."""
+        """Write samples and send them; returns how many were accepted, in order, before one would have had to wait.
+
+        Raises `MiddlewareError` where Cyclone DDS fails.
+        """
         reference = self._reference
         accepted = 0
         for sample in samples:
             padding = -len(sample) % _WORD
-            if ddspy_write(reference, sample + bytes(padding) if padding else sample) < 0:
+            code = ddspy_write(reference, sample + bytes(padding) if padding else sample)
+            if code == DDSException.DDS_RETCODE_TIMEOUT:
                 break
+            if code < 0:
+                raise MiddlewareError(f"Cyclone DDS does not write on {self._topic}: {DDSException(code)}")
             accepted += 1
         _flush(reference)
         return accepted

@@ -6,12 +6,12 @@ XCDR1.
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 import time
 from collections.abc import Callable
 from functools import cache
-from types import TracebackType
 from typing import Any
 
 from cyclonedds.core import DDSException, GuardCondition, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
@@ -74,7 +74,9 @@ class DdsMiddleware:
         self._writers: list[RawWriter] = []
         self._readers: list[tuple[DataReader[Any], Callable[[bytes], None]]] = []
         self._conditions: list[ReadCondition] = []
+        self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
+        self._thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """A writer on a fully qualified topic."""
@@ -95,13 +97,11 @@ class DdsMiddleware:
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
 
-    def __enter__(self) -> DdsMiddleware:
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """Take the node away, once subscribers have had a moment to acknowledge what was written last."""
+        if not self._open:
+            return
+        self._open = False
         self._stopped.set(True)
         self._thread.join()
         deadline = time.monotonic() + _LEAVE_S
@@ -109,17 +109,23 @@ class DdsMiddleware:
             writer.wait_for_acknowledgement(max(0.0, deadline - time.monotonic()))
         delete(self._participant)
 
+    def __enter__(self) -> DdsMiddleware:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def _topic(self, topic: str, carrier: type[Any]) -> Topic[Any]:
         return Topic(self._participant, f"rt{topic}", carrier)
 
     def _take_until_stopped(self) -> None:
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
+            # A batch of each in turn: a topic that is never empty delays no other, and not the end.
             for reader, callback in list(self._readers):
-                while samples := reader.take(_TAKE):
-                    for sample in samples:
-                        if sample.sample_info.valid_data:  # else an instance's end, which ROS does not know
-                            callback(sample.data)
+                for sample in reader.take(_TAKE):
+                    if sample.sample_info.valid_data:  # else an instance's end, which ROS does not know
+                        callback(sample.data)
 
 
 def _domain_id() -> int:
@@ -142,5 +148,7 @@ def _domain(domain_id: int, configuration: str) -> Domain | None:
     """A domain is configured once a process, before its first participant, and lives as long as the process."""
     try:
         return Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
-    except DDSException:
-        return None  # another part of the program was in the domain before us, and has configured it
+    except DDSException as error:
+        # Another part of the program was in the domain before us, and has configured it.
+        logging.getLogger("roverlink").warning("DDS domain %d keeps the configuration it has: %s", domain_id, error)
+        return None

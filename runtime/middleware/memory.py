@@ -54,10 +54,14 @@ class MemoryMiddleware:
         callbacks.append(callback)
         self._own.append((callbacks, callback))
 
+    def close(self) -> None:
+        """Unsubscribe."""
+        for callbacks, callback in self._own:
+            callbacks.remove(callback)
+        self._own.clear()
+
     def __enter__(self) -> MemoryMiddleware:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for callbacks, callback in self._own:
-            callbacks.remove(callback)
-        self._own.clear()
+        self.close()

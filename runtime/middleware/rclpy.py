@@ -10,7 +10,6 @@ import contextlib
 import importlib
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from types import TracebackType
 from typing import Any
 
 import rclpy
@@ -55,7 +54,9 @@ class RclpyMiddleware:
             self._node.declare_parameter(name, value)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
+        self._open = True
         self._thread = threading.Thread(target=self._spin, name="rclpy-spin", daemon=True)
+        self._thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
         """A writer on a fully qualified topic."""
@@ -65,17 +66,21 @@ class RclpyMiddleware:
         """Call ``callback`` with every serialized message of a topic, from the spinning thread."""
         self._node.create_subscription(_ros_class(message_type), topic, callback, _profile(qos), raw=True)
 
-    def __enter__(self) -> RclpyMiddleware:
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """Stop spinning and take the node away."""
+        if not self._open:
+            return
+        self._open = False
         self._executor.shutdown()
         self._thread.join()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
+
+    def __enter__(self) -> RclpyMiddleware:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def _spin(self) -> None:
         # ROS 2 may be shut down from outside; the program hears of it by its own signal.

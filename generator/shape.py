@@ -1,0 +1,40 @@
+"""What the rows say of the ROS messages that their protos become."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from generator.findings import Finding, Rule, Span
+from generator.table import Row, Table
+
+DISAGREEING_ROWS = Rule("CNV107", "rows-disagree-on-a-message")
+
+
+@dataclass(slots=True)
+class Shape:
+    """What a row says of the ROS message that its proto becomes."""
+
+    ros: str
+    fields: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    ignore: tuple[str, ...] = ()
+    row: Row | None = None
+
+    def at(self, group: str, path: str, otherwise: Span) -> Span:
+        """Where the row names a path, under ``fields`` or ``ignore``."""
+        return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
+
+
+def shapes_of(table: Table, findings: list[Finding]) -> dict[str, Shape]:
+    """By proto message; rows that carry the same one must agree on what it becomes."""
+    shapes: dict[str, Shape] = {}
+    for row in table.rows:
+        shape = Shape(row.ros, row.fields, row.ignore, row)
+        first = shapes.setdefault(row.proto, shape)
+        if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):
+            message = f"{row.proto} becomes {row.ros} here, and something else in another row"
+            also = [(first.row.span, f"the row {first.row.name}")] if first.row else []
+            help = "give both rows the same ros, fields and ignore"
+            findings.append(DISAGREEING_ROWS.at(row.at("proto"), message, help, also))
+    return shapes

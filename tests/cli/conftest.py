@@ -1,0 +1,143 @@
+"""The command line as a program of its own, and what the tests know of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+PATIENCE_S = 60.0
+"""Far longer than anything takes, on a machine that is busy with other things."""
+
+_REPOSITORY = Path(__file__).parents[2]
+
+
+class Program:
+    """A running roverlink. Its standard error is read as it comes; so is its standard output, line by line."""
+
+    def __init__(self, arguments: tuple[object, ...], environment: dict[str, str], folder: Path) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "roverlink", *map(str, arguments)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment,
+            cwd=folder,
+        )
+        self.output: list[str] = []
+        self.errors: list[str] = []
+        self._readers = [
+            threading.Thread(target=self._read, args=(stream, lines), daemon=True)
+            for stream, lines in ((self._process.stdout, self.output), (self._process.stderr, self.errors))
+        ]
+        for reader in self._readers:
+            reader.start()
+
+    @staticmethod
+    def _read(stream: object, lines: list[str]) -> None:
+        for line in stream:  # type: ignore[attr-defined]  # a pipe, as it was asked for
+            lines.append(line.rstrip("\n"))  # each line is seen as soon as it is there
+
+    def wait_for(self, text: str, lines: list[str] | None = None) -> str:
+        """The first line of its standard error, or of other lines of its, that has a text in it."""
+        deadline = time.monotonic() + PATIENCE_S
+        where = self.errors if lines is None else lines
+        while True:
+            ended = self._process.poll() is not None
+            if ended:
+                self._join()
+            for line in list(where):
+                if text in line:
+                    return line
+            assert not ended, f"ended with {self._process.returncode} and no {text!r}:\n{self}"
+            assert time.monotonic() < deadline, f"no {text!r} in {PATIENCE_S:.0f} s:\n{self}"
+            time.sleep(0.005)
+
+    def send_signal(self, number: signal.Signals) -> None:
+        """Send it a signal."""
+        self._process.send_signal(number)
+
+    def end(self) -> int:
+        """Wait until it has ended; its exit code. No program of ours ends with a traceback."""
+        code = self._process.wait(PATIENCE_S)
+        self._join()
+        assert "Traceback" not in str(self), str(self)
+        return code
+
+    def interrupt(self, number: signal.Signals = signal.SIGINT) -> tuple[int, float]:
+        """Stop it as an operator does; its exit code, and how long it took."""
+        start = time.monotonic()
+        self.send_signal(number)
+        code = self._process.wait(PATIENCE_S)
+        took = time.monotonic() - start
+        return self.end() if code == 0 else code, took
+
+    def _join(self) -> None:
+        for reader in self._readers:
+            reader.join(PATIENCE_S)
+
+    def kill(self) -> None:
+        """End it, whatever it does."""
+        self._process.kill()
+        self._process.wait()
+        self._join()
+        for stream in (self._process.stdout, self._process.stderr):
+            if stream is not None:
+                stream.close()
+
+    def __str__(self) -> str:
+        return "\n".join([*self.output, *self.errors])
+
+
+Start = Callable[..., Program]
+
+
+@pytest.fixture(autouse=True)
+def _own_signals() -> Iterator[None]:
+    """A command that is called in this process leaves its signal handlers behind."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.fixture
+def environment() -> dict[str, str]:
+    """An environment without ROS 2, on this host alone, in a domain of this test worker's."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "CYCLONEDDS", "RMW_"))}
+    return {**kept, "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": str(51 + os.getpid() % 49), "COLUMNS": "200"}
+
+
+@pytest.fixture
+def start(environment: dict[str, str]) -> Iterator[Start]:
+    """Starts `roverlink` with arguments; ends what still runs when the test is over."""
+    programs: list[Program] = []
+
+    def start(*arguments: object, folder: Path = _REPOSITORY, **more: str) -> Program:
+        program = Program(arguments, {**environment, **more}, folder)
+        programs.append(program)
+        return program
+
+    yield start
+    for program in programs:
+        program.kill()
+
+
+@pytest.fixture
+def done(start: Start) -> Start:
+    """Runs `roverlink` with arguments to its end; its exit code, standard output and standard error."""
+
+    def done(*arguments: object, **more: object) -> tuple[int, str, str]:  # type: ignore[misc]
+        program = start(*arguments, **more)
+        code = program.end()
+        return code, "\n".join(program.output), "\n".join(program.errors)
+
+    return done  # type: ignore[return-value]

@@ -1,0 +1,156 @@
+"""What all commands have in common: help, exit codes, and how they complain."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from roverlink.__main__ import main
+from roverlink.console import node_logger, project_folder
+
+_COMMANDS = ["generate", "run", "send", "listen", "echo", "pub", "demo"]
+
+Start = Callable[..., Any]
+
+
+def _exits(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    code = caught.value.code
+    assert isinstance(code, int)
+    return code
+
+
+@pytest.mark.parametrize("command", _COMMANDS)
+def test_every_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """`--help` says what the command does, and shows one way to call it."""
+    assert _exits(command, "--help") == 0
+    text = capsys.readouterr().out
+    assert f"usage: roverlink {command}" in text
+    assert f"\nexample: roverlink {command}" in text
+
+
+def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a command, the help lists all of them."""
+    assert _exits("--help") == 0
+    text = capsys.readouterr().out
+    assert "example: " in text
+    for command in _COMMANDS:
+        assert f"\n    {command} " in text
+
+
+def test_the_example_of_each_help_is_understood(capsys: pytest.CaptureFixture[str]) -> None:
+    """What a help shows is a line that the command takes."""
+    import shlex
+
+    from roverlink.__main__ import _parser
+    from runtime import ros_args
+
+    for command in _COMMANDS:
+        _exits(command, "--help")
+        example = capsys.readouterr().out.rpartition("example: roverlink ")[2].strip()
+        own, ros = ros_args.split(shlex.split(example))
+        assert _parser(own).parse_args(own).run
+        ros_args.parse(ros, "udp_forwarder")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "required: command"),
+        (["frobnicate"], "invalid choice: 'frobnicate'"),
+        (["run", "--frobnicate"], "unrecognized arguments: --frobnicate"),
+        (["run", "--middleware", "zenoh"], "invalid choice: 'zenoh'"),
+        (["listen"], "required: --port"),
+        (["listen", "--port", "x"], "'x' is not a UDP port, 0 to 65535"),
+        (["listen", "--port", "65536"], "'65536' is not a UDP port, 0 to 65535"),
+        (["listen", "--port", "-1"], "'-1' is not a UDP port, 0 to 65535"),
+        (["listen", "--port", "1", "--count", "0"], "'0' is not a whole number above 0"),
+        (["send", "imu_info", "--count", "-1"], "'-1' is not a whole number above 0"),
+        (["send", "imu_info", "--count", "1.5"], "'1.5' is not a whole number above 0"),
+        (["send", "imu_info", "--rate", "0"], "'0' is not a number above 0"),
+        (["send", "imu_info", "--rate", "nan"], "'nan' is not a number above 0"),
+        (["send", "imu_info", "--rate", "inf"], "'inf' is not a number above 0"),
+        (["echo"], "required: topic"),
+        (["echo", "a", "b"], "unrecognized arguments: b"),
+        (["echo", "a", "--timeout", "-1"], "'-1' is not a number of seconds"),
+        (["echo", "a", "--count", "many"], "'many' is not a whole number above 0"),
+        (["pub"], "required: topic"),
+        (["pub", "a", "{}", "b"], "unrecognized arguments: b"),
+        (["pub", "a", "--rate=-1"], "'-1' is not a number above 0"),
+        (["pub", "a", "--wait", "nan"], "'nan' is not a number of seconds"),
+        (["demo", "--seconds", "soon"], "'soon' is not a number of seconds"),
+        (["demo", "--middleware", "rclpy"], "invalid choice: 'rclpy'"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_line_that_is_not_understood_is_told(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit code 2, the usage, and what is wrong with which argument."""
+    assert _exits(*arguments) == 2
+    output, errors = capsys.readouterr()
+    assert output == ""
+    assert errors.startswith("usage: roverlink")
+    assert expected in errors
+
+
+@pytest.mark.parametrize("command", ["send", "listen", "echo", "pub", "run", "demo"])
+def test_a_project_without_generated_code_is_told(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each command that needs generated code says where there is none, with exit code 2."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "1")  # which the demo sets for itself
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    more = {"send": ["imu_info"], "listen": ["--port", "0"], "echo": ["a"], "pub": ["a"]}.get(command, [])
+    assert main([command, *more, "--project", str(tmp_path)]) == 2
+    assert f"roverlink: no generated code in {tmp_path}" in capsys.readouterr().err
+
+
+def test_commands_work_from_any_folder_of_a_project(done: Start) -> None:
+    """The project is found from a folder below it."""
+    code, output, _ = done("send", "--list", folder=Path(__file__).parents[2] / "proto" / "components")
+    assert code == 0
+    assert "imu_info" in output
+
+
+# --- what they share --------------------------------------------------------------------------------------------
+
+
+def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with a table or with generated code is a project; what was given goes before it."""
+    inner = tmp_path / "outer" / "inner" / "deep"
+    inner.mkdir(parents=True)
+    monkeypatch.chdir(inner)
+    assert project_folder(None) is None
+    (tmp_path / "outer" / "mapping.yaml").touch()
+    assert project_folder(None) == tmp_path / "outer"
+    (inner.parent / "generated").mkdir()
+    (inner.parent / "generated" / "registry.py").touch()
+    assert project_folder(None) == inner.parent
+    assert project_folder(tmp_path) == tmp_path
+
+
+@pytest.mark.parametrize(
+    ("level", "shown"),
+    [
+        ("debug", ["DEBUG", "INFO", "WARN", "ERROR", "FATAL"]),
+        ("info", ["INFO", "WARN", "ERROR", "FATAL"]),
+        ("warn", ["WARN", "ERROR", "FATAL"]),
+        ("error", ["ERROR", "FATAL"]),
+        ("fatal", ["FATAL"]),
+    ],
+)
+def test_the_logger_has_ros_2s_levels(level: str, shown: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Each level shows itself and what is graver, once, by ROS 2's names."""
+    for _ in range(2):  # a second logger of the same name does not double the lines
+        logger = node_logger("test_levels", level)
+    for number in (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL):
+        logger.log(number, "text")
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.partition("]")[0].lstrip("[") for line in lines] == shown
+    assert all(line.endswith("[test_levels]: text") for line in lines)

@@ -1,0 +1,28 @@
+"""What all tests share: the options and the marker of this suite."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Know the option that writes golden files anew."""
+    parser.addoption(
+        "--update-cases",
+        action="store_true",
+        help="write the expectations of tests/generator/cases/ anew, to be reviewed as a diff",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Know the marker of the tests that take long."""
+    config.addinivalue_line("markers", "slow: takes many seconds or minutes; runs with -m slow only")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave the slow tests out where they are not asked for."""
+    if "slow" in str(config.getoption("markexpr")):
+        return
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.skip(reason="slow; run it with -m slow"))

@@ -1,0 +1,35 @@
+# Generated from mapping.yaml (Message); do not edit.
+# Regenerate with: roverlink generate
+"""rover/msg/Message."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.annotated import Annotated
+from generated.messages.bool import Bool_
+from generated.messages.cdr import Cdr
+from generated.messages.class_var import ClassVar_
+from generated.messages.item import Item
+from generated.messages.motor_pb2 import MotorPb2
+from generated.messages.payload import Payload
+from generated.messages.u_int8 import UInt8_
+from runtime.messages import Message
+
+
+@dataclass(slots=True)
+class Message_(Message):  # noqa: N801  # the code here needs the name itself
+    """Made from Message."""
+
+    __msgtype__: ClassVar[str] = "rover/msg/Message"
+
+    item: list[Item] = dataclasses.field(default_factory=list)
+    payload: Payload = dataclasses.field(default_factory=Payload)
+    cdr: Cdr = dataclasses.field(default_factory=Cdr)
+    bool: Bool_ = dataclasses.field(default_factory=Bool_)
+    u_int8: UInt8_ = dataclasses.field(default_factory=UInt8_)
+    class_var: ClassVar_ = dataclasses.field(default_factory=ClassVar_)
+    annotated: Annotated = dataclasses.field(default_factory=Annotated)
+    motor: MotorPb2 = dataclasses.field(default_factory=MotorPb2)

@@ -1,0 +1,26 @@
+# Generated from mapping.yaml (Waypoint); do not edit.
+# Regenerate with: roverlink generate
+"""rover/msg/Waypoint."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.arm import Arm
+from generated.messages.gps import GPS
+from generated.messages.imu import IMU
+from runtime.messages import Float64, Message
+
+
+@dataclass(slots=True)
+class Waypoint(Message):
+    """Made from Waypoint."""
+
+    __msgtype__: ClassVar[str] = "rover/msg/Waypoint"
+
+    x: Float64 = 0.0
+    imu: IMU = dataclasses.field(default_factory=IMU)
+    gps: GPS = dataclasses.field(default_factory=GPS)
+    arm: Arm = dataclasses.field(default_factory=Arm)

@@ -1,0 +1,22 @@
+# Generated from mapping.yaml (Another); do not edit.
+# Regenerate with: roverlink generate
+"""rover/msg/Another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Int32, Message
+
+
+@dataclass(slots=True)
+class Another(Message):
+    """Made from Another.
+
+    This message is one more.
+    """
+
+    __msgtype__: ClassVar[str] = "rover/msg/Another"
+
+    x: Int32 = 0

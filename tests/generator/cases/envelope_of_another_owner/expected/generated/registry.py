@@ -1,0 +1,22 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import GpsHandler, ImuHandler
+from generated.pb2.link import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="rover",
+    envelope=envelope_pb2.Datagram,
+    oneof="body",
+    peers=(Peer(name="board", port_parameter="dst_a_port", port=6000),),
+    handlers=(
+        GpsHandler(),
+        ImuHandler(),
+    ),
+    fingerprint="62894e5ba07dee5098270ba2387df343c3e572777c45464542a5563eead28f9c",
+    retired={},
+)

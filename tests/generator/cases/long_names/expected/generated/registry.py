@@ -1,0 +1,39 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import (
+    ANameThatIsSoLongThatTwoOfThemNeverFitIntoOneLineHandler,
+    ShortHandler,
+)
+from generated.pb2 import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="rover",
+    envelope=envelope_pb2.Envelope,
+    oneof="payload",
+    peers=(
+        Peer(name="a_peer_whose_name_is_long", port_parameter="dst_a_port", port=6000),
+        Peer(
+            name="another_peer_whose_name_is_long",
+            port_parameter="dst_b_port",
+            port=6001,
+        ),
+        Peer(name="board", port_parameter="dst_c_port", port=6002),
+        Peer(
+            name="yet_another_peer_whose_name_is_long",
+            port_parameter="dst_d_port",
+            port=6003,
+            strip_trailing_zeros=True,
+        ),
+    ),
+    handlers=(
+        ANameThatIsSoLongThatTwoOfThemNeverFitIntoOneLineHandler(),
+        ShortHandler(),
+    ),
+    fingerprint="439fd0cb1ba4d800134cc24b49d252549334cafc40cd671417fea440f6ffc592",
+    retired={},
+)

@@ -1,0 +1,30 @@
+# Generated from mapping.yaml (row cart) and wheel.proto; do not edit.
+# Regenerate with: roverlink generate
+"""cart (3): Cart to rover/msg/Cart on cart."""
+
+from __future__ import annotations
+
+from generated.handlers.left import LeftHandler
+from generated.messages import Cart
+from generated.pb2 import wheel_pb2
+from runtime.handler import Handler, Route
+
+
+class CartHandler(Handler[wheel_pb2.Cart, Cart]):
+    """Cart to the topic cart."""
+
+    route = Route(number=3, name="cart", topic="cart", direction="board_to_ros")
+    payload_type = wheel_pb2.Cart
+    message_type = Cart
+
+    @staticmethod
+    def to_ros(payload: wheel_pb2.Cart) -> Cart:
+        """The message that says what the payload says."""
+        return Cart(wheels=[LeftHandler.to_ros(item) for item in payload.wheels])
+
+    @staticmethod
+    def from_ros(message: Cart) -> wheel_pb2.Cart:
+        """The payload that says what the message says."""
+        return wheel_pb2.Cart(
+            wheels=[LeftHandler.from_ros(item) for item in message.wheels],
+        )

@@ -1,0 +1,44 @@
+# Generated from mapping.yaml (row target) and fix.proto; do not edit.
+# Regenerate with: roverlink generate
+"""target (2): Target from rover/msg/Target on target."""
+
+from __future__ import annotations
+
+from generated.conversions import position
+from generated.messages import Target
+from generated.pb2 import fix_pb2
+from runtime.handler import Handler, Route
+
+
+class TargetHandler(Handler[fix_pb2.Target, Target]):
+    """Target from the topic target."""
+
+    route = Route(number=2, name="target", topic="target", direction="ros_to_board")
+    payload_type = fix_pb2.Target
+    message_type = Target
+
+    @staticmethod
+    def to_ros(payload: fix_pb2.Target) -> Target:
+        """The message that says what the payload says."""
+        return Target(
+            has_name=payload.HasField("name"),
+            name=payload.name,
+            has_token=payload.HasField("token"),
+            token=payload.token,
+            has_exact=payload.HasField("exact"),
+            exact=payload.exact,
+            has_due=payload.HasField("due"),
+            due=payload.due,
+            path=[position.to_ros(item) for item in payload.path],
+        )
+
+    @staticmethod
+    def from_ros(message: Target) -> fix_pb2.Target:
+        """The payload that says what the message says."""
+        return fix_pb2.Target(
+            name=message.name if message.has_name else None,
+            token=message.token if message.has_token else None,
+            exact=message.exact if message.has_exact else None,
+            due=message.due if message.has_due else None,
+            path=[position.from_ros(item) for item in message.path],
+        )

@@ -1,0 +1,29 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import (
+    ArmStateHandler,
+    DriveStateHandler,
+    InnerHandler,
+    TopHandler,
+)
+from generated.pb2.rover.link import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="rover",
+    envelope=envelope_pb2.Envelope,
+    oneof="body",
+    peers=(Peer(name="board", port_parameter="dst_a_port", port=6000),),
+    handlers=(
+        ArmStateHandler(),
+        DriveStateHandler(),
+        TopHandler(),
+        InnerHandler(),
+    ),
+    fingerprint="20bbc11a9ef9a9b2bc5dd7f4de796ee94dea8b2f3fdbbd0132dd6cb59efc29c4",
+    retired={},
+)

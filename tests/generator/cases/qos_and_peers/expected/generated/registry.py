@@ -1,0 +1,47 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import (
+    ForwardedHandler,
+    HoardingHandler,
+    LatchedHandler,
+    LossyHandler,
+    PlainHandler,
+    QueuedHandler,
+    SpreadHandler,
+    UsualHandler,
+)
+from generated.pb2 import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="rover",
+    envelope=envelope_pb2.Envelope,
+    oneof="payload",
+    peers=(
+        Peer(
+            name="arm",
+            port_parameter="dst_a_port",
+            port=7000,
+            strip_trailing_zeros=True,
+        ),
+        Peer(name="base", port_parameter="base_port", port=6001),
+        Peer(name="extra", port_parameter="dst_c_port", port=6002),
+        Peer(name="zeta", port_parameter="dst_d_port", port=6003),
+    ),
+    handlers=(
+        PlainHandler(),
+        QueuedHandler(),
+        LossyHandler(),
+        LatchedHandler(),
+        HoardingHandler(),
+        UsualHandler(),
+        ForwardedHandler(),
+        SpreadHandler(),
+    ),
+    fingerprint="01c949a707d1a5cb9916d57ff59685a2230d2150da163f2d15365e2280cf8edb",
+    retired={},
+)

@@ -1,0 +1,100 @@
+"""The JSON Schema that editors use, and the reader that generate uses, take and refuse the same tables."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+from golden import CASES, ROOT, files_of, passing_cases
+
+from generated.registry import REGISTRY
+from generator import FindingsError, read
+from generator.ledger import Ledger
+from generator.rules import lint
+from generator.subject import Subject
+from runtime import parameters
+
+_SCHEMA = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])
+_VALIDATOR = jsonschema.Draft202012Validator(_SCHEMA)
+
+
+def _is_valid(table: object) -> bool:
+    return bool(_VALIDATOR.is_valid(table))
+
+
+def test_the_schema_is_one() -> None:
+    """It is a valid schema of the draft that it names."""
+    jsonschema.Draft202012Validator.check_schema(_SCHEMA)
+
+
+@pytest.mark.parametrize(
+    "table", [ROOT / "mapping.yaml", *(case.folder / "mapping.yaml" for case in passing_cases())], ids=str
+)
+def test_it_accepts_what_compiles(table: Path) -> None:
+    """The table of this repository, and that of every case that compiles, is valid."""
+    assert list(_VALIDATOR.iter_errors(yaml.safe_load(table.read_text(encoding="utf-8")))) == []
+
+
+@pytest.mark.parametrize("case", ["map104_unknown_key", "map105_missing_key", "map108_bad_value", "map108_no_rows"])
+def test_it_refuses_what_the_reader_refuses(case: str) -> None:
+    """The tables of the failing cases that YAML itself takes are invalid."""
+    assert not _is_valid(yaml.safe_load((CASES / case / "mapping.yaml").read_text(encoding="utf-8")))
+
+
+def _change(**changes: Any) -> Callable[[dict[str, Any]], None]:
+    return lambda table: table["messages"][0].update(changes)
+
+
+_CHANGES: dict[str, Callable[[dict[str, Any]], None]] = {
+    "a number as text": _change(number="13"),
+    "a number too large": _change(number=2**29),
+    "no number": lambda table: table["messages"][0].pop("number"),
+    "no rows": lambda table: table.update(messages=[]),
+    "rows as a mapping": lambda table: table.update(messages={}),
+    "an unknown key": _change(topik="x"),
+    "an unknown key at the top": lambda table: table.update(message=[]),
+    "a name with a space": _change(name="imu info"),
+    "a name that starts with an underscore": _change(name="_imu"),
+    "an empty topic": _change(topic=""),
+    "a topic that is a number": _change(topic=17),
+    "a direction without ROS": _change(direction="hardware_to_basestation"),
+    "an unknown reliability": _change(qos={"reliability": "sometimes"}),
+    "a depth of nothing": _change(qos={"depth": 0}),
+    "a peer twice": _change(forward=["basestation", "basestation"]),
+    "an owner that does not exist": lambda table: table["envelope"].update(owner="nobody"),
+    "an envelope outside of the root": lambda table: table["envelope"].update(file="../envelope.proto"),
+    "a port too large": lambda table: table["peers"]["hardware"].update(port=65_536),
+    "a flag that is a number": lambda table: table["peers"]["hardware"].update(strip_trailing_zeros=1),
+    "another version": lambda table: table.update(version=2),
+}
+
+
+@pytest.mark.parametrize("change", _CHANGES.values(), ids=_CHANGES.keys())
+def test_schema_and_reader_agree(change: Callable[[dict[str, Any]], None], tmp_path: Path) -> None:
+    """A mistake in this repository's table is one to both."""
+    table = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
+    assert _is_valid(table)
+    change(table)
+    assert not _is_valid(table)
+    file = tmp_path / "mapping.yaml"
+    file.write_text(yaml.safe_dump(table), encoding="utf-8")
+    with pytest.raises(FindingsError):
+        read.read(file)
+
+
+def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
+    """Every parameter that the node has for itself is refused as a peer's."""
+    ports = {peer.port_parameter for peer in REGISTRY.peers}
+    own = sorted(set(parameters.defaults(REGISTRY)) - ports)
+    table = yaml.safe_load((CASES / "nested" / "mapping.yaml").read_text(encoding="utf-8"))
+    table["peers"] |= {f"peer_{name}": {"parameter": name} for name in own}
+    file = tmp_path / "mapping.yaml"
+    file.write_text(yaml.safe_dump(table), encoding="utf-8")
+    findings = lint(Subject(read.read(file), None, Ledger()))
+    refused = [finding.message for finding in findings if finding.rule.id == "TAB104"]
+    assert [name for name in own if not any(f" {name} of peer_{name} " in message for message in refused)] == []

@@ -1,0 +1,276 @@
+"""`roverlink generate` as a user meets it: what it writes, when it writes nothing, and what it says."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from golden import CASES, ROOT, Case, generate, snapshot
+
+_HEADER = "# Regenerate with: roverlink generate\n"
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A small project, generated."""
+    project = Case(CASES / "nested").copy_project(tmp_path)
+    assert generate(project).code == 0
+    return project
+
+
+def _roverlink(
+    *arguments: str, cwd: Path, hash_seed: int = 0, through: Sequence[str] = ()
+) -> subprocess.CompletedProcess[str]:
+    """`roverlink` in a process of its own, started through another program where one is given."""
+    command = [*through, sys.executable, "-m", "roverlink", *arguments]
+    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed)}
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
+
+
+# --- the same input gives the same output -----------------------------------------------------------------------
+
+
+def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
+    """Two runs over this repository's table, with other hash seeds, from other folders, write the same bytes."""
+    results = []
+    for seed, inside in ((1, ""), (2, "proto")):
+        project = tmp_path / f"at_{seed}" / ("deeper" * seed)
+        shutil.copytree(ROOT / "proto", project / "proto")
+        shutil.copy(ROOT / "mapping.yaml", project)
+        done = _roverlink("generate", "--table", str(project / "mapping.yaml"), cwd=project / inside, hash_seed=seed)
+        assert (done.returncode, done.stderr) == (0, "")
+        results.append(snapshot(project))
+    assert results[0] == results[1]
+    assert len(results[0]) > 100
+
+
+def test_no_machine_path_in_the_output(project: Path) -> None:
+    """Where the project stands is in none of its files."""
+    assert [path for path, data in snapshot(project).items() if str(project.parent).encode() in data] == []
+
+
+def test_an_unchanged_run_writes_nothing(project: Path) -> None:
+    """No file is touched where the table has not changed."""
+    for path in project.rglob("*"):
+        os.utime(path, (1, 1))
+    outcome = generate(project)
+    assert outcome.code == 0
+    assert outcome.stdout.startswith("0 ")
+    assert {path.stat().st_mtime for path in project.rglob("*") if path.is_file()} == {1}
+
+
+def test_a_changed_row_rewrites_what_it_changes(project: Path) -> None:
+    """What was written is listed, and files that need no change are not among them."""
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("topic: arm,", "topic: left_arm,"))
+    said = generate(project).stdout.splitlines()
+    assert said[:-1] == [
+        " changed docs/messages.md",
+        " changed generated/handlers/arm.py",
+        " changed generated/registry.py",
+    ]
+    assert said[-1].startswith("3 ")
+
+
+# --- files that go, and files that are not ours -----------------------------------------------------------------
+
+
+def test_files_of_a_row_that_is_gone_are_removed(project: Path) -> None:
+    """A renamed row leaves nothing behind, neither files nor empty folders, compiled modules included."""
+    compiled = project / "generated" / "ros" / "rover" / "launch" / "__pycache__"
+    compiled.mkdir()
+    (compiled / "rover.launch.cpython-310.pyc").write_bytes(b"compiled")
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("name: wrist", "name: hand").replace("package: rover", "package: robot"))
+    before = set(snapshot(project))
+    outcome = generate(project)
+    removed = before - set(snapshot(project))
+    assert "generated/handlers/wrist.py" in removed
+    assert not (project / "generated" / "ros" / "rover").exists()
+    assert " removed generated/handlers/wrist.py" in outcome.stdout.splitlines()
+    fresh = Case(CASES / "nested").copy_project(project.parent / "fresh")
+    shutil.copy(table, fresh)
+    assert generate(fresh).code == 0
+    assert snapshot(fresh) == snapshot(project)
+
+
+def test_files_of_the_user_stay(project: Path) -> None:
+    """What users put beside the generated files is left alone, whatever becomes of the folder."""
+    theirs = {
+        "generated/notes.txt": b"Regenerate with care\n",
+        "generated/handlers/own.py": b"x = 1\n",
+        "generated/binary.dat": bytes(range(256)),
+        "generated/ros/rover/msg/Own.msg": b"int32 x\n",
+    }
+    for path, data in theirs.items():
+        (project / path).write_bytes(data)
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("package: rover", "package: robot"))
+    assert generate(project).code == 0
+    assert theirs.items() <= snapshot(project).items()
+    assert generate(project, "--check").code == 0
+
+
+# --- the check --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "path", ["generated/handlers/arm.py", "generated/ros/rover/msg/Arm.msg", "proto/envelope.proto", "docs/messages.md"]
+)
+@pytest.mark.parametrize("drift", ["changed", "missing"])
+def test_check_shows_drift_and_writes_nothing(project: Path, path: str, drift: str) -> None:
+    """A file that is not what the table says is exit code 1, with a unified diff towards what it says."""
+    file = project / path
+    expected = file.read_text()
+    if drift == "changed":
+        file.write_text(expected.replace("Arm", "Leg"))
+    else:
+        file.unlink()
+    before = snapshot(project)
+    outcome = generate(project, "--check")
+    assert outcome.code == 1
+    assert snapshot(project) == before
+    assert outcome.stdout.startswith(f"--- {f'a/{path}' if drift == 'changed' else '/dev/null'}\n+++ b/{path}\n@@ ")
+    assert set(expected.splitlines()) >= {line[1:] for line in outcome.stdout.splitlines()[3:] if line[0] == "+"}
+
+
+def test_check_shows_drift_of_the_ledger(project: Path) -> None:
+    """A ledger that lacks a number is drift like any other."""
+    ledger = project / "mapping.lock"
+    ledger.write_text(ledger.read_text().replace("  2: wrist Wrist\n", ""))
+    outcome = generate(project, "--check")
+    assert outcome.code == 1
+    assert "+  2: wrist Wrist\n" in outcome.stdout
+    assert "wrist" not in ledger.read_text().split("schema:")[0]
+
+
+def test_check_shows_a_file_that_should_not_be(project: Path) -> None:
+    """A generated file of a row that is gone is drift, too."""
+    stale = project / "generated" / "handlers" / "leg.py"
+    stale.write_text(f"{_HEADER}x = 1\n")
+    outcome = generate(project, "--check")
+    assert (outcome.code, stale.exists()) == (1, True)
+    assert outcome.stdout.startswith("--- a/generated/handlers/leg.py\n+++ /dev/null\n")
+
+
+def test_check_before_the_first_run(tmp_path: Path) -> None:
+    """In a project that was never generated everything is drift, and stays so."""
+    project = Case(CASES / "nested").copy_project(tmp_path)
+    before = snapshot(project)
+    assert generate(project, "--check").code == 1
+    assert snapshot(project) == before
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git applies the diff")
+def test_the_diff_of_check_is_the_cure(project: Path) -> None:
+    """Applied as a patch, the diff makes the project what the table says."""
+    (project / "generated" / "handlers" / "leg.py").write_text(f"{_HEADER}x = 1\n")
+    (project / "generated" / "registry.py").unlink()
+    (project / "generated" / "handlers" / "arm.py").write_text("no line break at the end")
+    (project / "proto" / "envelope.proto").write_text("")
+    with (project / "mapping.lock").open("a") as ledger:
+        ledger.write("\n")
+    outcome = generate(project, "--check")
+    assert outcome.code == 1
+    subprocess.run(["git", "apply", "-"], cwd=project, input=outcome.stdout, text=True, check=True)
+    assert generate(project, "--check").code == 0
+
+
+# --- what cannot be written -------------------------------------------------------------------------------------
+
+
+def _changed(project: Path) -> Path:
+    """The project with another topic, so that there are files to write."""
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("topic: arm,", "topic: left_arm,"))
+    return project
+
+
+_ROOT = os.geteuid() == 0
+_WITHOUT_PRIVILEGES = ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"] if _ROOT else []
+
+
+@pytest.mark.skipif(_ROOT and shutil.which("setpriv") is None, reason="root writes anywhere")
+def test_a_read_only_folder_is_a_finding(project: Path) -> None:
+    """A folder that may not be written to is named, and nothing is left half-done."""
+    before = snapshot(_changed(project))
+    (project / "generated" / "handlers").chmod(0o555)
+    done = _roverlink("generate", cwd=project, through=_WITHOUT_PRIVILEGES)
+    (project / "generated" / "handlers").chmod(0o755)
+    assert done.returncode == 2
+    assert done.stderr.startswith("generated/handlers/arm.py: fatal[OUT101] cannot be written: Permission denied\n")
+    assert snapshot(project) == before
+
+
+def test_a_full_disk_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where there is no space for the second file, the first is not written either, and nothing is left behind."""
+    before = snapshot(_changed(project))
+    _fail_at_the_second(monkeypatch, tempfile, "mkstemp", OSError(28, "No space left on device"))
+    outcome = generate(project)
+    assert outcome.code == 2
+    assert outcome.stderr.startswith(
+        "generated/handlers/arm.py: fatal[OUT101] cannot be written: No space left on device\n"
+    )
+    assert snapshot(project) == before
+
+
+def test_a_file_that_cannot_be_replaced_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every file is whole, the old or the new one, and no other is left behind."""
+    before = snapshot(_changed(project))
+    _fail_at_the_second(monkeypatch, Path, "replace", OSError(1, "Operation not permitted"))
+    outcome = generate(project)
+    monkeypatch.undo()
+    interrupted = snapshot(project)
+    assert generate(project).code == 0
+    after = snapshot(project)
+    assert outcome.code == 2
+    assert "fatal[OUT101] cannot be written: Operation not permitted\n" in outcome.stderr
+    assert set(interrupted) == set(before)
+    assert all(data in (before[path], after[path]) for path, data in interrupted.items())
+
+
+def _fail_at_the_second(monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, error: OSError) -> None:
+    """Let the second call of a function fail."""
+    original, calls = getattr(owner, name), []
+
+    def failing(*args: Any, **kwargs: Any) -> Any:
+        calls.append(args)
+        if len(calls) == 2:
+            raise error
+        return original(*args, **kwargs)
+
+    monkeypatch.setattr(owner, name, failing)
+
+
+def test_a_file_is_replaced_and_not_written_into(project: Path) -> None:
+    """Who has the old file open reads the old text to its end; the new one has the old one's permissions."""
+    handler = project / "generated" / "handlers" / "arm.py"
+    handler.chmod(0o640)
+    old = handler.read_bytes()
+    with handler.open("rb") as reader:
+        assert generate(_changed(project)).code == 0
+        assert reader.read() == old
+    assert b"left_arm" in handler.read_bytes()
+    assert handler.stat().st_mode & 0o777 == 0o640
+
+
+# --- the command ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("case", "code"), [("nested", 0), ("extensions", 0), ("everything_at_once", 1), ("out101_folder_in_the_way", 2)]
+)
+def test_exit_code_of_the_command(case: str, code: int, tmp_path: Path) -> None:
+    """0 where all is well, warnings included; 1 for findings; 2 where it cannot run; never a traceback."""
+    project = Case(CASES / case).copy_project(tmp_path)
+    done = _roverlink("generate", cwd=project)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    assert "error[" in done.stderr or "fatal[" in done.stderr or code == 0

@@ -1,0 +1,165 @@
+"""Whatever is in the files that people edit, the generator finds fault with it or takes it; it never falls over."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pytest
+from golden import ROOT, passing_cases
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import generator
+from generator import Finding, FindingsError, ledger, protos, read
+
+T = TypeVar("T")
+
+_EXAMPLES = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+_TABLE = re.sub(rb"  - number: 4\n.*(?=  - number: 11\n)", b"", (ROOT / "mapping.yaml").read_bytes(), flags=re.DOTALL)
+_LEDGER = (ROOT / "mapping.lock").read_bytes()
+_SNIPPETS = st.sampled_from(
+    [
+        *(b":", b"-", b"[", b"]", b"{", b"}", b"*a", b"&a ", b"!!int ", b"? ", b"| ", b"> ", b"'", b'"', b"#", b"%"),
+        *(b"<<: ", b"---\n", b"...\n", b"~", b"0", b"012", b"off", b"9" * 30, b"\t", b"\n"),
+        *(b"\xff", b"\x00", b"\xc3\xa4", b"\xe2\x80\xa8"),
+    ]
+)
+
+
+@st.composite
+def _mutated(draw: st.DrawFn, text: bytes) -> bytes:
+    """The text after a few edits, as a tired person or a bad merge makes them."""
+    lines = text.splitlines(keepends=True)
+    for _ in range(draw(st.integers(1, 4))):
+        at = draw(st.integers(0, max(0, len(lines) - 1)))
+        edit = draw(st.sampled_from(["delete", "repeat", "indent", "insert", "cut", "byte", "move"]))
+        if not lines:
+            break
+        column = draw(st.integers(0, len(lines[at])))
+        if edit == "delete":
+            del lines[at]
+        elif edit == "repeat":
+            lines.insert(at, lines[at])
+        elif edit == "indent":
+            lines[at] = b"  " + lines[at]
+        elif edit == "insert":
+            lines[at] = lines[at][:column] + draw(_SNIPPETS) + lines[at][column:]
+        elif edit == "cut":
+            lines[at] = lines[at][:column]
+        elif edit == "byte":
+            lines[at] = lines[at][:column] + draw(st.binary(min_size=1, max_size=1)) + lines[at][column + 1 :]
+        else:
+            lines.insert(draw(st.integers(0, len(lines) - 1)), lines.pop(at))
+    return b"".join(lines)
+
+
+def _outcome(function: Callable[..., T], *arguments: Any) -> tuple[T | None, tuple[Finding, ...]]:
+    """What a function gives, or the findings that it raises."""
+    try:
+        return function(*arguments), ()
+    except FindingsError as error:
+        return None, error.findings
+
+
+@_EXAMPLES
+@given(_mutated(_TABLE))
+def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPathFactory, text: bytes) -> None:
+    """Edits of this repository's table, cut short for speed, give a table or findings with their places."""
+    file = tmp_path_factory.getbasetemp() / "mutated.yaml"
+    file.write_bytes(text)
+    table, findings = _outcome(read.read, file, "mapping.yaml")
+    assert {finding.span.file for finding in findings} == (set() if table else {"mapping.yaml"})
+
+
+@_EXAMPLES
+@given(st.one_of(_mutated(_LEDGER), st.binary(max_size=200)))
+def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPathFactory, text: bytes) -> None:
+    """Edits of this repository's ledger give a ledger, or findings with their places, and nothing else."""
+    file = tmp_path_factory.getbasetemp() / "mutated.lock"
+    file.write_bytes(text)
+    read_back, findings = _outcome(ledger.read, file)
+    assert {finding.span.file for finding in findings} == (set() if read_back else {"mapping.lock"})
+
+
+# --- the scanner of .proto files --------------------------------------------------------------------------------
+
+_WORDS = [
+    *("message", "enum", "package", "option", "A", "B.c", "ä", "{", "}", ";", "="),
+    *('"', "'", "\\", "//", "/*", "*/", "\n"),
+]
+
+
+@_EXAMPLES
+@given(st.lists(st.sampled_from(_WORDS), max_size=60).map(" ".join))
+def test_any_proto_is_scanned(text: str) -> None:
+    """Whatever stands in a .proto file, the scanner names what is declared in it and nothing that is not in it."""
+    assert all(part in text for name in protos.declared_names(text) for part in name.split("."))
+
+
+_ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", "a."]
+
+
+@pytest.mark.parametrize("text", [part * 100_000 for part in _ENDLESS], ids=_ENDLESS)
+def test_the_scanner_comes_to_an_end(text: str) -> None:
+    """A file made to keep the scanner busy takes no longer than its length warrants; this test would hang."""
+    assert len(list(protos.declared_names(text))) < 100
+
+
+@pytest.mark.parametrize("root", [ROOT / "proto", *(case.folder / "proto" for case in passing_cases())], ids=str)
+def test_the_scanner_sees_what_protoc_sees(root: Path) -> None:
+    """The names that it finds are those of the messages that protoc finds, file by file."""
+    unneeded = {"broken.proto", "old/imu.proto"}
+    files = sorted(path.relative_to(root).as_posix() for path in root.rglob("*.proto"))
+    files = [file for file in files if file not in unneeded]
+    seen = {(file, name) for file in files for name in protos.declared_names((root / file).read_text(encoding="utf-8"))}
+    schema = protos.compile_protos(root, files, {}, "proto")
+    groups = {
+        field.type_name for message in schema.messages.values() for field in message.fields if field.type == "group"
+    }
+    messages = [message for message in schema.messages.values() if not message.map_entry]
+    theirs = {(message.file, message.full_name) for message in messages if message.full_name not in groups}
+    assert seen == {pair for pair in theirs if not pair[0].startswith("google/")}
+
+
+# --- odds and ends ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [module.name for module in pkgutil.walk_packages(generator.__path__, "generator.")])
+def test_examples_in_docstrings_are_true(name: str) -> None:
+    """What a docstring shows is what happens."""
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+_SETTINGS = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}}
+messages:
+"""
+_ROW = "  - {{number: {0}, name: big_{0}, proto: Big{0}, topic: big_{0}, direction: board_to_ros}}\n"
+_PROTO = 'syntax = "proto3";\nmessage Big{0} {{\n  message Part {{\n    int32 x = 1;\n  }}\n{1}  Part part = 20;\n}}\n'
+
+
+def test_a_large_table_compiles(tmp_path: Path) -> None:
+    """Sixty messages of twenty fields, each with a message in it, give a handler, a class and a .msg each."""
+    fields = "".join(f"  double field_{number} = {number};\n" for number in range(1, 20))
+    numbers = range(1, 61)
+    (tmp_path / "mapping.yaml").write_text(_SETTINGS + "".join(map(_ROW.format, numbers)), encoding="utf-8")
+    (tmp_path / "proto").mkdir()
+    for number in numbers:
+        (tmp_path / "proto" / f"big_{number}.proto").write_text(_PROTO.format(number, fields), encoding="utf-8")
+    compiled = generator.compile_table(tmp_path / "mapping.yaml")
+    assert [route.number for route in compiled.bridge.routes] == list(numbers)
+    for number in numbers:
+        handler = compiled.files[f"generated/handlers/big_{number}.py"]
+        assert handler.count("payload.field_") == 2 * 19
+        assert f"generated/messages/big{number}_part.py" in compiled.files
+        assert compiled.files[f"generated/ros/rover/msg/Big{number}.msg"].count("float64 ") == 19

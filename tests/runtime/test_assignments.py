@@ -1,0 +1,250 @@
+"""Payloads from `field=value`, as `roverlink send` takes them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from hypothesis import given
+from hypothesis import strategies as st
+
+from generated.registry import REGISTRY
+from runtime import ConversionError
+from runtime.assignments import payload_from_assignments
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+_FIELD = descriptor_pb2.FieldDescriptorProto
+_SCALARS = {
+    "a_bool": _FIELD.TYPE_BOOL,
+    "a_float": _FIELD.TYPE_FLOAT,
+    "a_double": _FIELD.TYPE_DOUBLE,
+    "an_int32": _FIELD.TYPE_INT32,
+    "a_uint32": _FIELD.TYPE_UINT32,
+    "an_int64": _FIELD.TYPE_SINT64,
+    "a_uint64": _FIELD.TYPE_FIXED64,
+    "a_text": _FIELD.TYPE_STRING,
+    "some_bytes": _FIELD.TYPE_BYTES,
+}
+
+
+def _make_type() -> type[ProtoMessage]:
+    """A payload with a field of every kind, and names that YAML reads as something else."""
+    file = descriptor_pb2.FileDescriptorProto(name="tests/assignments.proto", syntax="proto3")
+    part = file.message_type.add(name="Part")
+    part.field.add(name="x", number=1, type=_FIELD.TYPE_INT32, label=_FIELD.LABEL_OPTIONAL)
+    part.field.add(name="raw", number=2, type=_FIELD.TYPE_BYTES, label=_FIELD.LABEL_OPTIONAL)
+    part.field.add(name="mode", number=3, type_name=".Mode", label=_FIELD.LABEL_OPTIONAL)
+    part.field.add(name="part", number=4, type_name=".Part", label=_FIELD.LABEL_OPTIONAL)
+    mode = file.enum_type.add(name="Mode")
+    for number, name in enumerate(["OFF", "ON", "NO", "Y", "_7"]):
+        mode.value.add(name=name, number=number)
+    whole = file.message_type.add(name="Whole")
+    for number, (name, kind) in enumerate(_SCALARS.items(), 1):
+        whole.field.add(name=name, number=number, type=kind, label=_FIELD.LABEL_OPTIONAL)
+        whole.field.add(name=f"{name}_list", number=number + 20, type=kind, label=_FIELD.LABEL_REPEATED)
+    whole.field.add(name="mode", number=50, type_name=".Mode", label=_FIELD.LABEL_OPTIONAL)
+    whole.field.add(name="modes", number=51, type_name=".Mode", label=_FIELD.LABEL_REPEATED)
+    whole.field.add(name="part", number=52, type_name=".Part", label=_FIELD.LABEL_OPTIONAL)
+    whole.field.add(name="parts", number=53, type_name=".Part", label=_FIELD.LABEL_REPEATED)
+    pool = descriptor_pool.DescriptorPool()
+    pool.Add(file)
+    made: type[ProtoMessage] = message_factory.GetMessageClass(pool.FindMessageTypeByName("Whole"))
+    return made
+
+
+_WHOLE = _make_type()
+
+
+def _made(**assignments: Any) -> Any:
+    return payload_from_assignments(_WHOLE, {path.replace("__", "."): value for path, value in assignments.items()})
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("a_bool", "true", True),
+        ("a_bool", "off", False),
+        ("a_float", "0.5", 0.5),
+        ("a_float", "-9.81", pytest.approx(-9.81)),
+        ("a_float", "3", 3.0),
+        ("a_double", "1e-3", 0.001),
+        ("a_double", "1e400", math.inf),
+        ("a_double", "-.inf", -math.inf),
+        ("a_double", "inf", math.inf),
+        ("an_int32", "-2147483648", -(2**31)),
+        ("an_int32", "0x10", 16),
+        ("a_uint32", "4294967295", 2**32 - 1),
+        ("an_int64", "-9223372036854775808", -(2**63)),
+        ("a_uint64", "18446744073709551615", 2**64 - 1),
+        ("a_text", "yes", "yes"),
+        ("a_text", "007", "007"),
+        ("a_text", "", ""),
+        ("a_text", "null", "null"),
+        ("a_text", "2024-01-01", "2024-01-01"),
+        ("a_text", "key: [value", "key: [value"),
+        ("a_text", "'quoted'", "'quoted'"),
+        ("some_bytes", "00ff", b"\0\xff"),
+        ("some_bytes", "0010", b"\0\x10"),
+        ("some_bytes", "010203", b"\1\2\3"),
+        ("some_bytes", "1234", b"\x12\x34"),
+        ("some_bytes", "1e10", b"\x1e\x10"),
+        ("some_bytes", "de ad be ef", b"\xde\xad\xbe\xef"),
+        ("some_bytes", "", b""),
+        ("mode", "ON", 1),
+        ("mode", "OFF", 0),
+        ("mode", "NO", 2),
+        ("mode", "Y", 3),
+        ("mode", "_7", 4),
+        ("mode", "3", 3),
+        ("mode", "77", 77),
+        ("mode", "-1", -1),
+    ],
+)
+def test_a_text_is_read_as_its_field_asks(name: str, text: str, value: object) -> None:
+    """Numbers are YAML's, bytes hexadecimal, enum values names or numbers, and a string is what it is."""
+    assert getattr(_made(**{name: text}), name) == value
+
+
+def test_a_nan_is_taken() -> None:
+    """Not a number is a float as well, in either spelling."""
+    assert math.isnan(_made(a_float="nan").a_float)
+    assert math.isnan(_made(a_double=".nan").a_double)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("an_int32_list", "[1, -2, 0x3]", [1, -2, 3]),
+        ("an_int32_list", "7", [7]),
+        ("an_int32_list", "[]", []),
+        ("a_float_list", "[1e-3, 2]", [pytest.approx(0.001), 2.0]),
+        ("a_text_list", "[yes, 007, 'a, b']", ["yes", "007", "a, b"]),
+        ("some_bytes_list", "[0010, ff]", [b"\0\x10", b"\xff"]),
+        ("modes", "[ON, OFF, 2]", [1, 0, 2]),
+        ("a_bool_list", "[true, no]", [True, False]),
+    ],
+)
+def test_a_list_is_read_element_by_element(name: str, text: str, value: object) -> None:
+    """Each element of a list is read as a value of its own; a single one makes a list of one."""
+    assert list(getattr(_made(**{name: text}), name)) == value
+
+
+def test_nested_fields_are_reached_with_dots_or_as_mappings() -> None:
+    """A path with dots, a mapping, and both for different fields, say the same."""
+    dotted = _made(part__x="1", part__raw="0010", part__mode="ON", part__part__x="2")
+    assert (dotted.part.x, dotted.part.raw, dotted.part.mode, dotted.part.part.x) == (1, b"\0\x10", 1, 2)
+    assert _made(part="{x: 1, raw: 0010, mode: ON, part: {x: 2}}") == dotted
+    assert _made(part="{x: 1, raw: 0010, mode: ON}", part__part__x="2") == dotted
+    assert _made(part={"x": 1, "raw": b"\0\x10", "mode": 1, "part": {"x": 2}}) == dotted
+
+
+def test_a_list_of_messages_is_a_list_of_mappings() -> None:
+    """Repeated messages are given as mappings."""
+    parts = _made(parts="[{x: 1}, {}, {mode: ON}]").parts
+    assert [(part.x, part.mode) for part in parts] == [(1, 0), (0, 0), (0, 1)]
+
+
+def test_an_empty_mapping_is_a_message_that_is_there() -> None:
+    """A nested message without fields is sent as such, not left out."""
+    assert _made(part="{}").HasField("part")
+    assert not _made().HasField("part")
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "expected"),
+    [
+        ("a_flaot", "1", "a_flaot: Whole has no field 'a_flaot'; did you mean a_float?"),
+        ("zzzz", "1", "zzzz: Whole has no field 'zzzz'; there are a_bool"),
+        ("part.z", "1", "part.z: Part has no field 'z'"),
+        ("part.part.z", "1", "part.part.z: Part has no field 'z'"),
+        ("a_float.x", "1", "a_float.x: Whole.a_float is no message, so it has no fields"),
+        ("parts.x", "1", "parts.x: Whole.parts is a list; give it as parts=[{...}, ...]"),
+        ("part.", "1", "part.: Part has no field ''"),
+        (".x", "1", ".x: Whole has no field ''"),
+        ("a_bool", "1", "a_bool: '1' is no bool"),
+        ("a_bool", "maybe", "a_bool: 'maybe' is no bool"),
+        ("a_float", "fast", "a_float: 'fast' is no float"),
+        ("a_float", "", "a_float: '' is no float"),
+        ("a_float", "null", "a_float: 'null' is no float"),
+        ("a_float", "true", "a_float: 'true' is no float"),
+        ("a_float", "1e39", "a_float: '1e39' is no float"),
+        ("a_float", "2024-13-45", "a_float: '2024-13-45' is no float"),
+        ("a_float", "[1", "a_float: '[1' is no float"),
+        ("an_int32", "1.5", "an_int32: '1.5' is no int32"),
+        ("an_int32", "true", "an_int32: 'true' is no int32"),
+        ("an_int32", "2147483648", "an_int32: '2147483648' is no int32"),
+        ("a_uint32", "-1", "a_uint32: '-1' is no uint32"),
+        ("an_int64", "9223372036854775808", "an_int64: '9223372036854775808' is no sint64"),
+        ("a_uint64", "18446744073709551616", "is no fixed64"),
+        ("some_bytes", "xyz", "some_bytes: 'xyz' is no sequence of bytes in hexadecimal"),
+        ("some_bytes", "123", "some_bytes: '123' is no sequence"),
+        ("mode", "ONN", "mode: Mode has no value 'ONN'; did you mean ON?"),
+        ("mode", "on", "mode: Mode has no value 'on'"),
+        ("mode", "1.5", "mode: Mode has no value '1.5'"),
+        ("mode", "2147483648", "mode: Mode has no value '2147483648'"),
+        ("modes", "[ON, UP]", "modes[1]: Mode has no value 'UP'"),
+        ("an_int32_list", "[1, x]", "an_int32_list[1]: 'x' is no int32"),
+        ("an_int32_list", "[1", "an_int32_list: '[1' cannot be read"),
+        ("part", "3", "part: '3' is no mapping"),
+        ("part", "{y: 3}", "part: Part has no field 'y'"),
+        ("part", "{x: far}", "part.x: 'far' is no int32"),
+        ("parts", "[{x: 1}, {x: far}]", "parts[1].x: 'far' is no int32"),
+        ("parts", "[1]", "parts[0]: '1' is no mapping"),
+    ],
+)
+def test_what_does_not_fit_is_told_with_its_path(path: str, text: str, expected: str) -> None:
+    """A wrong path or value is a `ConversionError` that quotes it and names the field, its type, or a near name."""
+    with pytest.raises(ConversionError) as caught:
+        payload_from_assignments(_WHOLE, {path: text})
+    assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "assignments",
+    [
+        {"part": "{x: 1}", "part.x": "2"},
+        {"part.x": "2", "part": "{x: 1}"},
+        {"part.part.x": "2", "part.part": "{x: 1}"},
+    ],
+)
+def test_a_field_that_is_assigned_twice_is_told(assignments: dict[str, str]) -> None:
+    """Two values for one field are a mistake, whichever way they are written; neither wins in silence."""
+    with pytest.raises(ConversionError, match="assigned more than once"):
+        payload_from_assignments(_WHOLE, assignments)
+
+
+@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
+def test_every_field_of_every_payload_can_be_assigned(handler: Any) -> None:
+    """Each field of the table's payloads, nested ones included, takes a value by its path."""
+
+    def paths(descriptor: Any, prefix: str = "") -> list[tuple[str, Any]]:
+        return [
+            found
+            for field in descriptor.fields
+            for found in (
+                paths(field.message_type, f"{prefix}{field.name}.")
+                if field.message_type
+                else [(prefix + field.name, field)]
+            )
+        ]
+
+    for path, field in paths(handler.payload_type.DESCRIPTOR):
+        bool_field = field.cpp_type == field.CPPTYPE_BOOL
+        text = field.enum_type.values[-1].name if field.enum_type else "true" if bool_field else "1"
+        payload = payload_from_assignments(handler.payload_type, {path: text})
+        assert payload.ByteSize(), path
+
+
+@given(st.sampled_from([*_SCALARS, "mode", "part", "parts", "an_int32_list", "modes"]), st.text(max_size=20))
+def test_any_text_is_a_value_or_an_error(name: str, text: str) -> None:
+    """Whatever is typed, it is a payload or a `ConversionError`."""
+    try:
+        payload = payload_from_assignments(_WHOLE, {name: text})
+    except ConversionError as error:
+        assert error.field.startswith(name)  # noqa: PT017  # whether it is raised is not the question
+    else:
+        assert isinstance(payload, _WHOLE)

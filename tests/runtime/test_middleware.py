@@ -1,0 +1,342 @@
+"""Choosing a middleware, the one in memory, and rclpy's by way of a stand-in that records how it is used."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import types
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import pytest
+from polling import PATIENCE_S, wait_until
+
+from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
+from runtime import MiddlewareError, Qos, cdr
+from runtime.middleware import NodeIdentity, open_middleware
+from runtime.middleware.memory import Graph, MemoryMiddleware
+
+_NODE = NodeIdentity("udp_forwarder", "/rover")
+
+# --- choosing ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def absent(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Makes packages impossible to import, and forgets what was imported with them."""
+
+    def make_absent(*names: str) -> None:
+        for module in list(sys.modules):
+            own = module.startswith("runtime.middleware.")
+            if own or module.partition(".")[0] in names:
+                monkeypatch.delitem(sys.modules, module)
+        for name in names:
+            monkeypatch.setitem(sys.modules, name, None)
+
+    return make_absent
+
+
+def _refused(name: str) -> str:
+    with pytest.raises(MiddlewareError) as caught:
+        open_middleware(name, _NODE)
+    return str(caught.value)
+
+
+def test_rclpy_that_is_not_there_is_told(absent: Any) -> None:
+    """Without ROS 2, the error says which file to source."""
+    absent("rclpy")
+    message = _refused("rclpy")
+    assert "rclpy does not import" in message
+    assert "source /opt/ros/humble/setup.bash" in message
+
+
+def test_cyclone_that_is_not_there_is_told(absent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without Cyclone DDS, the error says what to install."""
+    monkeypatch.setattr("platform.machine", lambda: "x86_64")
+    absent("cyclonedds")
+    message = _refused("dds")
+    assert "Cyclone DDS does not import" in message
+    assert "pip install cyclonedds" in message
+    assert "aarch64" not in message
+
+
+def test_on_the_jetson_the_error_leads_to_rclpy(absent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where there is no wheel of Cyclone DDS, the error says so, and what works instead."""
+    monkeypatch.setattr("platform.machine", lambda: "aarch64")
+    absent("cyclonedds")
+    message = _refused("dds")
+    assert "no wheel for aarch64" in message
+    assert "--middleware rclpy" in message
+
+
+def test_auto_without_any_says_what_to_do(absent: Any) -> None:
+    """With neither ROS 2 nor Cyclone DDS, `auto` is an error of Cyclone DDS's, which could be installed."""
+    absent("cyclonedds", "rclpy")
+    assert "pip install cyclonedds" in _refused("auto")
+
+
+def test_auto_does_not_take_an_rclpy_that_does_not_import(
+    absent: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """An rclpy on the path that was built for another Python is as good as none: `auto` goes on to dds."""
+    absent("cyclonedds", "rclpy")
+    monkeypatch.delitem(sys.modules, "rclpy")
+    (tmp_path / "rclpy.py").write_text("raise ImportError('built for another Python')")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert "built for another Python" in _refused("rclpy")
+    assert "pip install cyclonedds" in _refused("auto")
+
+
+def test_an_unknown_middleware_is_told() -> None:
+    """A name that is none lists those that are."""
+    assert _refused("zenoh") == "no middleware 'zenoh'; there are auto, dds, rclpy, memory"
+
+
+def test_memory_needs_nothing() -> None:
+    """The middleware in memory is always there."""
+    with open_middleware("memory", _NODE) as middleware:
+        assert isinstance(middleware, MemoryMiddleware)
+
+
+@pytest.mark.parametrize(("namespace", "full_name"), [("/", "/node"), ("/rover", "/rover/node"), ("/a/b", "/a/b/node")])
+def test_a_nodes_full_name(namespace: str, full_name: str) -> None:
+    """Namespace and name make the name that `ros2 node list` prints."""
+    assert NodeIdentity("node", namespace).full_name == full_name
+
+
+# --- memory -----------------------------------------------------------------------------------------------------
+
+
+def test_middlewares_that_share_a_graph_see_each_other() -> None:
+    """What one publishes, every subscriber of the topic gets, in order, and no other topic does."""
+    graph = Graph()
+    with MemoryMiddleware(graph) as talker, MemoryMiddleware(graph) as first, MemoryMiddleware(graph) as second:
+        publisher = talker.publisher("/imu", ImuSensorInformation, Qos())
+        assert not publisher.has_subscribers()
+        seen: list[tuple[str, bytes]] = []
+        first.subscribe("/imu", ImuSensorInformation, Qos(), lambda data: seen.append(("first", data)))
+        second.subscribe("/imu", ImuSensorInformation, Qos(), lambda data: seen.append(("second", data)))
+        second.subscribe("/other", ImuSensorInformation, Qos(), lambda data: seen.append(("other", data)))
+        assert publisher.has_subscribers()
+        assert publisher.publish([b"a", b"b"]) == 2
+        assert seen == [("first", b"a"), ("second", b"a"), ("first", b"b"), ("second", b"b")]
+
+
+def test_leaving_takes_only_ones_own_subscriptions_away() -> None:
+    """A middleware that is left hears nothing more; another on the same graph still does."""
+    graph = Graph()
+    staying, leaving = MemoryMiddleware(graph), MemoryMiddleware(graph)
+    publisher = staying.publisher("/imu", ImuSensorInformation, Qos())
+    seen: list[bytes] = []
+    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.append)
+    with leaving:
+        leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.append)
+        publisher.publish([b"both"])
+    publisher.publish([b"one"])
+    assert seen == [b"both", b"both", b"one"]
+
+
+# --- rclpy ------------------------------------------------------------------------------------------------------
+
+
+class _ExternalShutdown(Exception):  # noqa: N818  # as rclpy names it
+    """Somebody else has shut ROS 2 down."""
+
+
+class _Ros:
+    """What rclpy offers of what we use, with the signatures of ROS 2 Humble, and a record of its use."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[Any, ...]] = []
+        self.subscriptions: dict[str, Any] = {}
+        self.parameters: dict[str, Any] = {}
+        self.published: list[tuple[str, bytes]] = []
+        self.spinning, self.end_spin = threading.Event(), threading.Event()
+        self.shut_down_from_outside = False
+
+    def modules(self) -> dict[str, types.ModuleType]:
+        """The modules that are imported."""
+        root, executors, qos, signals = (
+            types.ModuleType(name) for name in ("rclpy", "rclpy.executors", "rclpy.qos", "rclpy.signals")
+        )
+        comms, messages = types.ModuleType("comms"), types.ModuleType("comms.msg")
+        root.__dict__.update(
+            Context=self.context, init=self.init, create_node=self.create_node, try_shutdown=self.try_shutdown
+        )
+        root.__path__ = []
+        executors.__dict__.update(SingleThreadedExecutor=self.executor, ExternalShutdownException=_ExternalShutdown)
+        qos.__dict__.update(
+            QoSProfile=dict,
+            ReliabilityPolicy=Enum("ReliabilityPolicy", ["SYSTEM_DEFAULT", "RELIABLE", "BEST_EFFORT"]),
+            DurabilityPolicy=Enum("DurabilityPolicy", ["SYSTEM_DEFAULT", "TRANSIENT_LOCAL", "VOLATILE"]),
+            HistoryPolicy=Enum("HistoryPolicy", ["SYSTEM_DEFAULT", "KEEP_LAST", "KEEP_ALL"]),
+        )
+        signals.__dict__.update(SignalHandlerOptions=Enum("SignalHandlerOptions", ["NO", "ALL"]))
+        comms.__path__ = []
+        messages.__dict__.update(ImuSensorInformation="the class of ImuSensorInformation")
+        return {module.__name__: module for module in (root, executors, qos, signals, comms, messages)}
+
+    def context(self) -> str:
+        return "context"
+
+    def init(
+        self, *, args: Any = None, context: Any = None, domain_id: Any = None, signal_handler_options: Any = None
+    ) -> None:
+        self.calls.append(("init", args, context, domain_id, signal_handler_options.name))
+
+    def create_node(
+        self,
+        node_name: str,
+        *,
+        context: Any = None,
+        cli_args: Any = None,
+        namespace: Any = None,
+        use_global_arguments: bool = True,
+    ) -> _Ros:
+        self.calls.append(("create_node", node_name, namespace, context, use_global_arguments))
+        return self
+
+    def declare_parameter(self, name: str, value: Any = None) -> None:
+        self.parameters[name] = value
+
+    def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any) -> Any:
+        self.calls.append(("create_publisher", msg_type, topic, qos_profile))
+        return types.SimpleNamespace(
+            publish=lambda message: self.published.append((topic, message)),
+            get_subscription_count=lambda: len(self.published),
+        )
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, raw: bool = False
+    ) -> None:
+        self.calls.append(("create_subscription", msg_type, topic, qos_profile, raw))
+        self.subscriptions[topic] = callback
+
+    def executor(self, *, context: Any = None) -> _Ros:
+        self.calls.append(("executor", context))
+        return self
+
+    def add_node(self, node: Any) -> None:
+        assert node is self
+
+    def spin(self) -> None:
+        self.spinning.set()
+        assert self.end_spin.wait(PATIENCE_S)
+        if self.shut_down_from_outside:
+            raise _ExternalShutdown
+
+    def shutdown(self) -> None:
+        self.calls.append(("executor.shutdown",))
+        self.end_spin.set()
+
+    def destroy_node(self) -> None:
+        self.calls.append(("destroy_node",))
+
+    def try_shutdown(self, *, context: Any = None) -> None:
+        self.calls.append(("try_shutdown", context))
+
+
+@pytest.fixture
+def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
+    """A stand-in for an installed ROS 2."""
+    ros = _Ros()
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "comms")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delitem(sys.modules, "runtime.middleware.rclpy", raising=False)
+    for name, module in ros.modules().items():
+        monkeypatch.setitem(sys.modules, name, module)
+    yield ros
+    ros.end_spin.set()
+    sys.modules.pop("runtime.middleware.rclpy", None)
+
+
+def test_a_node_of_rclpys_is_ours_alone(ros: _Ros) -> None:
+    """The node has its name and namespace, a context of its own, the parameters, and leaves signals to the program."""
+    open_middleware("rclpy", _NODE, {"listen_port": 5000, "dst_ip": "10.0.0.7"})
+    assert ros.calls[:2] == [
+        ("init", [], "context", None, "NO"),
+        ("create_node", "udp_forwarder", "/rover", "context", False),
+    ]
+    assert ("executor", "context") in ros.calls
+    assert ros.parameters == {"listen_port": 5000, "dst_ip": "10.0.0.7"}
+
+
+def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:
+    """A publisher of the installed class is given bytes, on the full name, with the row's quality of service."""
+    middleware = open_middleware("rclpy", _NODE)
+    qos = Qos(reliability="best_effort", durability="transient_local", history="keep_all", depth=7)
+    publisher = middleware.publisher("/rover/imu_data", ImuSensorInformation, qos)
+    kind, message_class, topic, profile = ros.calls[-1]
+    assert (kind, message_class, topic) == (
+        "create_publisher",
+        "the class of ImuSensorInformation",
+        "/rover/imu_data",
+    )
+    assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
+        "reliability": "BEST_EFFORT",
+        "durability": "TRANSIENT_LOCAL",
+        "history": "KEEP_ALL",
+        "depth": 7,
+    }
+    assert not publisher.has_subscribers()
+    message = cdr.encode(ImuSensorInformation())
+    assert publisher.publish([message, message]) == 2
+    assert ros.published == [("/rover/imu_data", message)] * 2
+    assert publisher.has_subscribers()
+
+
+def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
+    """A subscription is raw, so that its callback gets bytes, with rclcpp's default quality of service."""
+    seen: list[bytes] = []
+    open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.append)
+    kind, message_class, topic, profile, raw = ros.calls[-1]
+    assert (kind, message_class, topic) == ("create_subscription", "the class of ImuSensorInformation", "/imu_data")
+    assert raw is True
+    assert {name: getattr(value, "name", value) for name, value in profile.items()} == {
+        "reliability": "RELIABLE",
+        "durability": "VOLATILE",
+        "history": "KEEP_LAST",
+        "depth": 10,
+    }
+    ros.subscriptions["/imu_data"](b"message")
+    assert seen == [b"message"]
+
+
+def test_rclpy_spins_while_it_is_entered(ros: _Ros) -> None:
+    """A thread spins the node; leaving ends it before node and context are taken down."""
+    with open_middleware("rclpy", _NODE) as middleware:
+        assert ros.spinning.wait(PATIENCE_S)
+        assert ("destroy_node",) not in ros.calls
+    left = [("executor.shutdown",), ("destroy_node",), ("try_shutdown", "context")]
+    assert ros.calls[-3:] == left
+    middleware.close()
+    assert ros.calls.count(("destroy_node",)) == 1
+
+
+def test_a_shutdown_from_outside_ends_the_spinning_quietly(ros: _Ros, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where ROS 2 is shut down by somebody else, the thread ends without a traceback."""
+    failures: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", failures.append)
+    ros.shut_down_from_outside = True
+    with open_middleware("rclpy", _NODE):
+        ros.end_spin.set()
+        wait_until(lambda: "rclpy-spin" not in {thread.name for thread in threading.enumerate()}, "the thread's end")
+    assert not failures
+
+
+def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
+    """A message without type support in the installed package is named, with how to build it."""
+    middleware = open_middleware("rclpy", _NODE)
+    with pytest.raises(MiddlewareError, match=r"comms/msg/DrivingBoardMotorMessage is not installed .*colcon"):
+        middleware.publisher("/drive_motor", DrivingBoardMotorMessage, Qos())
+    sys.modules.pop("comms.msg")
+    sys.modules.pop("comms")
+    with pytest.raises(MiddlewareError, match=r"comms/msg/ImuSensorInformation is not installed .*colcon"):
+        middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), lambda data: None)
+
+
+def test_auto_takes_rclpy_where_it_imports(ros: _Ros) -> None:
+    """With ROS 2 at hand, `auto` is rclpy."""
+    assert type(open_middleware("auto", _NODE)).__name__ == "RclpyMiddleware"

@@ -1,0 +1,292 @@
+"""Loading generated code, and telling whether it fits what else is loaded."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool
+
+from generated import checks
+from generated.registry import REGISTRY
+from runtime import Registry, RegistryError, SetupError, load_registry, parameters, schema
+
+_REPOSITORY = Path(__file__).parents[2]
+_LOAD = "import sys; from runtime import load_registry; print(len(load_registry(sys.argv[1]).handlers))"
+
+Python = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture
+def python(tmp_path: Path) -> Python:
+    """A fresh interpreter that sees the runtime, and no generated code but a project's."""
+    site = tmp_path / "site"
+    site.mkdir()
+    (site / "runtime").symlink_to(_REPOSITORY / "runtime")
+
+    def run(code: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-c", code, *map(str, arguments)],
+            cwd=site,
+            env={"PYTHONPATH": str(site), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"},
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+
+    return run
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A project elsewhere, with generated code of its own."""
+    folder = tmp_path / "project"
+    shutil.copytree(_REPOSITORY / "generated", folder / "generated")
+    return folder
+
+
+def _error(code: str) -> str:
+    """A program that prints the registry error that some code raises."""
+    return textwrap.dedent(f"""
+        import sys
+        from runtime import RegistryError, load_registry
+        try:
+            {code}
+        except RegistryError as error:
+            print(error)
+            sys.exit(3)
+        """)
+
+
+def _loading_fails(python: Python, project: Path) -> str:
+    """What loading a project says when it fails as it should."""
+    done = python(_error("load_registry(sys.argv[1])"), project)
+    assert done.returncode == 3, done.stderr
+    assert not done.stderr
+    return done.stdout
+
+
+def test_a_project_is_loaded_by_its_folder(python: Python, project: Path) -> None:
+    """`load_registry(folder)` finds the generated code of that folder."""
+    done = python(_LOAD, project)
+    assert done.stdout.strip() == "21", done.stderr
+
+
+def test_without_a_folder_the_import_path_decides(registry: Registry) -> None:
+    """`load_registry()` takes the `generated` that is installed."""
+    assert load_registry() is registry
+    assert load_registry(_REPOSITORY) is registry
+
+
+def test_a_folder_without_generated_code_is_named(tmp_path: Path) -> None:
+    """Where nothing was generated, the error says where and what to do."""
+    with pytest.raises(RegistryError, match=f"no generated code in {tmp_path}.*roverlink generate"):
+        load_registry(tmp_path)
+
+
+def test_the_code_of_another_project_is_not_mistaken_for_it(project: Path) -> None:
+    """A program that has loaded one project's code does not go on with it when it is asked for another's."""
+    with pytest.raises(RegistryError, match="generated code of another project is loaded already"):
+        load_registry(project)
+
+
+def test_a_project_with_half_its_code_is_told(python: Python, project: Path) -> None:
+    """A module that is missing is named, with the command that brings it back."""
+    (project / "generated" / "handlers" / "imu_info.py").unlink()
+    message = _loading_fails(python, project)
+    assert "generated.handlers.imu_info" in message
+    assert "roverlink generate" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("REGISTRY = 1", "is no registry"),
+        ("REGISTRY = ", "registry.py"),
+        ("pass", "REGISTRY"),
+        ("from runtime.handler import Nothing", "Nothing"),
+        ("from google.protobuf.runtime_version import VersionError; raise VersionError('too old')", "too old"),
+    ],
+    ids=["no registry", "syntax error", "nothing", "from an older runtime", "from a newer protobuf"],
+)
+def test_code_that_does_not_load_is_told(python: Python, project: Path, text: str, expected: str) -> None:
+    """Whatever is wrong with the generated code, it is one error with what to do, and no traceback."""
+    (project / "generated" / "registry.py").write_text(text)
+    message = _loading_fails(python, project)
+    assert expected in message
+    assert "roverlink generate" in message
+
+
+def test_a_missing_dependency_is_not_taken_for_missing_code(python: Python, project: Path) -> None:
+    """A library that the generated code needs and that is not there is named as that."""
+    (project / "generated" / "registry.py").write_text("import a_library_that_is_not_there")
+    message = _loading_fails(python, project)
+    assert "a_library_that_is_not_there" in message
+    assert "no generated code" not in message
+
+
+def test_modules_of_another_commit_are_found_at_start(python: Python, project: Path) -> None:
+    """Where the protobuf modules that load are not those of the generation, loading fails and lists each difference."""
+    checks_module = project / "generated" / "checks.py"
+    text = checks_module.read_text()
+    assert '"1 accel_x float"' in text
+    checks_module.write_text(text.replace('"1 accel_x float"', '"1 accel_x double"', 1))
+    message = _loading_fails(python, project)
+    assert "SensorBoardIMUInfo: '1 accel_x double' was generated, but is not loaded" in message
+    assert "SensorBoardIMUInfo: '1 accel_x float' is loaded, but was not generated" in message
+
+
+# --- descriptors ------------------------------------------------------------------------------------------------
+
+_FIELD = descriptor_pb2.FieldDescriptorProto
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _private_messages() -> None:
+    """Messages of the tests' own, in the pool that the check looks in."""
+    file = descriptor_pb2.FileDescriptorProto(name="tests/private.proto", package="tests", syntax="proto3")
+    part = file.message_type.add(name="Part")
+    part.field.add(name="text", number=1, type=_FIELD.TYPE_STRING, label=_FIELD.LABEL_OPTIONAL)
+    whole = file.message_type.add(name="Whole")
+    whole.enum_type.add(name="Mode").value.add(name="OFF", number=0)
+    whole.field.add(name="later", number=9, type=_FIELD.TYPE_SINT32, label=_FIELD.LABEL_OPTIONAL)
+    whole.field.add(name="parts", number=2, type_name=".tests.Part", label=_FIELD.LABEL_REPEATED)
+    whole.field.add(name="mode", number=1, type_name=".tests.Whole.Mode", label=_FIELD.LABEL_OPTIONAL)
+    whole.field.add(name="numbers", number=3, type=_FIELD.TYPE_FIXED64, label=_FIELD.LABEL_REPEATED)
+    descriptor_pool.Default().Add(file)
+
+
+_WHOLE = ("1 mode tests.Whole.Mode", "2 parts repeated tests.Part", "3 numbers repeated fixed64", "9 later sint32")
+
+
+def test_a_message_is_described_by_number_name_and_type() -> None:
+    """Fields come in the order of their numbers, in the words of a .proto."""
+    assert schema.describe(descriptor_pool.Default().FindMessageTypeByName("tests.Whole")) == _WHOLE
+
+
+def test_descriptors_that_agree_pass() -> None:
+    """Nothing is raised where what is loaded is what was generated from."""
+    schema.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)})
+    checks.check()
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        (_WHOLE[:3], ["'9 later sint32' is loaded, but was not generated"]),
+        ((*_WHOLE, "10 more bool"), ["'10 more bool' was generated, but is not loaded"]),
+        ((*_WHOLE[:2], "3 numbers fixed64", _WHOLE[3]), ["'3 numbers fixed64' was", "'3 numbers repeated fixed64' is"]),
+        ((*_WHOLE[:3], "8 later sint32"), ["'8 later sint32' was generated", "'9 later sint32' is loaded"]),
+        ((*_WHOLE[:3], "9 after sint32"), ["'9 after sint32' was generated", "'9 later sint32' is loaded"]),
+        ((*_WHOLE[:3], "9 later int32"), ["'9 later int32' was generated", "'9 later sint32' is loaded"]),
+    ],
+    ids=["one more", "one less", "not repeated", "other number", "other name", "other encoding"],
+)
+def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str]) -> None:
+    """A field more or less, another number, name, label or type: the message, and each difference, are named."""
+    with pytest.raises(RegistryError) as caught:
+        schema.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)})
+    for line in expected:
+        assert f"tests.Whole: {line}" in str(caught.value)
+    assert "tests.Part:" not in str(caught.value)
+    assert str(caught.value).count("tests.Whole:") == len(expected)
+    assert "roverlink generate" in str(caught.value)
+
+
+def test_a_message_that_is_not_loaded_is_told() -> None:
+    """A message that is missing altogether is one line, among those of the others."""
+    with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded at all[^$]*tests\.Whole"):
+        schema.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()})
+
+
+# --- the registry -----------------------------------------------------------------------------------------------
+
+
+def test_every_handler_is_found_by_number_name_and_topic(registry: Registry) -> None:
+    """The look-ups lead to the same handlers, one for each of the table's rows."""
+    assert len(registry.handlers) == 21
+    for handler in registry.handlers:
+        route = handler.route
+        assert registry.by_number[route.number] is handler
+        assert registry.by_name[route.name] is handler
+        assert registry.by_topic[route.topic] is handler
+        assert route.peer in registry.peers_by_name
+        assert route.inbound == (route.direction == f"{route.peer}_to_ros")
+
+
+def test_the_envelope_has_each_handler_under_its_number(registry: Registry) -> None:
+    """Number, name and type of each payload are those of the envelope's oneof."""
+    fields = registry.envelope.DESCRIPTOR.oneofs_by_name[registry.oneof].fields
+    assert {(f.number, f.name, f.message_type) for f in fields} == {
+        (h.route.number, h.route.name, h.payload_type.DESCRIPTOR) for h in registry.handlers
+    }
+
+
+# --- parameters -------------------------------------------------------------------------------------------------
+
+
+def test_the_defaults_are_those_of_the_contract(registry: Registry) -> None:
+    """Ports and policy of a node that was given nothing."""
+    read = parameters.read(registry, {})
+    assert (read.listen_port, read.dst_ip, read.forward_policy) == (5000, "127.0.0.1", "mapping")
+    assert read.peer_ports == {"basestation": 6000, "hardware": 6001}
+
+
+def test_given_parameters_are_taken(registry: Registry) -> None:
+    """Each parameter that is given replaces its default; `use_sim_time`, which every node has, changes nothing."""
+    given = {
+        "listen_port": 0,
+        "listen_address": "127.0.0.1",
+        "dst_ip": "rover.local",
+        "dst_a_port": 1,
+        "dst_b_port": 65_535,
+        "forward_policy": "all",
+        "max_datagram": 65_507,
+        "receive_buffer": 1,
+    }
+    assert set(given) == set(parameters.defaults(registry))
+    read = parameters.read(registry, {**given, "use_sim_time": True})
+    assert read.peer_ports == {"basestation": 1, "hardware": 65_535}
+    for name, value in given.items():
+        assert name in ("dst_a_port", "dst_b_port") or getattr(read, name) == value
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("listen_prt", 5000, "no parameter 'listen_prt'; did you mean listen_port?"),
+        ("zzz", 1, "no parameter 'zzz'; there are listen_port, listen_address, dst_ip"),
+        ("listen_port", "5000", "listen_port is '5000'; it must be of type int"),
+        ("listen_port", True, "listen_port is True; it must be of type int"),
+        ("listen_port", 5000.0, "listen_port is 5000.0; it must be of type int"),
+        ("dst_ip", 127, "dst_ip is 127; it must be of type str"),
+        ("dst_ip", None, "dst_ip is None; it must be of type str"),
+        ("listen_port", 65_536, "listen_port is 65536; a UDP port is a number from 1 to 65535"),
+        ("listen_port", -1, "listen_port is -1"),
+        ("dst_a_port", 0, "dst_a_port is 0; a UDP port is a number from 1 to 65535"),
+        ("dst_b_port", 70_000, "dst_b_port is 70000"),
+        ("forward_policy", "none", "forward_policy is 'none'; it is one of mapping, all"),
+        ("max_datagram", 0, "max_datagram is 0; a UDP datagram has 1 to 65507 bytes"),
+        ("max_datagram", 65_508, "max_datagram is 65508"),
+        ("receive_buffer", 0, "receive_buffer is 0; it is a number of bytes"),
+        ("receive_buffer", 2**31, "receive_buffer is 2147483648"),
+    ],
+)
+def test_a_wrong_parameter_is_told(registry: Registry, name: str, value: object, expected: str) -> None:
+    """A name that is not known, a value of another type, a value that cannot be: each is named with what could be."""
+    with pytest.raises(SetupError) as caught:
+        parameters.read(registry, {name: value})
+    assert expected in str(caught.value)
+
+
+def test_the_ports_are_named_by_the_table(registry: Registry) -> None:
+    """A peer's port parameter and its default are the table's, whatever they are."""
+    peers = (dataclasses.replace(REGISTRY.peers[0], name="moon", port_parameter="moon_port", port=7000),)
+    read = parameters.read(dataclasses.replace(registry, peers=peers), {})
+    assert read.peer_ports == {"moon": 7000}

@@ -1,0 +1,310 @@
+"""What stands after `--ros-args`, as rcl reads it."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from runtime import SetupError, ros_args
+from runtime.ros_args import RosArguments, parse, split
+
+_NODE = "udp_forwarder"
+_GENERATED_FILE = Path(__file__).parents[2] / "generated" / "ros" / "comms" / "config" / "udp.yaml"
+
+
+def _parsed(line: str, *more: str) -> RosArguments:
+    return parse([*line.split(), *more], _NODE)
+
+
+def _refused(*arguments: str) -> str:
+    with pytest.raises(SetupError) as caught:
+        parse(list(arguments), _NODE)
+    return str(caught.value)
+
+
+# --- which arguments are ROS's ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "own", "ros"),
+    [
+        ("", "", ""),
+        ("run --json", "run --json", ""),
+        ("run --ros-args -p a:=1", "run", "-p a:=1"),
+        ("run --ros-args -p a:=1 -- --json", "run --json", "-p a:=1"),
+        ("run --ros-args -p a:=1 --ros-args -p b:=2 -- x", "run x", "-p a:=1 -p b:=2"),
+        ("run --ros-args -p a:=1 -- x --ros-args -p b:=2", "run x", "-p a:=1 -p b:=2"),
+        ("run -- x", "run -- x", ""),
+        ("run --ros-args", "run", ""),
+        ("run --ros-args -- -- x", "run -- x", ""),
+    ],
+)
+def test_the_line_is_split(line: str, own: str, ros: str) -> None:
+    """ROS's part runs from `--ros-args` to `--` or the end, any number of times; a `--` of our own stays."""
+    assert split(line.split()) == (own.split(), ros.split())
+
+
+def test_nothing_given() -> None:
+    """Without arguments a node has its own name, in the root namespace."""
+    parsed = _parsed("")
+    assert parsed.node.full_name == "/udp_forwarder"
+    assert (parsed.parameters, parsed.log_level) == ({}, "info")
+    assert parsed.topic("imu_data") == "/imu_data"
+
+
+# --- parameters -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5001", 5001),
+        ("1.5", 1.5),
+        ("true", True),
+        ("rover", "rover"),
+        ("'5001'", "5001"),
+        ('"a b"', "a b"),
+        ("10.0.0.7", "10.0.0.7"),
+        ("[1, 2]", [1, 2]),
+        ("a:=b", "a:=b"),
+        ("", None),
+    ],
+)
+@pytest.mark.parametrize("option", ["-p", "--param"])
+def test_a_parameter_has_the_type_that_yaml_gives_it(option: str, text: str, value: object) -> None:
+    """`name:=value` is read as YAML, so that a number is a number and a quoted one a string."""
+    parsed = parse([option, f"some_name:={text}"], _NODE)
+    assert parsed.parameters == {"some_name": value}
+
+
+def test_the_last_parameter_of_a_name_counts() -> None:
+    """As in rcl, a later assignment replaces an earlier one."""
+    assert _parsed("-p a:=1 -p b:=2 -p a:=3").parameters == {"a": 3, "b": 2}
+
+
+def test_a_parameter_may_name_its_node() -> None:
+    """A parameter of another node is left to it; one of this node, by its remapped name, is taken."""
+    parsed = _parsed("-p udp_forwarder:a:=1 -p other:a:=2 -p other:b:=3")
+    assert parsed.parameters == {"a": 1}
+    assert _parsed("-r __node:=other -p udp_forwarder:a:=1 -p other:a:=2").parameters == {"a": 2}
+
+
+# --- parameter files --------------------------------------------------------------------------------------------
+
+
+def _from_file(folder: Path, text: str, line: str = "") -> dict[str, Any]:
+    path = folder / "params.yaml"
+    path.write_text(textwrap.dedent(text), encoding="utf-8")
+    return _parsed(line, "--params-file", str(path)).parameters
+
+
+_SECTION = "{key}:\n  ros__parameters:\n    a: 1\n"
+
+
+@pytest.mark.parametrize(
+    ("key", "line", "applies"),
+    [
+        ("udp_forwarder", "", True),
+        ("/udp_forwarder", "", True),
+        ("/**", "", True),
+        ("'**'", "", True),
+        ("/*", "", True),
+        ("other", "", False),
+        ("/udp_forwarder_2", "", False),
+        ("/udp_forwarde", "", False),
+        ("/rover/udp_forwarder", "", False),
+        ("udp_forwarder", "-r __ns:=/rover", False),
+        ("/rover/udp_forwarder", "-r __ns:=/rover", True),
+        ("/rover/*", "-r __ns:=/rover", True),
+        ("/*/udp_forwarder", "-r __ns:=/rover", True),
+        ("/*", "-r __ns:=/rover", False),
+        ("/**", "-r __ns:=/rover/front", True),
+        ("/**/udp_forwarder", "-r __ns:=/rover/front", True),
+        ("/rover/**", "-r __ns:=/rover/front", True),
+        ("/rover/*", "-r __ns:=/rover/front", False),
+        ("udp_forwarder", "-r __node:=other", False),
+        ("other", "-r __node:=other", True),
+        ("/rov.r/udp_forwarder", "-r __ns:=/rover", False),
+    ],
+)
+def test_a_section_applies_by_name_full_name_or_wildcard(tmp_path: Path, key: str, line: str, applies: bool) -> None:
+    """`*` stands for one name, `**` for any number; a plain name is that of a node in the root namespace."""
+    assert _from_file(tmp_path, _SECTION.format(key=key), line) == ({"a": 1} if applies else {})
+
+
+def test_namespaces_may_be_nested_mappings(tmp_path: Path) -> None:
+    """A namespace may hold its nodes as a mapping, as rcl's own files have it."""
+    text = """
+        rover:
+          front:
+            udp_forwarder: {ros__parameters: {a: 1}}
+          udp_forwarder: {ros__parameters: {a: 2}}
+        """
+    assert _from_file(tmp_path, text, "-r __ns:=/rover/front") == {"a": 1}
+    assert _from_file(tmp_path, text, "-r __ns:=/rover") == {"a": 2}
+    assert _from_file(tmp_path, text) == {}
+
+
+def test_later_sections_files_and_parameters_count(tmp_path: Path) -> None:
+    """Within a file, and along the line, what comes later replaces what came before."""
+    text = """
+        /**: {ros__parameters: {a: 1, b: 1, c: 1}}
+        udp_forwarder: {ros__parameters: {b: 2, c: 2}}
+        other: {ros__parameters: {c: 9}}
+        """
+    assert _from_file(tmp_path, text) == {"a": 1, "b": 2, "c": 2}
+    path = str(tmp_path / "params.yaml")
+    assert _parsed("-p b:=7", "--params-file", path).parameters["b"] == 2
+    assert _parsed("", "--params-file", path, "-p", "b:=7").parameters["b"] == 7
+
+
+def test_the_generated_file_is_read() -> None:
+    """The parameter file that ships with the ROS 2 package holds the node's defaults."""
+    parameters = _parsed("", "--params-file", str(_GENERATED_FILE)).parameters
+    assert parameters["listen_port"] == 5000
+    assert parameters["dst_ip"] == "127.0.0.1"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a: [1", "not YAML"),
+        ("a: 2024-13-45", "not YAML"),
+        ("just a text", "expected node names"),
+        ("", "expected node names"),
+        ("- a", "expected node names"),
+        ("udp_forwarder: 3", "udp_forwarder has no `ros__parameters:`"),
+        ("udp_forwarder:", "udp_forwarder has no `ros__parameters:`"),
+        ("udp_forwarder: {ros__parameters: 3}", "udp_forwarder has no `ros__parameters:`"),
+        ("udp_forwarder: {listen_port: 3}", "/udp_forwarder/listen_port has no `ros__parameters:`"),
+    ],
+)
+def test_a_file_of_another_form_is_told(tmp_path: Path, text: str, expected: str) -> None:
+    """A file that is no YAML, or has no nodes with parameters, is named with what it lacks."""
+    path = tmp_path / "params.yaml"
+    path.write_text(text, encoding="utf-8")
+    message = _refused("--params-file", str(path))
+    assert expected in message
+    assert str(path) in message
+
+
+def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    """A file that is missing, is a folder, or is not text is named."""
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for path in (tmp_path / "missing.yaml", tmp_path, binary):
+        message = _refused("--params-file", str(path))
+        assert str(path) in message
+        assert "cannot be read" in message
+
+
+# --- remaps -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "topic", "expected"),
+    [
+        ("-r imu_data:=imu/raw", "imu_data", "/imu/raw"),
+        ("--remap imu_data:=imu/raw", "imu_data", "/imu/raw"),
+        ("-r imu_data:=imu/raw", "gps_data", "/gps_data"),
+        ("-r imu_data:=/imu", "imu_data", "/imu"),
+        ("-r /imu_data:=imu", "imu_data", "/imu"),
+        ("-r imu_data:=~/imu", "imu_data", "/udp_forwarder/imu"),
+        ("-r __ns:=/rover", "imu_data", "/rover/imu_data"),
+        ("-r __ns:=/rover", "/imu_data", "/imu_data"),
+        ("-r __ns:=/rover", "~/imu", "/rover/udp_forwarder/imu"),
+        ("-r __ns:=/rover -r imu_data:=imu", "imu_data", "/rover/imu"),
+        ("-r __ns:=/rover -r /imu_data:=imu", "imu_data", "/rover/imu_data"),
+        ("-r __ns:=/rover -r /rover/imu_data:=/imu", "imu_data", "/imu"),
+        ("-r __ns:=/", "imu_data", "/imu_data"),
+        ("-r imu_data:=imu -r __ns:=/rover", "imu_data", "/rover/imu"),
+        ("-r __node:=bridge", "~/imu", "/bridge/imu"),
+        ("-r __name:=bridge", "~/imu", "/bridge/imu"),
+        ("-r ~/imu:=imu", "~/imu", "/imu"),
+        ("-r a:=first -r a:=second", "a", "/first"),
+        ("-r a:=b -r b:=c", "a", "/b"),
+        ("-r udp_forwarder:a:=b", "a", "/b"),
+        ("-r other:a:=b", "a", "/a"),
+        ("-r other:a:=b -r a:=c", "a", "/c"),
+        ("-r __node:=bridge -r bridge:a:=b", "a", "/b"),
+        ("-r rostopic://a:=b", "a", "/b"),
+        ("-r rostopic:///a:=rostopic://b", "a", "/b"),
+        ("-r udp_forwarder:rostopic://a:=b", "a", "/b"),
+        ("-r other:rostopic://a:=b", "a", "/a"),
+    ],
+)
+def test_a_topic_is_remapped(line: str, topic: str, expected: str) -> None:
+    """Names are qualified by namespace and node before they are compared, and the first rule that matches decides."""
+    assert _parsed(line).topic(topic) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "full_name"),
+    [
+        ("-r __node:=bridge", "/bridge"),
+        ("-r __ns:=/rover/front", "/rover/front/udp_forwarder"),
+        ("-r __ns:=/rover -r __node:=bridge", "/rover/bridge"),
+        ("-r udp_forwarder:__node:=bridge", "/bridge"),
+        ("-r other:__node:=bridge -r other:__ns:=/x", "/udp_forwarder"),
+        ("-r __node:=first -r __node:=second", "/first"),
+        ("-r __ns:=/first -r __ns:=/second", "/first/udp_forwarder"),
+        ("-r __node:=_b2", "/_b2"),
+    ],
+)
+def test_the_node_is_renamed(line: str, full_name: str) -> None:
+    """`__node` and `__ns` name the node; of several rules the first decides, and those of other nodes do not count."""
+    assert _parsed(line).node.full_name == full_name
+
+
+@pytest.mark.parametrize("level", ros_args.LOG_LEVELS)
+def test_log_levels(level: str) -> None:
+    """Every level of ROS 2 is taken, in any case, for all loggers or for one."""
+    assert _parsed(f"--log-level {level}").log_level == level
+    assert _parsed(f"--log-level {level.upper()}").log_level == level
+    assert _parsed(f"--log-level udp_forwarder:={level}").log_level == level
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--frobnicate"], "--ros-args does not take '--frobnicate'; it takes -p"),
+        (["imu_data:=imu"], "--ros-args does not take 'imu_data:=imu'"),
+        (["-p"], "-p wants a value after it"),
+        (["-r"], "-r wants a value after it"),
+        (["--params-file"], "--params-file wants a value after it"),
+        (["-p", "listen_port=5000"], "the parameter 'listen_port=5000' is not of the form name:=value"),
+        (["-p", ":=5000"], "the parameter ':=5000' is not of the form name:=value"),
+        (["-p", "a:=[1"], "the value of parameter 'a:=[1' is not YAML"),
+        (["-p", "a:=2024-13-45"], "the value of parameter 'a:=2024-13-45' is not YAML"),
+        (["-r", "imu_data"], "the remap 'imu_data' is not of the form name:=value"),
+        (["-r", "imu data:=imu"], "'imu data' in the remap 'imu data:=imu' is not a topic name"),
+        (["-r", "imu_data:=2imu"], "'2imu' in the remap 'imu_data:=2imu' is not a topic name"),
+        (["-r", "imu_data:="], "'' in the remap 'imu_data:=' is not a topic name"),
+        (["-r", "imu_data:=imu/"], "'imu/' in the remap"),
+        (["-r", "imu_data:=a//b"], "'a//b' in the remap"),
+        (["-r", "__node:=my-node"], "'my-node' is not a node name"),
+        (["-r", "__node:=2nd"], "'2nd' is not a node name"),
+        (["-r", "__node:="], "'' is not a node name"),
+        (["-r", "__ns:=rover"], "'rover' is not a namespace"),
+        (["-r", "__ns:=/rover/"], "'/rover/' is not a namespace"),
+        (["-r", "__ns:="], "'' is not a namespace"),
+        (["--log-level", "loud"], "no log level 'loud'; there are debug, info, warn, error, fatal"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_what_is_not_understood_is_quoted(arguments: list[str], expected: str) -> None:
+    """A wrong argument is a `SetupError` that quotes it and says what would be right."""
+    assert expected in _refused(*arguments)
+
+
+def test_the_generated_file_names_what_the_node_has() -> None:
+    """Every parameter in the shipped file is one that the node knows."""
+    from generated.registry import REGISTRY
+    from runtime import parameters
+
+    shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["udp_forwarder"]["ros__parameters"]
+    assert parameters.read(REGISTRY, shipped) == parameters.read(REGISTRY, {})

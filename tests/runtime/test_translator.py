@@ -1,0 +1,238 @@
+"""The pure core: datagrams to serialized messages and back, and every way in which a datagram is refused."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+from typing import Any
+
+import pytest
+from datagrams import hostile
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import delimited, payloads, varint
+
+from generated.registry import REGISTRY
+from runtime import ConversionError, DatagramError, Reason, Registry, Translator, cdr
+from runtime.registry import AnyHandler
+
+_INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
+_OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]
+
+
+def _name(handler: AnyHandler) -> str:
+    return handler.route.name
+
+
+def _refused(translator: Translator, datagram: bytes) -> DatagramError:
+    with pytest.raises(DatagramError) as caught:
+        translator.receive(datagram)
+    return caught.value
+
+
+def _envelope(**payloads: Any) -> bytes:
+    return REGISTRY.envelope(**payloads).SerializeToString()
+
+
+# --- peers to topics --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("handler", _INBOUND, ids=_name)
+@settings(max_examples=15)
+@given(data=st.data())
+def test_an_inbound_payload_becomes_its_message(handler: AnyHandler, data: st.DataObject) -> None:
+    """What a peer sends is named after its row and has the bytes that the handler makes of it."""
+    payload = data.draw(payloads(handler.payload_type))
+    name, message = Translator(REGISTRY).receive(_envelope(**{handler.route.name: payload}))
+    assert name == handler.route.name
+    assert message == cdr.encode(handler.to_ros(payload))
+
+
+@pytest.mark.parametrize("handler", _OUTBOUND, ids=_name)
+def test_a_payload_that_never_comes_from_a_peer_is_refused(handler: AnyHandler, translator: Translator) -> None:
+    """A payload on the wrong side is refused with its number, its name and its direction."""
+    error = _refused(translator, _envelope(**{handler.route.name: handler.payload_type()}))
+    assert error.reason is Reason.WRONG_DIRECTION
+    assert f"{handler.route.name} ({handler.route.number}) goes {handler.route.direction}" in str(error)
+
+
+def test_an_unknown_payload_is_refused_with_its_number(translator: Translator) -> None:
+    """A number that the table does not have is told."""
+    error = _refused(translator, delimited(25, b"\x0d1234"))
+    assert error.reason is Reason.UNKNOWN_PAYLOAD
+    assert str(error) == "no handler for payload 25"
+
+
+def test_a_stripped_unknown_payload_is_unknown_and_not_malformed(translator: Translator) -> None:
+    """An unknown payload is told from a malformed one even where its zeros were stripped."""
+    error = _refused(translator, bytes.fromhex("ca01"))
+    assert (error.reason, str(error)) == (Reason.UNKNOWN_PAYLOAD, "no handler for payload 25")
+
+
+def test_a_retired_payload_is_refused_with_number_and_name() -> None:
+    """A board with old firmware is told from one with new: the number is named as it used to be."""
+    translator = Translator(dataclasses.replace(REGISTRY, retired={25: "thermal_info"}))
+    error = _refused(translator, delimited(25, b""))
+    assert error.reason is Reason.UNKNOWN_PAYLOAD
+    assert str(error) == "no handler for payload 25 (retired: thermal_info)"
+
+
+def test_a_payload_of_the_envelope_without_a_handler_is_refused_with_number_and_name() -> None:
+    """Where the envelope knows a payload and the registry does not, the envelope's name is told."""
+    rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
+    translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
+    error = _refused(translator, _envelope(imu_info={}))
+    assert error.reason is Reason.UNKNOWN_PAYLOAD
+    assert str(error) == "no handler for payload 13 (imu_info)"
+
+
+def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> None:
+    """A field behind the payload does not lend it its number."""
+    rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
+    translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
+    error = _refused(translator, _envelope(imu_info={}) + delimited(99, b"x"))
+    assert str(error) == "no handler for payload 13 (imu_info)"
+
+
+@pytest.mark.parametrize("datagram", [b"", bytes(1), bytes(200)], ids=["nothing", "one zero", "zeros"])
+def test_an_envelope_without_a_payload_is_empty(datagram: bytes, translator: Translator) -> None:
+    """No bytes, or a buffer of zeros, is an empty envelope, told with its size."""
+    error = _refused(translator, datagram)
+    assert error.reason is Reason.EMPTY
+    assert f"({len(datagram)} bytes)" in str(error)
+    assert "PBEnvelope" in str(error)
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [
+        b"\xff" * 20,
+        b"hello, rover",
+        delimited(13, b"\x0d"),
+        delimited(13, b"\x0d1234") + b"\x07",
+        varint(13 << 3 | 2) + varint(2**40),
+        _envelope(imu_info={"accel_x": 1.0}) + b"\0\0\1",
+    ],
+    ids=["ones", "text", "payload cut short", "trailing garbage", "absurd length", "garbage behind the padding"],
+)
+def test_a_malformed_datagram_is_refused_with_its_start(datagram: bytes, translator: Translator) -> None:
+    """What is no envelope is quoted with its size and first bytes."""
+    error = _refused(translator, datagram)
+    assert error.reason is Reason.MALFORMED
+    assert f"{len(datagram)} bytes" in str(error)
+    assert datagram[:8].hex(" ") in str(error)
+
+
+@pytest.mark.parametrize("value", [300, 256, -1])
+def test_an_enum_that_does_not_fit_is_refused_with_route_field_and_value(value: int, translator: Translator) -> None:
+    """A value that its ROS 2 field cannot hold is refused, with the path to it, and never cut off."""
+    error = _refused(translator, _envelope(imu_info={"error_code": value}))
+    assert error.reason is Reason.CONVERSION
+    assert str(error).startswith(f"payload 13: imu_info.error_code: {value} does not fit uint8")
+
+
+def test_an_enum_that_does_not_fit_deep_inside_is_named_by_its_path(translator: Translator) -> None:
+    """The path leads through nested messages, in the ROS names that the topic has."""
+    error = _refused(translator, _envelope(sensor_diag={"gps_sensor_1": {"fix_quality": 999}}))
+    assert error.reason is Reason.CONVERSION
+    assert str(error).startswith("payload 11: sensor_diag.gps_sensor.fix_quality: 999 does not fit uint8")
+
+
+def test_an_enum_value_that_nobody_declared_passes_where_it_fits(translator: Translator) -> None:
+    """A newer board may say something that this program has no name for; the number is handed on."""
+    _, message = translator.receive(_envelope(imu_info={"error_code": 255}))
+    assert cdr.decode(REGISTRY.by_name["imu_info"].message_type, message).error_code == 255
+
+
+def test_of_several_payloads_the_last_one_counts(translator: Translator) -> None:
+    """A oneof that was written twice holds what came last, as protobuf has it."""
+    name, _ = translator.receive(_envelope(imu_info={}) + _envelope(ph_info={"voltage": 1.0}))
+    assert name == "ph_info"
+
+
+def test_unknown_fields_beside_a_payload_are_ignored(translator: Translator) -> None:
+    """A newer envelope with more in it is understood."""
+    plain = _envelope(ph_info={"voltage": 1.0})
+    newer = delimited(99, b"new") + plain + varint(98 << 3) + varint(7)
+    assert translator.receive(newer) == translator.receive(plain)
+
+
+# --- hostile input ----------------------------------------------------------------------------------------------
+
+
+def _survives(registry: Registry, count: int, seed: int) -> Counter[Reason | None]:
+    """What became of hostile datagrams, by the reason of each refusal; None for those that passed."""
+    translator = Translator(registry)
+    outcomes: Counter[Reason | None] = Counter()
+    for datagram in hostile(registry, count, seed):
+        try:
+            name, message = translator.receive(datagram)
+        except DatagramError as error:
+            outcomes[error.reason] += 1
+        else:
+            outcomes[None] += 1
+            assert message == cdr.encode(cdr.decode(registry.by_name[name].message_type, message))
+    assert outcomes.total() == count
+    return outcomes
+
+
+def test_hostile_datagrams_raise_nothing_but_datagram_errors(registry: Registry) -> None:
+    """Fifty thousand random and damaged datagrams are passed or refused, and every reason of the core occurs."""
+    outcomes = _survives(registry, 50_000, seed=1)
+    core = {Reason.EMPTY, Reason.MALFORMED, Reason.UNKNOWN_PAYLOAD, Reason.WRONG_DIRECTION, Reason.CONVERSION}
+    assert set(outcomes) == core | {None}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_million_hostile_datagrams(registry: Registry, seed: int) -> None:
+    """The same, half a million at a time, so that two workers share them."""
+    assert _survives(registry, 500_000, seed).total() == 500_000
+
+
+# --- topics to peers --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("strip", [False, True])
+@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=_name)
+def test_a_message_becomes_the_datagram_of_its_row(handler: AnyHandler, strip: bool) -> None:
+    """What is sent is the plain envelope, or the same without its trailing zeros where the peer's link says so."""
+    peers = tuple(dataclasses.replace(peer, strip_trailing_zeros=strip) for peer in REGISTRY.peers)
+    translator = Translator(dataclasses.replace(REGISTRY, peers=peers))
+    message = handler.message_type()
+    payload = handler.from_ros(message)
+    plain = _envelope(**{handler.route.name: payload})
+    sent = translator.send(handler, cdr.encode(message))
+    assert sent == (plain.rstrip(b"\0") if strip else plain)
+    assert translator.parse(sent).SerializeToString() == plain
+
+
+def test_stripping_is_a_matter_of_each_peer() -> None:
+    """One peer's link is stripped while the other's is plain protobuf."""
+    peers = tuple(dataclasses.replace(p, strip_trailing_zeros=p.name == "hardware") for p in REGISTRY.peers)
+    translator = Translator(dataclasses.replace(REGISTRY, peers=peers))
+    hardware, basestation = REGISTRY.by_name["drive_motor"], REGISTRY.by_name["rover_localization"]
+    assert (hardware.route.peer, basestation.route.peer) == ("hardware", "basestation")
+    assert translator.send(hardware, cdr.encode(hardware.message_type())) == bytes.fromhex("4a")
+    sent = translator.send(basestation, cdr.encode(basestation.message_type()))
+    assert sent == _envelope(rover_localization={})
+
+
+@pytest.mark.parametrize("handler", _OUTBOUND, ids=_name)
+@settings(max_examples=10)
+@given(data=st.data())
+def test_what_is_sent_says_what_the_message_says(handler: AnyHandler, data: st.DataObject) -> None:
+    """The payload that a peer reads is the one from which the message was made."""
+    payload = data.draw(payloads(handler.payload_type))
+    translator = Translator(REGISTRY)
+    sent = translator.send(handler, handler.to_cdr(payload))
+    assert translator.parse(sent).SerializeToString() == _envelope(**{handler.route.name: payload})
+
+
+def test_a_message_that_cannot_be_read_names_its_row(translator: Translator) -> None:
+    """Bytes on a topic that are no such message are a `ConversionError` that names the row and the type."""
+    handler = REGISTRY.by_name["drive_motor"]
+    with pytest.raises(ConversionError, match=r"^drive_motor: too short for comms/msg/DrivingBoardMotorMessage"):
+        translator.send(handler, bytes.fromhex("00010000 0000"))
+    with pytest.raises(ConversionError, match=r"^drive_motor: not plain CDR"):
+        translator.send(handler, b"")

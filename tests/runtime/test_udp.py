@@ -1,0 +1,316 @@
+"""Sockets on loopback: reading in batches, stopping, and what is said where the network does not do as it is told."""
+
+from __future__ import annotations
+
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from polling import PATIENCE_S, wait_until
+
+from runtime import SetupError, mmsg, udp
+
+_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="counted by the Linux kernel only")
+_SIZE = 100
+_BUFFER = 1024 * 1024
+
+Reader = Callable[[], "list[bytes]"]
+
+
+@pytest.fixture
+def listener() -> Iterator[socket.socket]:
+    """A socket that listens on a free port of the loopback interface."""
+    with udp.bind("127.0.0.1", 0, _BUFFER) as sock:
+        yield sock
+
+
+@pytest.fixture
+def sender(listener: socket.socket) -> Iterator[socket.socket]:
+    """A socket that sends to the listener."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.connect(listener.getsockname())
+        yield sock
+
+
+@pytest.fixture(params=["batch", "one by one"])
+def reader_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Reading with recvmmsg(2), and with what every system has."""
+    kind: str = request.param
+    if kind == "batch" and not mmsg.AVAILABLE:
+        pytest.skip("recvmmsg is Linux's")
+    monkeypatch.setattr(mmsg, "AVAILABLE", kind == "batch")
+    return kind
+
+
+@pytest.fixture
+def read(reader_kind: str, listener: socket.socket) -> Reader:
+    """Reads from the listener, up to four datagrams of 100 bytes at a time."""
+    kind: Any = mmsg.BatchReader if reader_kind == "batch" else udp.OneByOneReader
+    reader: Reader = kind(listener, _SIZE, 4).read
+    return reader
+
+
+# --- readers ----------------------------------------------------------------------------------------------------
+
+
+def test_a_reader_waits_for_nothing(read: Reader) -> None:
+    """Where nothing has arrived, an empty batch comes back at once."""
+    assert read() == []
+
+
+def test_a_reader_takes_what_has_arrived_in_order(read: Reader, sender: socket.socket) -> None:
+    """Datagrams come oldest first, no more than the limit at a time, and each is a copy of its own."""
+    sent = [bytes([number]) * (number + 1) for number in range(10)]
+    for datagram in sent:
+        sender.send(datagram)
+    batches = [read() for _ in range(4)]
+    assert [len(batch) for batch in batches] == [4, 4, 2, 0]
+    assert [datagram for batch in batches for datagram in batch] == sent
+
+
+def test_an_empty_datagram_is_a_datagram(read: Reader, sender: socket.socket) -> None:
+    """A datagram of no bytes is not mistaken for nothing."""
+    sender.send(b"")
+    sender.send(b"x")
+    assert read() == [b"", b"x"]
+
+
+def test_a_long_datagram_comes_cut(read: Reader, sender: socket.socket) -> None:
+    """What is longer than the reader's size has just that size, and leaves nothing behind for the next."""
+    sender.send(b"a" * (_SIZE - 1))
+    sender.send(b"b" * _SIZE)
+    sender.send(b"c" * 5000)
+    sender.send(b"d")
+    assert read() == [b"a" * (_SIZE - 1), b"b" * _SIZE, b"c" * _SIZE, b"d"]
+
+
+def test_a_closed_socket_is_an_error(reader_kind: str, listener: socket.socket) -> None:
+    """A reader does not take a socket that is gone for one that is silent."""
+    kind: Any = mmsg.BatchReader if reader_kind == "batch" else udp.OneByOneReader
+    reader = kind(listener, _SIZE, 4)
+    listener.close()
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        reader.read()
+
+
+# --- the receiver -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("reader_kind")
+def test_the_receiver_hands_on_everything_in_order(listener: socket.socket, sender: socket.socket) -> None:
+    """All that arrives goes to the function, in order, from a thread of its own, until the receiver is left."""
+    arrived: list[bytes] = []
+    threads: set[str] = set()
+
+    def handle(batch: list[bytes]) -> None:
+        arrived.extend(batch)
+        threads.add(threading.current_thread().name)
+
+    sent = [str(number).encode() for number in range(2000)]
+    with udp.Receiver(listener, _SIZE, handle):
+        for number, datagram in enumerate(sent):
+            sender.send(datagram)
+            if number % 200 == 0:
+                wait_until(lambda number=number: len(arrived) > number, "the datagrams so far")  # type: ignore[misc]
+    assert arrived == sent
+    assert threads == {"udp-receive"}
+
+
+@pytest.mark.usefixtures("reader_kind")
+def test_stopping_handles_what_had_arrived(listener: socket.socket, sender: socket.socket) -> None:
+    """What the kernel held when the receiver was stopped is handled before it ends."""
+    arrived: list[bytes] = []
+    sent = [str(number).encode() for number in range(100)]
+    for datagram in sent:
+        sender.send(datagram)
+    receiver = udp.Receiver(listener, _SIZE, arrived.extend)
+    receiver.stop()
+    with receiver:
+        receiver.join()
+    assert arrived == sent
+
+
+@pytest.mark.usefixtures("reader_kind")
+def test_a_batch_is_small_enough_for_a_subscription(listener: socket.socket, sender: socket.socket) -> None:
+    """However much waits, the function gets less at a time than a ROS 2 subscription keeps by default."""
+    sizes: list[int] = []
+    for _ in range(100):
+        sender.send(b"x")
+    with udp.Receiver(listener, _SIZE, lambda batch: sizes.append(len(batch))):
+        wait_until(lambda: sum(sizes) == 100, "all datagrams")
+    assert max(sizes) <= udp.BURST < 10
+
+
+@pytest.mark.usefixtures("reader_kind")
+def test_an_idle_receiver_stops_at_once(listener: socket.socket) -> None:
+    """A receive that waits is woken: stopping does not take another datagram."""
+    with udp.Receiver(listener, _SIZE, lambda batch: None) as receiver:
+        start = time.monotonic()
+        receiver.stop()
+        receiver.join()
+        assert time.monotonic() - start < PATIENCE_S / 2
+
+
+def test_stopping_twice_and_late_does_no_harm(listener: socket.socket) -> None:
+    """A second signal may come while the first is being obeyed, or when all is closed."""
+    receiver = udp.Receiver(listener, _SIZE, lambda batch: None)
+    with receiver:
+        receiver.stop()
+        receiver.stop()
+        receiver.join()
+    receiver.stop()
+
+
+def test_stopping_very_often_does_not_block(listener: socket.socket) -> None:
+    """Signals may come by the thousand while the function is at work; none of them waits for it."""
+    at_work, may_end = threading.Event(), threading.Event()
+
+    def handle(_: list[bytes]) -> None:
+        at_work.set()
+        may_end.wait(PATIENCE_S)
+
+    with udp.Receiver(listener, _SIZE, handle) as receiver:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+            sock.sendto(b"x", listener.getsockname())
+        assert at_work.wait(PATIENCE_S)
+        stopper = threading.Thread(target=lambda: [receiver.stop() for _ in range(5000)], daemon=True)
+        stopper.start()
+        stopper.join(PATIENCE_S / 3)
+        blocked = stopper.is_alive()
+        may_end.set()
+    assert not blocked
+
+
+def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sender: socket.socket) -> None:
+    """An error in the thread is not lost with it."""
+
+    def handle(_: list[bytes]) -> None:
+        raise ValueError("of the function")
+
+    with udp.Receiver(listener, _SIZE, handle) as receiver:
+        sender.send(b"x")
+        with pytest.raises(ValueError, match="of the function"):
+            receiver.join()
+
+
+_FLOOD = """
+import socket, sys
+sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+sock.connect(("127.0.0.1", int(sys.argv[1])))
+while True:
+    sock.send(bytes(20))
+"""
+
+
+@pytest.mark.usefixtures("reader_kind")
+def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socket) -> None:
+    """Who sends without end is not waited for: the receiver stops while more and more arrives."""
+    seen = 0
+
+    def handle(batch: list[bytes]) -> None:
+        nonlocal seen
+        seen += len(batch)
+
+    port = str(listener.getsockname()[1])
+    with subprocess.Popen([sys.executable, "-c", _FLOOD, port]) as flood:
+        try:
+            with udp.Receiver(listener, _SIZE, handle) as receiver:
+                wait_until(lambda: seen > 10_000, "the flood")
+                start = time.monotonic()
+                receiver.stop()
+                receiver.join()
+                took = time.monotonic() - start
+        finally:
+            flood.kill()
+    assert took < PATIENCE_S / 3  # 0.5 s, where the machine has nothing else to do
+
+
+# --- binding ----------------------------------------------------------------------------------------------------
+
+
+def test_a_port_in_use_is_named(listener: socket.socket) -> None:
+    """Who cannot have a port is told which one, and what to do."""
+    port = listener.getsockname()[1]
+    with pytest.raises(SetupError, match=rf"UDP port {port} on 127\.0\.0\.1 is in use by another program; stop it"):
+        udp.bind("127.0.0.1", port, _BUFFER)
+
+
+@pytest.mark.parametrize("address", ["192.0.2.1", "no such host", "a" * 70 + ".local"])
+def test_an_address_that_is_not_ours_is_named(address: str) -> None:
+    """An address of another machine, or none at all, is quoted."""
+    with pytest.raises(SetupError, match=f"cannot listen on UDP port 5000 of {re.escape(address)}: "):
+        udp.bind(address, 5000, _BUFFER)
+
+
+def test_the_receive_buffer_is_as_large_as_it_was_asked_for(listener: socket.socket) -> None:
+    """The size is set, and read back in the measure in which it was asked for."""
+    assert udp.receive_buffer(listener) <= _BUFFER
+    with udp.bind("127.0.0.1", 0, 100_000) as small:
+        assert udp.receive_buffer(small) == 100_000
+
+
+@_LINUX
+def test_what_the_kernel_dropped_is_counted(sender: socket.socket, listener: socket.socket, read: Reader) -> None:
+    """Every datagram that found the buffer full is counted, no more and no less."""
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    assert udp.kernel_drops(listener) == 0
+    for _ in range(500):
+        sender.send(bytes(20))
+    taken = 0
+    while batch := read():
+        taken += len(batch)
+    assert 0 < taken < 500
+    assert udp.kernel_drops(listener) == 500 - taken
+
+
+@_LINUX
+def test_drops_of_something_else_are_none() -> None:
+    """What cannot tell its drops has none."""
+    left, right = socket.socketpair()
+    with left, right:
+        assert udp.kernel_drops(left) == 0
+
+
+# --- destinations -----------------------------------------------------------------------------------------------
+
+
+def test_a_name_resolves() -> None:
+    """Names and addresses become IPv4 addresses."""
+    assert udp.resolve("127.0.0.1", 6000) == ("127.0.0.1", 6000)
+    assert udp.resolve("localhost", 6001) == ("127.0.0.1", 6001)
+
+
+@pytest.mark.parametrize("host", ["rover.invalid", "no such host", "a" * 70 + ".local", "::1", "256.0.0.1"])
+def test_a_name_that_does_not_resolve_is_named(host: str) -> None:
+    """A destination that cannot be is quoted, whatever is wrong with it."""
+    with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve: "):
+        udp.resolve(host, 6000)
+
+
+def test_a_destination_gets_what_is_sent(listener: socket.socket) -> None:
+    """A destination sends to its peer, and is shown with its peer's name and address."""
+    address = ("127.0.0.1", listener.getsockname()[1])
+    destination = udp.Destination("hardware", address)
+    try:
+        destination.send(b"hello")
+        listener.settimeout(PATIENCE_S)
+        assert listener.recv(100) == b"hello"
+        assert str(destination) == f"hardware at 127.0.0.1:{address[1]}"
+    finally:
+        destination.close()
+
+
+def test_a_destination_out_of_reach_fails_when_something_is_sent() -> None:
+    """A network that is not up yet does not keep a bridge from starting: each datagram fails, and says why."""
+    destination = udp.Destination("hardware", ("255.255.255.255", 6001))  # a broadcast, which nobody allowed
+    try:
+        with pytest.raises(OSError, match="Permission denied"):
+            destination.send(b"hello")
+    finally:
+        destination.close()

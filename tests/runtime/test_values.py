@@ -1,0 +1,157 @@
+"""Messages as plain values: what `echo` prints and `pub` takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import messages
+
+from generated.messages import ArmBoardDiagnostics, BasestationDetectedObject, ImuSensorInformation
+from generated.registry import REGISTRY
+from roverlink.simulation import payload_at
+from runtime import ConversionError, SetupError, cdr, standard
+from runtime.values import message_from_values, message_to_values, nearest, payload_to_values
+
+_TYPES = [
+    ImuSensorInformation,
+    ArmBoardDiagnostics,
+    *map(
+        standard.message_type,
+        ["sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage", "diagnostic_msgs/msg/DiagnosticArray"],
+    ),
+]
+
+
+@pytest.mark.parametrize("message_type", _TYPES, ids=lambda message_type: message_type.__name__)
+@settings(max_examples=30)
+@given(data=st.data())
+def test_a_message_is_the_same_again_after_plain_values(message_type: Any, data: st.DataObject) -> None:
+    """The values of a message describe it completely: made from them, it has the same bytes."""
+    message = data.draw(messages(message_type))
+    assert cdr.encode(message_from_values(message_type, message_to_values(message))) == cdr.encode(message)
+
+
+def test_fields_that_are_left_out_are_zero() -> None:
+    """A message from a part of its values has zeros, empty texts and empty lists in the rest, at every depth."""
+    imu = standard.message_type("sensor_msgs/msg/Imu")
+    message: Any = message_from_values(imu, {"header": {"stamp": {"sec": 7}}})
+    assert message.header.stamp.sec == 7
+    assert message.header.frame_id == ""
+    assert message.orientation_covariance == [0.0] * 9
+    assert message_from_values(imu, {}) == imu()
+
+
+@pytest.mark.parametrize(("given", "expected"), [(1, 1.0), ("1e-3", 0.001), ("nan", None), ("-inf", -float("inf"))])
+def test_numbers_for_floats_are_taken_as_they_are_written(given: object, expected: float | None) -> None:
+    """An integer is a float as well, and so is 1e-3, which YAML takes for a text."""
+    value = message_from_values(ImuSensorInformation, {"accel_x": given}).accel_x
+    assert isinstance(value, float)
+    assert value == expected or (expected is None and value != value)
+
+
+@pytest.mark.parametrize(
+    ("type_name", "values", "path", "expected"),
+    [
+        ("sensor_msgs/msg/Imu", 3, "", "3 is no mapping of field names to values"),
+        ("sensor_msgs/msg/Imu", None, "", "None is no mapping"),
+        ("sensor_msgs/msg/Imu", {"hedder": {}}, "", "has no field 'hedder'; did you mean header?"),
+        ("sensor_msgs/msg/Imu", {"header": {"stamp": {"secs": 1}}}, "header.stamp", "did you mean sec?"),
+        ("sensor_msgs/msg/Imu", {"header": 1}, "header", "1 is no mapping"),
+        ("sensor_msgs/msg/Imu", {1: 2}, "", "has no field 1"),
+        ("std_msgs/msg/Empty", {"data": 1}, "", "has no field 'data'; it has none"),
+        ("std_msgs/msg/Float32", {"data": "far"}, "data", "'far' is no float32"),
+        ("std_msgs/msg/Float32", {"data": True}, "data", "True is no float32"),
+        ("std_msgs/msg/Int8", {"data": 1.0}, "data", "1.0 is no int8"),
+        ("std_msgs/msg/Int8", {"data": True}, "data", "True is no int8"),
+        ("std_msgs/msg/Bool", {"data": 1}, "data", "1 is no bool"),
+        ("std_msgs/msg/String", {"data": 1}, "data", "1 is no string"),
+        ("std_msgs/msg/UInt8MultiArray", {"data": [1, 256]}, "data", "does not fit uint8"),
+        ("std_msgs/msg/UInt8MultiArray", {"data": [1, -1]}, "data", "does not fit uint8"),
+        ("std_msgs/msg/UInt8MultiArray", {"data": "abc"}, "data", "'abc' is no list"),
+        ("std_msgs/msg/Float64MultiArray", {"data": [1, "x"]}, "data[1]", "'x' is no float64"),
+        ("tf2_msgs/msg/TFMessage", {"transforms": [{}, {"child": 1}]}, "transforms[1]", "has no field 'child'"),
+    ],
+)
+def test_values_of_another_kind_are_refused_with_their_path(
+    type_name: str, values: object, path: str, expected: str
+) -> None:
+    """A wrong name or value is a `ConversionError` with the path to it, and the nearest name that there is."""
+    with pytest.raises(ConversionError) as caught:
+        message_from_values(standard.message_type(type_name), values)
+    assert caught.value.field == path
+    assert expected in str(caught.value)
+
+
+def test_a_payload_as_plain_values() -> None:
+    """A payload has its proto names, zeros included, and enum values by name."""
+    values = payload_to_values(REGISTRY.by_name["ph_info"].payload_type(voltage=1.5, state=3))
+    assert values == {
+        "ph_value": 0.0,
+        "voltage": 1.5,
+        "temperature": 0.0,
+        "state": "SENSOR_ERROR",
+        "error_code": "PH_NO_ERROR",
+    }
+
+
+@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
+def test_every_simulated_payload_is_shown_with_all_its_fields(handler: Any) -> None:
+    """No field of any payload is left out of what `listen` prints, and simulated ones are not all zero."""
+    payload = payload_at(handler.payload_type, 1.0)
+    assert list(payload_to_values(payload)) == [field.name for field in payload.DESCRIPTOR.fields]
+    assert payload.ByteSize()
+
+
+def test_the_nearest_name_is_found() -> None:
+    """A name that is nearly right leads to the right one; else there is a list, and no endless one."""
+    assert nearest("imu_dat", ["gps_data", "imu_data"]) == "did you mean imu_data?"
+    assert nearest("zzz", ["a", "b"]) == "there are a, b"
+    assert nearest("zzz", [f"n{number}" for number in range(100)]).endswith("n29 and 70 more")
+
+
+# --- standard types ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["sensor_msgs/Imu", "sensor_msgs/msg/Imu"])
+def test_a_type_may_be_named_short_or_in_full(name: str) -> None:
+    """`pkg/Name` is `pkg/msg/Name`, as everywhere in ROS 2."""
+    assert standard.full_name(name) == "sensor_msgs/msg/Imu"
+    assert standard.message_type(standard.full_name(name)).__msgtype__ == "sensor_msgs/msg/Imu"
+
+
+@pytest.mark.parametrize("name", ["Imu", "", "a/b/c/d", "sensor_msgs//Imu", "/Imu", "sensor_msgs/"])
+def test_what_is_no_type_name_is_told(name: str) -> None:
+    """A name of another form is quoted, with an example."""
+    with pytest.raises(SetupError, match="is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"):
+        standard.full_name(name)
+
+
+def test_an_unknown_type_leads_to_the_nearest() -> None:
+    """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
+    with pytest.raises(SetupError, match=r"no standard ROS 2 type 'sensor_msgs/msg/Imus'; did you mean .*/Imu\?"):
+        standard.message_type("sensor_msgs/msg/Imus")
+
+
+def test_without_rosbags_standard_types_say_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The definitions come with an optional package, which is named where it is missing."""
+    import sys
+
+    standard._store.cache_clear()
+    standard.message_type.cache_clear()
+    for name in [name for name in sys.modules if name.partition(".")[0] == "rosbags"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "rosbags", None)
+    try:
+        with pytest.raises(SetupError, match=r"pip install 'roverlink\[standard\]'"):
+            standard.message_type("std_msgs/msg/String")
+    finally:
+        standard._store.cache_clear()
+
+
+def test_a_detected_object_names_its_constants() -> None:
+    """Constants stand beside the field that holds them, on the class as in the .msg file."""
+    assert BasestationDetectedObject.OBJECT_ROTARY_POWER_SWITCH == 4
+    assert BasestationDetectedObject().type == BasestationDetectedObject.OBJECT_UNKNOWN
