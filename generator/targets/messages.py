@@ -75,9 +75,15 @@ def _class_line(message: ir.RosMessage) -> str:
 
 def _field(field: ir.RosField) -> str:
     head = f"{field.name}: {spelling.annotation(field.type)} = "
-    if field.type.name == "uint8" or not (field.type.is_sequence or field.type.is_message):
-        ambiguous = "  # noqa: E741  # the .proto calls it so" if field.name == "l" else ""
-        return layout.line(f"{head}{spelling.default(field.type)}", 4) + ambiguous
-    factory = "list" if field.type.is_sequence else spelling.message_class(field.type.name)
-    group = layout.Group(f"{head}dataclasses.field(", [f"default_factory={factory}"], ")")
-    return layout.statement(group, 4) if len(group.head) + 4 <= layout.LINE_LENGTH else layout.line(group.flat(), 4)
+    group = layout.Group(f"{head}dataclasses.field(", [f"default_factory={_factory(field.type)}"], ")")
+    is_value = field.type.name == "uint8" or not (field.type.is_sequence or field.type.is_message)
+    flat = head + spelling.default(field.type) if is_value else group.flat()
+    if field.name == "l":
+        return layout.line(f"{flat}  # noqa: E741  # as in the .proto", 4)
+    if is_value or len(group.head) + 4 > layout.LINE_LENGTH:
+        return layout.line(flat, 4)
+    return layout.statement(group, 4)
+
+
+def _factory(type: ir.RosType) -> str:
+    return "list" if type.is_sequence else spelling.message_class(type.name)

@@ -63,6 +63,12 @@ def test_an_unknown_payload_is_refused_with_its_number(translator: Translator) -
     assert str(error) == "no handler for payload 25"
 
 
+def test_of_several_unknown_payloads_the_last_one_is_told(translator: Translator) -> None:
+    """As of known ones, the last counts."""
+    error = _refused(translator, delimited(25, b"") + delimited(26, b"") + varint(27 << 3) + varint(1))
+    assert str(error) == "no handler for payload 26"
+
+
 def test_a_stripped_unknown_payload_is_unknown_and_not_malformed(translator: Translator) -> None:
     """An unknown payload is told from a malformed one even where its zeros were stripped."""
     error = _refused(translator, bytes.fromhex("ca01"))

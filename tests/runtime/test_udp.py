@@ -216,12 +216,13 @@ def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socke
     def handle(batch: list[bytes]) -> None:
         nonlocal seen
         seen += len(batch)
+        time.sleep(0.001)  # far slower than the flood, so that there is always more
 
     port = str(listener.getsockname()[1])
     with subprocess.Popen([sys.executable, "-c", _FLOOD, port]) as flood:
         try:
             with udp.Receiver(listener, _SIZE, handle) as receiver:
-                wait_until(lambda: seen > 10_000, "the flood")
+                wait_until(lambda: seen > 500, "the flood")
                 start = time.monotonic()
                 receiver.stop()
                 receiver.join()

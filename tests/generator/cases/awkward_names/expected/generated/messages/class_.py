@@ -16,7 +16,7 @@ class Class(Message):
 
     __msgtype__: ClassVar[str] = "rover/msg/Class"
 
-    l: Int32 = 0  # noqa: E741  # the .proto calls it so
+    l: Int32 = 0  # noqa: E741  # as in the .proto
     self: Int32 = 0
     cls: Int32 = 0
     payload: Int32 = 0

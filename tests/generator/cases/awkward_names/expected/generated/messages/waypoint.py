@@ -24,3 +24,4 @@ class Waypoint(Message):
     imu: IMU = dataclasses.field(default_factory=IMU)
     gps: GPS = dataclasses.field(default_factory=GPS)
     arm: Arm = dataclasses.field(default_factory=Arm)
+    l: Arm = dataclasses.field(default_factory=Arm)  # noqa: E741  # as in the .proto
