@@ -186,7 +186,7 @@ def _protoc(folders: Sequence[Path], files: Sequence[str], out: Path, result: Pa
     command += [f"-I{folder}" for folder in folders]
     command += [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
     command += ["--include_imports", "--include_source_info", *files]
-    # In a folder of its own: protoc takes a name for a file of the folder that it runs in, where there is one.
+    # In a folder of its own, lest a module of the user's be taken for one of Python's.
     done = subprocess.run(command, cwd=out, capture_output=True, text=True, check=False)  # noqa: S603  # our own Python
     if done.returncode:
         raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))

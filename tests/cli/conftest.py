@@ -112,7 +112,8 @@ def _own_signals() -> Iterator[None]:
 @pytest.fixture
 def environment() -> dict[str, str]:
     """An environment without ROS 2, on this host alone, in a domain of this test worker's."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "CYCLONEDDS", "RMW_"))}
+    dropped = ("ROS_", "RMW_", "CYCLONEDDS", "PYTHONUNBUFFERED")  # output is buffered, as it is for users
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
     return {**kept, "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": str(51 + os.getpid() % 49), "COLUMNS": "200"}
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -183,12 +185,10 @@ def test_listening_ends_with_an_interrupt(start: Start) -> None:
     assert program.interrupt()[0] == 0
 
 
-def test_a_reader_that_has_had_enough_is_no_error(start: Start, environment: dict[str, str]) -> None:
-    """`roverlink send --list | head -1` ends quietly, whoever closes first."""
-    import subprocess
-    import sys
-
-    command = [sys.executable, "-m", "roverlink", "send", "--list"]
+@pytest.mark.parametrize("argument", ["--list", "imu_info"])
+def test_a_reader_that_has_had_enough_is_no_error(argument: str, environment: dict[str, str]) -> None:
+    """`roverlink send --list | head -1` ends quietly, whoever closes first, and so does a command that says little."""
+    command = [sys.executable, "-m", "roverlink", "send", argument]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as program:
         assert program.stdout is not None
         assert program.stderr is not None

@@ -51,6 +51,14 @@ def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
     assert len(results[0]) > 100
 
 
+def test_modules_of_the_user_do_not_get_in_the_way(tmp_path: Path) -> None:
+    """What stands beside the table, called like one of Python's modules, is not imported."""
+    project = Case(CASES / "nested").copy_project(tmp_path)
+    for name in ("tempfile", "typing", "weakref"):
+        (project / f"{name}.py").write_text("raise ImportError('the wrong one')\n")
+    assert generate(project).code == 0
+
+
 def test_no_machine_path_in_the_output(project: Path) -> None:
     """Where the project stands is in none of its files."""
     assert [path for path, data in snapshot(project).items() if str(project.parent).encode() in data] == []

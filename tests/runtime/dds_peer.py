@@ -152,9 +152,13 @@ def _graph(participant: DomainParticipant, arguments: argparse.Namespace) -> Non
     subscriptions = BuiltinDataReader(participant, BuiltinTopicDcpsSubscription)
     deadline = _deadline()
     endpoints: dict[str, str] = {}
+    type_names = set()
     while time.monotonic() < deadline:
         for builtin in (publications, subscriptions):
-            endpoints.update({e.topic_name: e.key.bytes.hex() for e in builtin.take(100) if e.topic_name[:3] == "rt/"})
+            for endpoint in builtin.take(100):
+                if endpoint.topic_name.startswith("rt/"):
+                    endpoints[endpoint.topic_name] = endpoint.key.bytes.hex()
+                    type_names.add(endpoint.type_name)
         for sample in reader.read(100):
             for node in sample.node_entities_info_seq:
                 gids = [*node.reader_gid_seq, *node.writer_gid_seq]
@@ -164,6 +168,7 @@ def _graph(participant: DomainParticipant, arguments: argparse.Namespace) -> Non
                         readers=[bytes(gid.data).hex() for gid in node.reader_gid_seq],
                         writers=[bytes(gid.data).hex() for gid in node.writer_gid_seq],
                         endpoints=endpoints,
+                        type_names=sorted(type_names),
                     )
                     return
         time.sleep(0.005)

@@ -216,6 +216,7 @@ def test_we_are_seen_as_a_node_with_our_endpoints(
     seen = _gathered(node, f"{topic}/in", ImuSensorInformation)
     with _Peer("graph", "--node", "udp_forwarder", "--count", 3, "--gid-bytes", gid_bytes) as peer:
         said = peer.says()
+    assert said["type_names"] == ["comms::msg::dds_::ImuSensorInformation_"]
     padding = "00" * (gid_bytes - 16)
     assert said["namespace"] == "/rover"
     assert said["readers"] == [said["endpoints"][f"rt{topic}/in"] + padding]
