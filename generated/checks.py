@@ -191,8 +191,115 @@ MESSAGES = {
         "7 error_code PressureErrorCode",
     ),
 }
+ENUMS = {
+    "ArmBoardDiagnostics.State": (
+        "0 IDLE",
+        "1 OPERATING",
+        "2 CALIBRATING",
+        "3 ERROR",
+    ),
+    "ArmBoardMovementFeedback.ArmError": (
+        "0 POINT_NOT_IN_RANGE",
+        "1 OBSTRUCTION",
+        "2 CALIBRATION",
+        "3 MOTOR_MALFUNCTION",
+        "4 ALL_OK",
+    ),
+    "ControlMode": (
+        "0 MODE_MANUAL",
+        "1 MODE_AUTO",
+    ),
+    "DetectedObjectType": (
+        "0 OBJECT_UNKNOWN",
+        "1 OBJECT_ROCK",
+        "2 OBJECT_REGOLITH",
+        "3 OBJECT_MAIN_SWITCH",
+        "4 OBJECT_ROTARY_POWER_SWITCH",
+        "5 OBJECT_SWITCH",
+        "6 OBJECT_ROTARY_SWITCH",
+        "7 OBJECT_SOCKET",
+        "8 OBJECT_ELECTROMAGNET",
+        "9 OBJECT_PLATE",
+        "10 OBJECT_CABLE",
+    ),
+    "DrivingBoardDiagnostics.State": (
+        "0 IDLE",
+        "1 OPERATING",
+        "2 CALIBRATING",
+        "3 ERROR",
+    ),
+    "GPSErrorCode": (
+        "0 GPS_NO_ERROR",
+        "1 GPS_COMMUNICATION_FAILURE",
+        "2 GPS_INVALID_DATA",
+        "3 GPS_ANTENNA_FAULT",
+        "4 GPS_LOW_SIGNAL_QUALITY",
+    ),
+    "GPSFixQuality": (
+        "0 NO_FIX",
+        "1 GPS_FIX",
+        "2 DGPS_FIX",
+        "3 PPS_FIX",
+        "4 RTK_FIX",
+        "5 RTK_FLOAT",
+    ),
+    "IMUErrorCode": (
+        "0 IMU_NO_ERROR",
+        "1 IMU_COMMUNICATION_FAILURE",
+        "2 IMU_CALIBRATION_REQUIRED",
+        "3 IMU_CALIBRATION_FAILED",
+        "4 IMU_INVALID_DATA",
+        "5 IMU_SENSOR_FAULT",
+        "6 IMU_GYROSCOPE_ERROR",
+        "7 IMU_MAGNETOMETER_ERROR",
+        "8 IMU_ACCELEROMETER_ERROR",
+    ),
+    "LoadCellErrorCode": (
+        "0 LOAD_CELL_NO_ERROR",
+        "1 LOAD_CELL_COMMUNICATION_FAILURE",
+        "2 LOAD_CELL_OUT_OF_RANGE",
+        "3 LOAD_CELL_CALIBRATION_REQUIRED",
+        "4 LOAD_CELL_INVALID_DATA",
+        "5 LOAD_CELL_SENSOR_FAULT",
+    ),
+    "MotorInformation.State": (
+        "0 IDLE",
+        "1 OPERATING",
+        "2 CALIBRATING",
+        "3 ERROR",
+    ),
+    "PHErrorCode": (
+        "0 PH_NO_ERROR",
+        "1 PH_COMMUNICATION_FAILURE",
+        "2 PH_OUT_OF_RANGE",
+        "3 PH_CALIBRATION_REQUIRED",
+        "4 PH_INVALID_DATA",
+        "5 PH_PROBE_FAULT",
+        "6 PH_TEMPERATURE_SENSOR_ERROR",
+    ),
+    "PressureErrorCode": (
+        "0 PRESSURE_NO_ERROR",
+        "1 PRESSURE_COMMUNICATION_FAILURE",
+        "2 PRESSURE_OUT_OF_RANGE",
+        "3 PRESSURE_CALIBRATION_REQUIRED",
+        "4 PRESSURE_INVALID_DATA",
+        "5 PRESSURE_SENSOR_FAULT",
+    ),
+    "SensorBoardDiagnostics.State": (
+        "0 IDLE",
+        "1 OPERATING",
+        "2 CALIBRATING",
+        "3 ERROR",
+    ),
+    "SensorState": (
+        "0 SENSOR_IDLE",
+        "1 SENSOR_OPERATING",
+        "2 SENSOR_CALIBRATING",
+        "3 SENSOR_ERROR",
+    ),
+}
 
 
 def check() -> None:
     """Raise `runtime.RegistryError` where a loaded message is not the one that is meant."""
-    check_descriptors(MESSAGES)
+    check_descriptors(MESSAGES, ENUMS)

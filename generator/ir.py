@@ -69,6 +69,8 @@ class RosField:
     name: str
     type: RosType
     comment: str
+    enum: str = ""
+    """Full name of the proto enum whose constants it takes; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,8 @@ class RosConstant:
     type: str
     value: int
     comment: str
+    enum: str
+    """Full name of the proto enum."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,12 +142,12 @@ class Conversion:
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """The quality of service of a topic."""
+    """The quality of service of a topic; the defaults are rclcpp's."""
 
-    reliability: str
-    durability: str
-    history: str
-    depth: int
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    history: str = "keep_last"
+    depth: int = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +158,8 @@ class Route:
     name: str
     topic: str
     direction: str
+    inbound: bool
+    """Whether the payload comes from a peer and goes to the topic."""
     qos: Qos
     forward: tuple[str, ...]
     conversion: Conversion
@@ -185,6 +191,8 @@ class Bridge:
     table: str
     """The table's file name."""
     package: str
+    maintainer: str
+    """``Name <address>``, of the package."""
     envelope: Envelope
     peers: tuple[Peer, ...]
     routes: tuple[Route, ...]

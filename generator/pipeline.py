@@ -10,7 +10,8 @@ from typing import TypeVar
 
 from generator import ir, ledger, naming, read, resolve, targets
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
-from generator.protos import DeclarationIndex, Schema, compile_protos
+from generator.proto_files import DeclarationIndex
+from generator.protoc import Compilation, compile_protos
 from generator.rules import lint
 from generator.subject import Subject
 from generator.table import Table
@@ -29,6 +30,8 @@ class Compiled:
     bridge: ir.Bridge
     files: dict[str, str]
     """Text by path, relative to the table."""
+    folders: tuple[str, ...]
+    """Where generated files stand; one that stands there and is none of `files` is an earlier run's."""
     warnings: tuple[Finding, ...]
 
 
@@ -38,20 +41,23 @@ def compile_table(table_path: Path) -> Compiled:
     Raises `FindingsError` with everything that is wrong, as far as it can be seen at once.
     """
     project = table_path.resolve().parent
-    table = read.read(table_path, table_path.name)
     findings: list[Finding] = []
+    table = read.read(table_path, findings, table_path.name)
     published = _collecting(findings, lambda: ledger.read(project / ledger.NAME)) or ledger.Ledger()
-    index = _collecting(findings, lambda: _index(table, project))
+    index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
     files = {} if index is None else resolve.locate(table, index, findings)
     envelope = resolve.resolve_envelope(table, files)
-    schema = None if index is None else _collecting(findings, lambda: _compile(table, project, envelope))
+    named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
+    compilation = _collecting(findings, lambda: _compile(table, project, envelope)) if named else None
+    schema = compilation.schema if compilation else None
     findings += lint(Subject(table, schema, published))
     bridge = None
-    if schema is not None and envelope.message in schema.messages:
-        bridge = resolve.resolve(table, schema, envelope, findings)
+    if compilation is not None and envelope.message in compilation.schema.messages:
+        bridge = resolve.resolve(table, compilation, envelope, findings)
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
-    return Compiled(bridge, targets.emit(bridge, table.proto.root), tuple(in_order(findings)))
+    folders = (targets.FOLDER, *([table.proto.root] if envelope.ours else []))
+    return Compiled(bridge, targets.emit(bridge, table.proto.root), folders, tuple(in_order(findings)))
 
 
 def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
@@ -71,7 +77,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     return DeclarationIndex(root, table.proto.exclude, table.proto.root)
 
 
-def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Schema:
+def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Compilation:
     """What protoc makes of the payloads and the envelope. Raises `FindingsError` where it refuses them."""
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file})

@@ -1,18 +1,9 @@
-"""The .proto files: which one declares what, and what protoc makes of those that the table needs.
-
-Only the import closure of what the table names is compiled, so a file that does not compile, and that nobody needs,
-does no harm.
-"""
+"""What .proto files say once protoc has read them: messages, fields and enums, with their comments and places."""
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
 
 from google.protobuf.descriptor_pb2 import (
     DescriptorProto,
@@ -23,10 +14,7 @@ from google.protobuf.descriptor_pb2 import (
 )
 from google.protobuf.descriptor_pool import DescriptorPool
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
-
-DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
-UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
+from generator.findings import Span
 
 _SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
 
@@ -99,119 +87,9 @@ class Schema:
     """The closure, in the order in which protoc wants it."""
     messages: Mapping[str, ProtoMessage]
     enums: Mapping[str, ProtoEnum]
-    modules: Mapping[str, str]
-    """Text of each module that protoc generated (pb2 and its stub), by path."""
 
 
-# --- where is what declared -------------------------------------------------------------------------------------
-
-_TOKEN = re.compile(
-    r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
-)
-_DEEPEST = 32  # protoc takes no more messages in messages
-
-
-class DeclarationIndex:
-    """Which file declares which message, without compiling any."""
-
-    def __init__(self, root: Path, exclude: Iterable[str], shown_root: str) -> None:
-        """``shown_root`` is how findings call the root. Raises `FindingsError` for a file that cannot be read."""
-        excluded = {str(PurePosixPath(path)) for path in exclude}
-        self.excluded: dict[str, list[str]] = {}
-        """Like `files`, of the excluded files."""
-        self.files: dict[str, list[str]] = {}
-        """The files, relative to the root, that declare a name."""
-        for path in sorted(root.rglob("[!.]*.proto")):  # a hidden file is an editor's
-            name = path.relative_to(root).as_posix()
-            target = self.excluded if name in excluded else self.files
-            for declared in sorted(set(declared_names(_read(path, f"{shown_root}/{name}")))):
-                target.setdefault(declared, []).append(name)
-
-
-def _read(path: Path, shown: str) -> str:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise FindingsError([UNREADABLE_PROTO.at(Span(shown), f"cannot be read: {error.strerror}")]) from error
-
-
-def declared_names(text: str) -> Iterator[str]:
-    """The full names of the messages that a .proto file declares, nested ones included."""
-    words = [word for word in _TOKEN.findall(text) if not word.startswith(("//", "/*"))]
-    package = ""
-    scopes: list[str] = []
-    for index, word in enumerate(words):
-        if word == "package" and not scopes and words[index + 2 : index + 3] == [";"]:
-            package = words[index + 1]
-        elif word == "{":
-            declares = index >= 2 and words[index - 2] == "message"
-            scopes.append(words[index - 1] if declares else "")
-            if declares and len(scopes) <= _DEEPEST and all(scopes):
-                yield ".".join([*filter(None, [package]), *scopes])
-        elif word == "}" and scopes:
-            scopes.pop()
-
-
-# --- compiling --------------------------------------------------------------------------------------------------
-
-
-def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Schema:
-    """Run protoc over files and what they import.
-
-    ``overlay`` holds files that are not on disk yet, or not as they will be; ``shown_root`` is how findings call the
-    root. Raises `FindingsError` with protoc's own messages.
-    """
-    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
-        over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
-        out.mkdir()
-        for path, text in overlay.items():
-            target = over / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-        folders = [over, root] if overlay else [root]
-        _protoc(folders, files, out, result, shown_root)
-        compiled = FileDescriptorSet.FromString(result.read_bytes())
-        own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
-        extra = [name for name in own if name not in files]
-        if extra:  # protoc generates modules for the files it is given, not for what they import
-            _protoc(folders, own, out, result, shown_root)
-        modules = {
-            path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
-        }
-    return _schema(compiled, modules, shown_root)
-
-
-def _protoc(folders: Sequence[Path], files: Sequence[str], out: Path, result: Path, shown_root: str) -> None:
-    command = [sys.executable, "-m", "grpc_tools.protoc"]
-    command += [f"-I{folder}" for folder in folders]
-    command += [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
-    command += ["--include_imports", "--include_source_info", *files]
-    # In a folder of its own, lest a module of the user's be taken for one of Python's.
-    done = subprocess.run(command, cwd=out, capture_output=True, text=True, check=False)  # noqa: S603  # our own Python
-    if done.returncode:
-        raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))
-
-
-_PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
-
-
-def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Finding]:
-    """What protoc says; of the overlay, which is ours, only where there is nothing else to say."""
-    *overlays, root = (f"{folder}/" for folder in folders)  # it names a file by where it found it
-    matches = [match for line in output.splitlines() if (match := _PROTOC_MESSAGE.fullmatch(line))]
-    errors = [match for match in matches if not match["text"].startswith("warning:")]
-    theirs = [match for match in errors if not match["file"].startswith(tuple(overlays))]
-    places: dict[Span, list[str]] = {}
-    for match in theirs or errors:
-        file = match["file"].rpartition(root)[2]
-        span = Span(f"{shown_root}/{file}", int(match["line"] or 0), int(match["column"] or 0))
-        places.setdefault(span, []).append(match["text"])
-    if not places:
-        return [DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")]
-    return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
-
-
-# --- descriptors to our own words -------------------------------------------------------------------------------
+# --- from descriptors ---------------------------------------------------------------------------------------------
 
 _Comments = Mapping[tuple[int, ...], tuple[str, int, int]]
 
@@ -221,7 +99,8 @@ _MESSAGE_FIELD, _MESSAGE_NESTED, _MESSAGE_ENUM = 2, 3, 4
 _ENUM_VALUE = 2
 
 
-def _schema(compiled: FileDescriptorSet, modules: Mapping[str, str], shown_root: str) -> Schema:
+def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
+    """The schema in a descriptor set; ``shown_root`` is how findings call the folder of its files."""
     messages: dict[str, ProtoMessage] = {}
     enums: dict[str, ProtoEnum] = {}
     pool = DescriptorPool()
@@ -233,7 +112,7 @@ def _schema(compiled: FileDescriptorSet, modules: Mapping[str, str], shown_root:
             reader.message(message, prefix, (_FILE_MESSAGE, index), messages, enums)
         for index, enum in enumerate(file.enum_type):
             reader.enum(enum, prefix, (_FILE_ENUM, index), enums)
-    return Schema(tuple(file.name for file in compiled.file), messages, enums, modules)
+    return Schema(tuple(file.name for file in compiled.file), messages, enums)
 
 
 class _FileReader:

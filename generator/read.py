@@ -2,306 +2,78 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from pathlib import Path
 from string import ascii_lowercase
-from typing import Any
 
-import yaml
-from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from generator import ir
+from generator.findings import Finding, FindingsError, Rule
+from generator.table import EnumSettings, EnvelopeSettings, PeerSettings, ProtoSettings, RetiredRow, Row, Table
+from generator.table_format import ENUM, RETIRED, ROW, TABLE, Object
+from generator.yaml_items import Item, read_item
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, has_errors, in_order, nearest
-from generator.table import (
-    EnumSettings,
-    EnvelopeSettings,
-    PeerSettings,
-    ProtoSettings,
-    QosSettings,
-    RetiredRow,
-    Row,
-    Table,
-)
-from generator.table_format import TABLE, Boolean, Integer, ListOf, MapOf, Object, Text, Type
-
-UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
-SYNTAX = Rule("MAP102", "yaml-syntax")
-DUPLICATE_KEY = Rule("MAP103", "duplicate-key")
-UNKNOWN_KEY = Rule("MAP104", "unknown-key")
-MISSING_KEY = Rule("MAP105", "missing-key")
-WRONG_TYPE = Rule("MAP106", "wrong-type")
-SURPRISING_SCALAR = Rule("MAP107", "surprising-scalar")
-BAD_VALUE = Rule("MAP108", "bad-value")
 CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
 
 _FIRST_PORT = 6000
-_DEFAULT_DEPTH = 10
-_LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
+_MAINTAINER = "unnamed <unnamed@example.com>"  # package.xml wants one; example.com receives nothing (RFC 2606)
 
 
-@dataclass(slots=True)
-class _Item:
-    """A value of the file with its place; the values below it are items too."""
-
-    value: Any
-    span: Span
-    entries: dict[str, _Item] = field(default_factory=dict)
-    items: list[_Item] = field(default_factory=list)
-
-    def get(self, key: str, default: Any = None) -> Any:
-        return self.entries[key].value if key in self.entries else default
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        return tuple(item.value for item in self.entries[key].items) if key in self.entries else ()
-
-    def spans(self) -> Mapping[str, Span]:
-        """The place of each key's value, and of each entry or item two levels down as ``key.entry``."""
-        spans = {key: item.span for key, item in self.entries.items()}
-        for key, item in self.entries.items():
-            spans |= {f"{key}.{name}": entry.span for name, entry in item.entries.items()}
-            spans |= {f"{key}.{below.value}": below.span for below in item.items}
-        return spans
-
-
-def read(path: Path, name: str | None = None) -> Table:
+def read(path: Path, findings: list[Finding], name: str | None = None) -> Table:
     """Read a table; ``name`` is how findings call the file.
 
-    Raises `FindingsError` with every mistake in the file, where there is one.
+    Every mistake in the file is added to the findings. What is whole is read all the same, and `Table.whole` says
+    whether that is everything. Raises `FindingsError` where there is nothing to read.
     """
     file = name or str(path)
-    findings: list[Finding] = []
-    item = _Reader(file, findings).value(_compose(_text(path, file), file), TABLE, "the table")
-    if has_errors(findings) or item is None:
-        raise FindingsError(in_order(findings))
-    table = _table(file, item, findings)
-    if findings:
-        raise FindingsError(in_order(findings))
-    return table
+    before = len(findings)
+    item = read_item(path, file, TABLE, "the table", findings)
+    if item is None:
+        raise FindingsError(findings)
+    whole = len(findings) == before
+    return _table(file, item, whole, findings)
 
 
-def _text(path: Path, file: str) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        help = "give the table with --table, or run this in the folder that holds mapping.yaml"
-        raise FindingsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
-    except UnicodeDecodeError as error:
-        raise FindingsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
-
-
-def _compose(text: str, file: str) -> Node:
-    try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
-        raise FindingsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
-    except yaml.reader.ReaderError as error:
-        before = text[: error.position]
-        span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
-        raise FindingsError(
-            [SYNTAX.at(span, f"not YAML: it cannot hold the character {error.character:#x}")]
-        ) from error
-    except RecursionError as error:
-        raise FindingsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
-    if root is None:
-        raise FindingsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
-    return root
-
-
-@dataclass(slots=True)
-class _Reader:
-    """Walks the YAML tree along the format, and collects what does not fit."""
-
-    file: str
-    findings: list[Finding]
-
-    def value(self, node: Node, type: Type, what: str) -> _Item | None:
-        """The item of a node, or None where it is not of the type."""
-        if isinstance(type, Object):
-            return self._object(node, type, what)
-        if isinstance(type, MapOf):
-            return self._map(node, type, what)
-        if isinstance(type, ListOf):
-            return self._list(node, type, what)
-        return self._scalar(node, type, what)
-
-    def _span(self, node: Node) -> Span:
-        return Span(self.file, node.start_mark.line + 1, node.start_mark.column + 1)
-
-    def _wrong(self, node: Node, what: str, wanted: str) -> None:
-        kinds: dict[type[Node], str] = {MappingNode: "a mapping", SequenceNode: "a list"}
-        found = kinds.get(type(node), "")
-        found = found or (f"{node.value!r}" if node.value else "nothing")
-        self.findings.append(WRONG_TYPE.at(self._span(node), f"{what} is {found}; it must be {wanted}"))
-
-    def _object(self, node: Node, type: Object, what: str) -> _Item | None:
-        if not isinstance(node, MappingNode):
-            self._wrong(node, what, "a mapping")
-            return None
-        item = _Item(None, self._span(node))
-        present: set[str] = set()
-        for name, key_node, value_node in self._entries(node, what):
-            present.add(name)
-            if name not in type.keys:
-                help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(self._span(key_node), f"{what} has no key {name!r}", help))
-            elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
-                item.entries[name] = value
-        for name, key in type.keys.items():
-            if key.required and name not in present:
-                finding = MISSING_KEY.at(item.span, f"{what} lacks the key {name!r}", f"{name}: {key.meaning}")
-                self.findings.append(finding)
-        return item
-
-    def _map(self, node: Node, type: MapOf, what: str) -> _Item | None:
-        if not isinstance(node, MappingNode):
-            self._wrong(node, what, "a mapping")
-            return None
-        item = _Item(None, self._span(node))
-        for name, key_node, value_node in self._entries(node, what):
-            if type.key.pattern and not re.fullmatch(type.key.pattern, name):
-                self._bad(key_node, name, f"a key of {what}", type.key)
-            elif (value := self.value(value_node, type.value, f"{what}.{name}")) is not None:
-                item.entries[name] = value
-        return item
-
-    def _entries(self, node: MappingNode, what: str) -> Iterator[tuple[str, Node, Node]]:
-        first: dict[str, Span] = {}
-        for key_node, value_node in node.value:
-            span = self._span(key_node)
-            if not isinstance(key_node, ScalarNode):
-                self.findings.append(WRONG_TYPE.at(span, f"a key of {what} is no name"))
-                continue
-            name = key_node.value
-            if name in first:
-                also = [(first[name], "first here")]
-                self.findings.append(
-                    DUPLICATE_KEY.at(span, f"{what} has the key {name!r} twice", "keep one of them", also)
-                )
-                continue
-            first[name] = span
-            yield name, key_node, value_node
-
-    def _list(self, node: Node, type: ListOf, what: str) -> _Item | None:
-        if not isinstance(node, SequenceNode):
-            self._wrong(node, what, "a list")
-            return None
-        singular = {"messages": "a row of messages", "retired": "a row of retired"}.get(what, f"an item of {what}")
-        items = [self.value(child, type.item, singular) for child in node.value]
-        if len(items) < type.least:
-            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is empty"))
-        item = _Item(None, self._span(node), items=[item for item in items if item is not None])
-        if isinstance(type.item, Text):
-            self._check_unique(item, what)
-        return item
-
-    def _check_unique(self, texts: _Item, what: str) -> None:
-        first: dict[str, Span] = {}
-        for item in texts.items:
-            if (before := first.setdefault(item.value, item.span)) is not item.span:
-                message = f"{what} holds {item.value!r} twice"
-                self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))
-
-    def _scalar(self, node: Node, type: Text | Integer | Boolean, what: str) -> _Item | None:
-        if not isinstance(node, ScalarNode):
-            wanted = {Text: "a string", Integer: "a number", Boolean: "true or false"}[type.__class__]
-            self._wrong(node, what, wanted)
-            return None
-        if isinstance(type, Integer):
-            value: Any = self._integer(node, type, what)
-        elif isinstance(type, Boolean):
-            value = self._boolean(node, what)
-        else:
-            value = self._text(node, type, what)
-        return None if value is None else _Item(value, self._span(node))
-
-    def _integer(self, node: ScalarNode, type: Integer, what: str) -> int | None:
-        if node.style or not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
-            if not node.style and re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
-                message = f"{what} is {node.value}, which YAML does not read as a decimal number"
-                help = "write it in decimal, without leading zeros"
-                self.findings.append(SURPRISING_SCALAR.at(self._span(node), message, help))
-            else:
-                self._wrong(node, what, "a number")
-            return None
-        if len(node.value) > _LONGEST_INTEGER or not type.minimum <= int(node.value) <= type.maximum:
-            allowed = f"from {type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
-            shown = node.value if len(node.value) <= _LONGEST_INTEGER else f"{node.value[:_LONGEST_INTEGER]}..."
-            self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is {shown}; it must be {allowed}"))
-            return None
-        return int(node.value)
-
-    def _boolean(self, node: ScalarNode, what: str) -> bool | None:
-        if node.value not in ("true", "false") or node.style:
-            self._wrong(node, what, "true or false")
-            return None
-        return bool(node.value == "true")
-
-    def _text(self, node: ScalarNode, type: Text, what: str) -> str | None:
-        if node.tag == "tag:yaml.org,2002:null":
-            self._wrong(node, what, "a string")
-            return None
-        if node.tag != "tag:yaml.org,2002:str":
-            kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
-            kind = kinds.get(node.tag[18:], node.tag[18:])
-            message = f"{what} is {node.value}, which YAML reads as {kind}, not as a string"
-            self.findings.append(SURPRISING_SCALAR.at(self._span(node), message, f'quote it: "{node.value}"'))
-            return None
-        return self._checked_text(node, type, what)
-
-    def _checked_text(self, node: ScalarNode, type: Text, what: str) -> str | None:
-        value: str = node.value
-        if type.choices and value not in type.choices:
-            help = nearest(value, type.choices)
-            message = f"{what} is {value!r}; it must be one of {', '.join(type.choices)}"
-            self.findings.append(BAD_VALUE.at(self._span(node), message, help))
-            return None
-        if not value or (type.pattern and not re.fullmatch(type.pattern, value)):
-            self._bad(node, value, what, type)
-            return None
-        return value
-
-    def _bad(self, node: Node, value: str, what: str, type: Text) -> None:
-        help = f"for example {type.example}" if type.example else ""
-        message = f"{what} is {value!r}, which cannot stand there" if value else f"{what} is empty"
-        self.findings.append(BAD_VALUE.at(self._span(node), message, help))
-
-
-# --- items to a table -------------------------------------------------------------------------------------------
-
-
-def _table(file: str, item: _Item, findings: list[Finding]) -> Table:
-    proto, envelope, entries = item.entries["proto"], item.entries["envelope"], item.entries
-    retired = entries["retired"].items if "retired" in entries else []
-    enums = entries["enums"].entries if "enums" in entries else {}
+def _table(file: str, item: Item, whole: bool, findings: list[Finding]) -> Table:
+    proto, envelope, ros = item.entry("proto"), item.entry("envelope"), item.entry("ros")
+    rows, retired = item.entry("messages").items, item.entry("retired").items
+    enums = item.entry("enums").entries
     return Table(
         file=file,
-        proto=ProtoSettings(proto.span, proto.spans(), proto.get("root"), proto.texts("exclude")),
+        whole=whole,
+        numbers=frozenset(row.get("number") for row in (*rows, *retired) if row.has("number")),
+        proto=ProtoSettings(proto.span, proto.spans(), proto.get("root", ""), proto.texts("exclude")),
         envelope=EnvelopeSettings(
             envelope.span,
             envelope.spans(),
-            envelope.get("file"),
-            envelope.get("message"),
-            envelope.get("oneof"),
+            envelope.get("file", ""),
+            envelope.get("message", ""),
+            envelope.get("oneof", ""),
             envelope.get("owner", "mapping"),
         ),
-        package=entries["ros"].get("package"),
-        package_span=entries["ros"].entries["package"].span,
-        peers=tuple(_peers(entries["peers"])),
-        rows=tuple(_row(row, findings) for row in entries["messages"].items),
+        package=ros.get("package", ""),
+        package_span=ros.entry("package").span,
+        maintainer=ros.get("maintainer", _MAINTAINER),
+        peers=tuple(_peers(item.entry("peers"))),
+        rows=tuple(_row(row, findings) for row in rows if _is_whole(row, ROW)),
         retired=tuple(
-            RetiredRow(row.span, row.spans(), row.get("number"), row.get("name"), row.get("proto")) for row in retired
+            RetiredRow(row.span, row.spans(), row.get("number"), row.get("name"), row.get("proto"))
+            for row in retired
+            if _is_whole(row, RETIRED)
         ),
         enums=tuple(
             EnumSettings(enum.span, enum.spans(), name, enum.get("ros"), enum.get("field"))
             for name, enum in enums.items()
+            if _is_whole(enum, ENUM)
         ),
     )
 
 
-def _peers(item: _Item) -> Iterator[PeerSettings]:
+def _is_whole(item: Item, type: Object) -> bool:
+    """Whether everything is there that must be."""
+    return item.has(*(name for name, key in type.keys.items() if key.required))
+
+
+def _peers(item: Item) -> Iterator[PeerSettings]:
     for index, (name, peer) in enumerate(sorted(item.entries.items())):
         letter = ascii_lowercase[index % len(ascii_lowercase)]
         yield PeerSettings(
@@ -315,8 +87,7 @@ def _peers(item: _Item) -> Iterator[PeerSettings]:
         )
 
 
-def _row(item: _Item, findings: list[Finding]) -> Row:
-    fields = item.entries.get("fields")
+def _row(item: Item, findings: list[Finding]) -> Row:
     return Row(
         item.span,
         item.spans(),
@@ -327,22 +98,22 @@ def _row(item: _Item, findings: list[Finding]) -> Row:
         topic=item.get("topic"),
         direction=item.get("direction"),
         qos=_qos(item, findings),
-        fields={path: entry.value for path, entry in fields.entries.items()} if fields else {},
+        fields={path: entry.value for path, entry in item.entry("fields").entries.items()},
         ignore=item.texts("ignore"),
         forward=item.texts("forward"),
     )
 
 
-def _qos(item: _Item, findings: list[Finding]) -> QosSettings:
-    qos = item.entries.get("qos") or _Item(None, item.span)
+def _qos(item: Item, findings: list[Finding]) -> ir.Qos:
+    qos, usual = item.entry("qos"), ir.Qos()
     queue, depth = item.get("queue"), qos.get("depth")
     if queue is not None and depth is not None and queue != depth:
         message = f"queue is {queue}, but the depth of qos is {depth}"
         finding = CONFLICTING_KEYS.at(qos.entries["depth"].span, message, "they mean the same; keep one of them")
         findings.append(finding)
-    return QosSettings(
-        qos.get("reliability", "reliable"),
-        qos.get("durability", "volatile"),
-        qos.get("history", "keep_last"),
-        queue or depth or _DEFAULT_DEPTH,
+    return ir.Qos(
+        qos.get("reliability", usual.reliability),
+        qos.get("durability", usual.durability),
+        qos.get("history", usual.history),
+        queue or depth or usual.depth,
     )

@@ -11,7 +11,9 @@ from pathlib import PurePosixPath
 
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
-from generator.protos import DeclarationIndex, ProtoEnum, ProtoMessage, Schema
+from generator.proto_files import DeclarationIndex
+from generator.protoc import Compilation
+from generator.protos import ProtoEnum, ProtoMessage, Schema
 from generator.ros_messages import RosMessages
 from generator.table import Row, Table
 
@@ -30,7 +32,10 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
     files: dict[str, str] = {}
     for row in table.rows:
         declared = index.files.get(row.proto, [])
-        if len(declared) != 1:
+        if row.proto == table.envelope.message:
+            message = f"{row.proto} is the envelope, which cannot be its own payload"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "name the payload's message"))
+        elif len(declared) != 1:
             findings.append(_not_located(row, declared, index))
         elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
             message = f"{row.proto} is declared in {declared[0]}, which is written from {table.file}"
@@ -70,19 +75,22 @@ def resolve_envelope(table: Table, files: Mapping[str, str]) -> ir.Envelope:
 # --- the whole --------------------------------------------------------------------------------------------------
 
 
-def resolve(table: Table, schema: Schema, envelope: ir.Envelope, findings: list[Finding]) -> ir.Bridge:
+def resolve(table: Table, compilation: Compilation, envelope: ir.Envelope, findings: list[Finding]) -> ir.Bridge:
     """The IR of a table. Where findings were added, it is not fit to be emitted."""
+    schema = compilation.schema
     messages = RosMessages(table, schema, findings)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(messages.route(row) for row in sorted(located, key=lambda row: row.number))
     rows = {row.proto for row in table.rows}
-    messages.check_enums()
+    if table.whole:
+        messages.check_enums()
     findings += _unimportable(table, schema)
     findings += _excluded(table, schema)
     reached, enums = _reachable(schema, envelope.message)
     return ir.Bridge(
         table=table.file,
         package=table.package,
+        maintainer=table.maintainer,
         envelope=envelope,
         peers=tuple(
             ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros)
@@ -93,7 +101,7 @@ def resolve(table: Table, schema: Schema, envelope: ir.Envelope, findings: list[
         nested=tuple(conversion for proto, conversion in sorted(messages.conversions.items()) if proto not in rows),
         wire_messages=tuple(_wire_message(schema.messages[name]) for name in sorted(reached)),
         wire_enums=tuple(_wire_enum(schema.enums[name]) for name in sorted(enums)),
-        modules=schema.modules,
+        modules=compilation.modules,
     )
 
 

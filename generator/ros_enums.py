@@ -31,4 +31,4 @@ def constants(enum: ProtoEnum, prefix: str, report: Callable[[Finding], None]) -
         if not naming.is_constant_name(name):
             message = f"{enum.full_name}.{value.name} cannot be a constant: ROS wants capitals, digits and single _"
             report(CONSTANT_NAME.at(enum.span, message, "rename it: no wire has its name"))
-        yield ir.RosConstant(name, type, value.number, value.comment)
+        yield ir.RosConstant(name, type, value.number, value.comment, enum.full_name)

@@ -199,7 +199,8 @@ class MessageBuilder:
             ros = ir.RosField(name, ir.RosType(settings.ros, True, field.repeated), field.comment)
             return ir.FieldConversion(path, ros, ir.ConversionKind.ENUM_MESSAGE, field.repeated, member=settings.field)
         self._enums[enum.full_name] = enum
-        ros = ir.RosField(name, ir.RosType(ros_enums.integer_type(enum), is_sequence=field.repeated), field.comment)
+        type = ir.RosType(ros_enums.integer_type(enum), is_sequence=field.repeated)
+        ros = ir.RosField(name, type, field.comment, enum.full_name)
         return ir.FieldConversion(path, ros, ir.ConversionKind.VALUE, field.repeated)
 
     def _add(self, conversion: ir.FieldConversion, field: ProtoField) -> None:

@@ -31,9 +31,8 @@ class RosMessages:
 
     def route(self, row: Row) -> ir.Route:
         """A row, with the conversion of its payload."""
-        qos = ir.Qos(row.qos.reliability, row.qos.durability, row.qos.history, row.qos.depth)
         conversion = self._conversion(self.schema.messages[row.proto])
-        return ir.Route(row.number, row.name, row.topic, row.direction, qos, row.forward, conversion)
+        return ir.Route(row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward, conversion)
 
     def check_enums(self) -> None:
         """An enum that the table names, but no payload has, is a mistake."""
@@ -114,7 +113,7 @@ class RosMessages:
             self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message))
         self.messages[settings.ros] = ir.RosMessage(
             settings.ros,
-            (ir.RosField(settings.field, ir.RosType(ros_enums.integer_type(enum)), ""),),
+            (ir.RosField(settings.field, ir.RosType(ros_enums.integer_type(enum)), "", enum.full_name),),
             tuple(ros_enums.constants(enum, "", self.report)),
             enum.comment,
             enum.full_name,

@@ -19,6 +19,4 @@ class Subject:
 
     def next_number(self) -> int:
         """The smallest number above every one that was ever used."""
-        rows = [row.number for row in self.table.rows]
-        retired = [row.number for row in self.table.retired]
-        return max([0, *rows, *retired, *(entry.number for entry in self.ledger.entries)]) + 1
+        return max([0, *self.table.numbers, *(entry.number for entry in self.ledger.entries)]) + 1

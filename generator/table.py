@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from generator.findings import Span
+from generator.ir import Qos
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,16 +57,6 @@ class PeerSettings(Placed):
 
 
 @dataclass(frozen=True, slots=True)
-class QosSettings:
-    """The quality of service of a row's topic."""
-
-    reliability: str
-    durability: str
-    history: str
-    depth: int
-
-
-@dataclass(frozen=True, slots=True)
 class Row(Placed):
     """One message: what travels under which number, between which peer and which topic."""
 
@@ -75,13 +66,23 @@ class Row(Placed):
     ros: str
     topic: str
     direction: str
-    qos: QosSettings
+    qos: Qos
     fields: Mapping[str, str]
     """Renames: path of a proto field to the ROS field that takes it."""
     ignore: tuple[str, ...]
     """Paths of proto fields that no ROS field takes."""
     forward: tuple[str, ...]
     """Peers that also get the raw datagram."""
+
+    @property
+    def inbound(self) -> bool:
+        """Whether the payload comes from a peer and goes to a topic."""
+        return self.direction.endswith("_to_ros")
+
+    @property
+    def peer(self) -> str:
+        """The peer at the other end."""
+        return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
     @property
     def ros_span(self) -> Span:
@@ -109,13 +110,19 @@ class EnumSettings(Placed):
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The whole of mapping.yaml."""
+    """mapping.yaml: all of it, or what of it is whole."""
 
     file: str
+    whole: bool
+    """Whether nothing was left out; what concludes from an absence must ask."""
+    numbers: frozenset[int]
+    """Every number that stands in the file, also in a row that is not whole."""
     proto: ProtoSettings
     envelope: EnvelopeSettings
     package: str
     package_span: Span
+    maintainer: str
+    """``Name <address>``, of the ROS 2 package."""
     peers: tuple[PeerSettings, ...]
     rows: tuple[Row, ...]
     retired: tuple[RetiredRow, ...]

@@ -103,6 +103,19 @@ ROW = Object(
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
     }
 )
+RETIRED = Object(
+    {
+        "number": Key(_NUMBER, "The number that never comes back.", True),
+        "name": Key(_FIELD_NAME, "The name it had.", True),
+        "proto": Key(_PROTO_NAME, "The protobuf message it carried.", True),
+    }
+)
+ENUM = Object(
+    {
+        "ros": Key(Text(), "Name of the ROS 2 message that holds the enum.", True),
+        "field": Key(Text(), "The field of that message that holds the value.", True),
+    }
+)
 TABLE = Object(
     {
         "version": Key(Integer(FORMAT_VERSION, FORMAT_VERSION), "Version of this format.", True),
@@ -132,7 +145,15 @@ TABLE = Object(
             True,
         ),
         "ros": Key(
-            Object({"package": Key(Text(), "Name of the ROS 2 interface package.", True)}),
+            Object(
+                {
+                    "package": Key(Text(), "Name of the ROS 2 interface package.", True),
+                    "maintainer": Key(
+                        Text(r"[^<>&\"]+ <[^<>&\" ]+@[^<>&\" ]+>", "Rover Team <rover@example.com>"),
+                        "Who is asked about the package; stands in its package.xml.",
+                    ),
+                }
+            ),
             "The ROS 2 side.",
             True,
         ),
@@ -159,26 +180,13 @@ TABLE = Object(
         ),
         "messages": Key(ListOf(ROW, least=1), "The rows: one a message.", True),
         "retired": Key(
-            ListOf(
-                Object(
-                    {
-                        "number": Key(_NUMBER, "The number that never comes back.", True),
-                        "name": Key(_FIELD_NAME, "The name it had.", True),
-                        "proto": Key(_PROTO_NAME, "The protobuf message it carried.", True),
-                    }
-                )
-            ),
+            ListOf(RETIRED),
             "Payloads that are gone; their numbers never come back.",
         ),
         "enums": Key(
             MapOf(
                 _PROTO_NAME,
-                Object(
-                    {
-                        "ros": Key(Text(), "Name of the ROS 2 message that holds the enum.", True),
-                        "field": Key(Text(), "The field of that message that holds the value.", True),
-                    }
-                ),
+                ENUM,
             ),
             "Enums that are a ROS 2 message of their own; any other is an integer with its constants beside it.",
         ),

@@ -16,7 +16,6 @@ from generator.targets.rendering import REGENERATE
 
 CANNOT_WRITE = Rule("OUT101", "cannot-write", Severity.FATAL)
 
-_FOLDER = "generated"
 _MARK_WITHIN = 400  # bytes; the header is at the top
 
 
@@ -48,10 +47,13 @@ def _lines(text: str | None) -> list[str]:
     return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
-def compare(project: Path, files: Mapping[str, str]) -> list[Change]:
-    """How the disk differs from the files that should be there, generated files that should not be included."""
+def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> list[Change]:
+    """How the disk differs from the files that should be there, generated files that should not be included.
+
+    ``folders`` are those of the project in which generated files are looked for.
+    """
     changes = [Change(path, _text(project, path), text) for path, text in files.items()]
-    stale = [Change(path, _text(project, path), None) for path in _generated(project) if path not in files]
+    stale = [Change(path, _text(project, path), None) for path in _generated(project, folders) if path not in files]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
     )
@@ -77,7 +79,7 @@ def write(project: Path, changes: Iterable[Change]) -> None:
     for change in changes:
         if change.after is None:
             with _reporting(change.path, "removed"):
-                _remove(project / change.path, project / _FOLDER)
+                _remove(project / change.path, project / Path(change.path).parts[0])
 
 
 @contextlib.contextmanager
@@ -97,11 +99,12 @@ def _text(project: Path, path: str) -> str | None:
             return None
 
 
-def _generated(project: Path) -> Iterable[str]:
+def _generated(project: Path, folders: Iterable[str]) -> Iterable[str]:
     """The files that an earlier run generated, known by their header; what users put beside them is not ours."""
-    for path in sorted((project / _FOLDER).rglob("*")):
-        if path.is_file() and path.suffix != ".pyc" and _is_ours(path):
-            yield path.relative_to(project).as_posix()
+    for folder in folders:
+        for path in sorted((project / folder).rglob("*")):
+            if path.is_file() and path.suffix != ".pyc" and _is_ours(path):
+                yield path.relative_to(project).as_posix()
 
 
 def _is_ours(path: Path) -> bool:

@@ -20,8 +20,11 @@ _COMMANDS = ("generate", "run", "send", "listen", "echo", "pub", "demo")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command. Returns 0 where all is well, 1 for findings or failed checks, 2 where it cannot run."""
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
-    arguments = _parser(own).parse_args(own)
+    parser = _parser(own)
+    arguments = parser.parse_args(own)
     arguments.ros_args = ros
+    if ros and not arguments.takes_ros_args:
+        parser.error(f"{own[0]} takes no --ros-args")
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         code = int(arguments.run(arguments))
@@ -65,6 +68,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         description="One table from protobuf over UDP to ROS 2 topics.",
         epilog="example: roverlink generate && roverlink run",
     )
+    parser.set_defaults(takes_ros_args=False)
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
     called = [name for name in _COMMANDS if name in arguments[:1]]
     for name in called or _COMMANDS:

@@ -15,7 +15,6 @@ from runtime import NODE, Bridge, Registry, SetupError, parameters
 from runtime.middleware import Middleware, NodeIdentity, open_middleware
 from runtime.middleware.memory import Graph, MemoryMiddleware
 
-_READY = "on UDP port "
 _STOP_TIMEOUT_S = 5.0
 
 
@@ -54,14 +53,13 @@ class BridgeProcess:
         )
         self._output = cast(IO[str], self._child.stdout)
         self._log = cast(IO[str], self._child.stderr)
-        for line in self._log:
-            if _READY in line:
-                self.port = int(line.rpartition(_READY)[2])
-                threading.Thread(target=self._pass_on, daemon=True).start()
-                return self
-            sys.stderr.write(line)
-        self._child.wait()
-        raise SetupError("the bridge did not start")
+        threading.Thread(target=self._pass_on, daemon=True).start()
+        ready = self._output.readline()
+        if not ready:
+            self._child.wait()
+            raise SetupError("the bridge did not start")
+        self.port = json.loads(ready)["port"]
+        return self
 
     def _pass_on(self) -> None:
         """Show what the bridge warns of."""

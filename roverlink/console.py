@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import logging
 import math
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -46,6 +47,24 @@ def add_project(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of mapping.yaml and generated/ (default: this folder or the nearest above it that has them)",
     )
+
+
+def add_table(parser: argparse.ArgumentParser) -> None:
+    """The option that says which table."""
+    parser.add_argument(
+        "--table",
+        type=Path,
+        metavar="FILE",
+        help=f"the table (default: {TABLE} in this folder or in the nearest above it that has one)",
+    )
+
+
+def table_file(given: Path | None) -> Path:
+    """The table: what was given, else the nearest; where there is none, the one that this folder should have."""
+    here = Path.cwd()
+    near = (folder / TABLE for folder in (here, *here.parents))
+    found = given or next((path for path in near if path.is_file()), here / TABLE)
+    return Path(os.path.relpath(found))
 
 
 def port(text: str) -> int:
@@ -94,12 +113,13 @@ class _RosFormatter(logging.Formatter):
         return f"[{level}] [{record.created:.6f}] [{record.name}]: {record.getMessage()}"
 
 
-def node_logger(name: str, level: str) -> logging.Logger:
-    """A logger to standard error with ROS 2's levels and format."""
-    handler = logging.StreamHandler()
+def node_logger(name: str, level: str | None) -> logging.Logger:
+    """A logger to standard error with ROS 2's levels and format; without a level, one that says nothing."""
+    handler = logging.StreamHandler() if level else logging.NullHandler()
     handler.setFormatter(_RosFormatter())
     logger = logging.getLogger(name)
     logger.handlers = [handler]
+    level = level or "info"
     logger.setLevel({"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
     logger.propagate = False
     return logger

@@ -13,9 +13,9 @@ from typing import Any
 import yaml
 
 from runtime import NODE, Qos, Registry, SetupError, standard
+from runtime.errors import nearest
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
-from runtime.values import nearest
 
 _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)

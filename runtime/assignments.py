@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 from google.protobuf.descriptor import FieldDescriptor
 
-from runtime.errors import ConversionError
+from runtime.errors import ConversionError, nearest
 from runtime.schema import scalar_name
-from runtime.values import nearest
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from enum import Enum
+
+_NAMED = 30  # choices that an error lists
 
 
 class RoverlinkError(Exception):
@@ -50,3 +54,13 @@ class DatagramError(RoverlinkError):
     def __init__(self, reason: Reason, message: str) -> None:
         super().__init__(message)
         self.reason = reason
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """``did you mean ...?`` with the known word nearest to one that is not; else all that are known."""
+    choices = list(known)
+    found = difflib.get_close_matches(word, choices, 1)
+    if found:
+        return f"did you mean {found[0]}?"
+    more = len(choices) - _NAMED
+    return f"there are {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"

@@ -77,7 +77,7 @@ class Handler(ABC, Generic[P, M]):
         """The payload that says what the ROS 2 message says."""
 
     def pack(self, payload: P) -> bytes:
-        """The serialized ROS 2 message of a payload.
+        """The serialized ROS 2 message of a payload: ``cdr.encode(to_ros(payload))``.
 
         Generated handlers of messages of fixed size override this with one `struct` call, the bridge's hot path. It
         may raise `struct.error`; use `to_cdr` for an error that names the field.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from runtime.errors import SetupError
+from runtime.errors import SetupError, nearest
 from runtime.registry import Registry
 
+LISTEN_PORT = 5000
 FORWARD_POLICIES = ("mapping", "all")
 _PORTS = range(1, 65_536)
 _LARGEST_BUFFER = 2**30  # the kernel doubles it, in an int
@@ -41,7 +41,7 @@ def defaults(registry: Registry) -> dict[str, Any]:
     """Every parameter's name and default, in the order in which they are documented."""
     ports = {peer.port_parameter: peer.port for peer in registry.peers}
     return {
-        "listen_port": 5000,
+        "listen_port": LISTEN_PORT,
         "listen_address": "0.0.0.0",  # noqa: S104  # boards are other machines
         "dst_ip": "127.0.0.1",
         **ports,
@@ -58,7 +58,7 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if name == "use_sim_time":  # every ROS 2 node has it; nothing here depends on time
             continue
         if name not in values:
-            raise SetupError(_unknown(name, list(values)))
+            raise SetupError(f"no parameter {name!r}; {nearest(name, values)}")
         if type(value) is not type(values[name]):
             raise SetupError(f"parameter {name} is {value!r}; it must be of type {type(values[name]).__name__}")
         values[name] = value
@@ -69,12 +69,6 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
     parameters = Parameters(peer_ports=ports, values=values, **own)
     _check(parameters)
     return parameters
-
-
-def _unknown(name: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
-    return f"no parameter {name!r}; {hint}"
 
 
 def _port(name: str, value: int) -> int:

@@ -1,8 +1,9 @@
 """The command line of a ROS 2 node: what stands after ``--ros-args``.
 
 As rcl has it: ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` with ``__ns`` and ``__node``, and
-``--log-level``, closed by ``--`` or by the end of the line. A rule or a parameter may name the node that it is for
-(``node:name:=value``).
+``--log-level``, closed by ``--`` or by the end of the line. Of its switches, ``--disable-stdout-logs`` silences the
+console; those for what this node does not have are taken and have no effect. A rule or a parameter may name the node
+that it is for (``node:name:=value``).
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ class RosArguments:
     node: NodeIdentity
     parameters: dict[str, Any] = field(default_factory=dict)
     log_level: str = "info"
+    logs_to_console: bool = True
     remaps: list[_Remap] = field(default_factory=list)
 
     def topic(self, name: str) -> str:
@@ -75,9 +77,15 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
             _set_parameter(parsed, value)
         elif option == "remap":
             _add_remap(parsed, value)
-        else:
+        elif option == "log-level":
             parsed.log_level = _log_level(value)
+    parsed.logs_to_console = _last_of(_CONSOLE_SWITCHES, arguments) != "--disable-stdout-logs"
     return parsed
+
+
+def _last_of(switches: tuple[str, ...], arguments: list[str]) -> str:
+    """Which of some switches was given last; empty for none."""
+    return next((argument for argument in reversed(arguments) if argument in switches), "")
 
 
 _OPTIONS = {
@@ -87,15 +95,27 @@ _OPTIONS = {
     "-r": "remap",
     "--remap": "remap",
     "--log-level": "log-level",
+    "-e": "ignored",
+    "--enclave": "ignored",
+    "--log-config-file": "ignored",
 }
+_CONSOLE_SWITCHES = ("--enable-stdout-logs", "--disable-stdout-logs")
+# Every ROS 2 node takes these; they speak of what this one does not have: a security enclave, /rosout, rcl's log files.
+_SWITCHES = (
+    *_CONSOLE_SWITCHES,
+    *("--enable-rosout-logs", "--disable-rosout-logs", "--enable-external-lib-logs", "--disable-external-lib-logs"),
+)
 
 
 def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
     remaining = iter(arguments)
     for argument in remaining:
+        if argument in _SWITCHES:
+            continue
         option = _OPTIONS.get(argument)
         if option is None:
-            raise SetupError(f"--ros-args does not take {argument!r}; it takes {', '.join(_OPTIONS)}")
+            known = ", ".join((*_OPTIONS, *_SWITCHES))
+            raise SetupError(f"--ros-args does not take {argument!r}; it takes {known}")
         value = next(remaining, None)
         if value is None:
             raise SetupError(f"{argument} wants a value after it")

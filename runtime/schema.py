@@ -6,7 +6,7 @@ that its code does not mean; nothing else would notice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from google.protobuf import descriptor_pool
@@ -15,7 +15,7 @@ from google.protobuf.descriptor import FieldDescriptor
 from runtime.errors import RegistryError
 
 if TYPE_CHECKING:
-    from google.protobuf.descriptor import Descriptor
+    from google.protobuf.descriptor import Descriptor, EnumDescriptor
 
 _SCALARS = {
     value: name.removeprefix("TYPE_").lower()
@@ -24,13 +24,18 @@ _SCALARS = {
 }
 
 
-def check_descriptors(messages: Mapping[str, tuple[str, ...]]) -> None:
-    """Compare loaded messages with the fields they had at generation.
+def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[str, tuple[str, ...]]) -> None:
+    """Compare what is loaded with what it was at generation.
 
-    ``messages`` maps a message's full name to its fields, each as ``"<number> <name> [repeated ]<type>"`` in the order
-    of their numbers. Raises `RegistryError` that lists every difference.
+    ``messages`` maps a message's full name to its fields, each as ``"<number> <name> [repeated ]<type>"``, ``enums``
+    an enum's to its values, each as ``"<number> <name>"``; both in the order of the numbers. Raises `RegistryError`
+    that lists every difference.
     """
-    differences = [line for name, fields in messages.items() for line in _differences(name, fields)]
+    pool = descriptor_pool.Default()
+    differences = [
+        *_differences(messages, lambda name: describe(pool.FindMessageTypeByName(name))),
+        *_differences(enums, lambda name: describe_enum(pool.FindEnumTypeByName(name))),
+    ]
     if differences:
         raise RegistryError(
             "the protobuf modules that are loaded are not those from which this code was generated:\n  "
@@ -39,20 +44,25 @@ def check_descriptors(messages: Mapping[str, tuple[str, ...]]) -> None:
         )
 
 
-def _differences(name: str, expected: tuple[str, ...]) -> Iterator[str]:
-    try:
-        descriptor = descriptor_pool.Default().FindMessageTypeByName(name)
-    except KeyError:
-        yield f"{name}: not loaded at all"
-        return
-    loaded = describe(descriptor)
-    yield from (f"{name}: {field!r} was generated, but is not loaded" for field in expected if field not in loaded)
-    yield from (f"{name}: {field!r} is loaded, but was not generated" for field in loaded if field not in expected)
+def _differences(generated: Mapping[str, tuple[str, ...]], load: Callable[[str], tuple[str, ...]]) -> Iterator[str]:
+    for name, expected in generated.items():
+        try:
+            loaded = load(name)
+        except KeyError:
+            yield f"{name}: not loaded at all"
+            continue
+        yield from (f"{name}: {part!r} was generated, but is not loaded" for part in expected if part not in loaded)
+        yield from (f"{name}: {part!r} is loaded, but was not generated" for part in loaded if part not in expected)
 
 
 def describe(descriptor: Descriptor) -> tuple[str, ...]:
     """A loaded message's fields, in the spelling of `check_descriptors`."""
     return tuple(_describe_field(field) for field in sorted(descriptor.fields, key=lambda field: field.number))
+
+
+def describe_enum(descriptor: EnumDescriptor) -> tuple[str, ...]:
+    """A loaded enum's values, in the spelling of `check_descriptors`."""
+    return tuple(f"{value.number} {value.name}" for value in sorted(descriptor.values, key=lambda v: v.number))
 
 
 def _describe_field(field: FieldDescriptor) -> str:

@@ -69,7 +69,7 @@ def message_type(type_name: str) -> type[Message]:
     """
     store = _store()
     if type_name not in store.fielddefs:
-        from runtime.values import nearest
+        from runtime.errors import nearest
 
         raise SetupError(f"no standard ROS 2 type {type_name!r}; {nearest(type_name, store.fielddefs)}")
     _, definitions = store.fielddefs[type_name]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from typing import TYPE_CHECKING
 
 from google.protobuf.message import DecodeError, EncodeError
@@ -29,7 +28,7 @@ class Translator:
 
         Raises `DatagramError` with the reason, and number and name of the payload where they are known.
         """
-        try:
+        try:  # as `parse`, whose call would be felt here
             message = self._parse(datagram)
         except DecodeError:
             message = self._parse_restored(datagram)
@@ -37,11 +36,10 @@ class Translator:
         handler = self._inbound.get(name)
         if handler is None:
             raise self._refusal(name, datagram)
-        payload = getattr(message, name)
         try:
-            return name, handler.pack(payload)
-        except (struct.error, ConversionError, ValueError):
-            return name, self._explained(handler, payload)
+            return name, handler.to_cdr(getattr(message, name))
+        except ConversionError as error:
+            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}") from error
 
     def parse(self, datagram: bytes) -> ProtoMessage:
         """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
@@ -100,10 +98,3 @@ class Translator:
         return DatagramError(
             Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer"
         )
-
-    @staticmethod
-    def _explained(handler: AnyHandler, payload: ProtoMessage) -> bytes:
-        try:
-            return handler.to_cdr(payload)
-        except ConversionError as error:
-            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}") from error

@@ -50,7 +50,7 @@ def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str
     if not isinstance(error, OSError):
         return f"cannot listen on UDP port {port} of {address}: {error}"
     if error.errno == errno.EADDRINUSE:
-        return f"UDP port {port} on {address} is in use by another program; stop it, or choose another listen_port"
+        return f"UDP port {port} on {address} is in use by another program; stop it, or listen on another"
     return f"cannot listen on UDP port {port} of {address}: {error.strerror}"
 
 

@@ -5,13 +5,12 @@ ROS 2 messages are keyed by their ROS field names, payloads by their proto field
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from google.protobuf.json_format import MessageToDict
 
-from runtime.errors import ConversionError
+from runtime.errors import ConversionError, nearest
 from runtime.messages import UINT8, Array, FieldType, Message, Primitive, Sequence, Text, default_of, fields_of
 
 if TYPE_CHECKING:
@@ -19,18 +18,7 @@ if TYPE_CHECKING:
 
 M = TypeVar("M", bound=Message)
 
-_NAMED = 30  # choices that an error lists
 _KINDS = {"?": bool, "f": (int, float), "d": (int, float)}
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """``did you mean ...?`` with the known word nearest to one that is not; else all that are known."""
-    choices = list(known)
-    found = difflib.get_close_matches(word, choices, 1)
-    if found:
-        return f"did you mean {found[0]}?"
-    more = len(choices) - _NAMED
-    return f"there are {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"
 
 
 # --- ROS 2 messages ---------------------------------------------------------------------------------------------

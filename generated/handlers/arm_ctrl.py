@@ -59,7 +59,7 @@ class ArmCtrlHandler(
         )
 
     def pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.control_gripper_rotation,

@@ -63,7 +63,7 @@ class ArmDiagHandler(
         )
 
     def pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         gripper_rotation_motor = payload.gripper_rotation_motor
         gripper_pitch_motor = payload.gripper_pitch_motor
         base_motor = payload.base_motor

@@ -50,5 +50,5 @@ class ArmFeedbackHandler(
         self,
         payload: movement_software_feedback_pb2.ArmBoardMovementFeedback,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.arm_error)

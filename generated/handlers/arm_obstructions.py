@@ -44,5 +44,5 @@ class ArmObstructionsHandler(
         )
 
     def pack(self, payload: movement_software_target_pb2.ArmBoardObstructions) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.obstructions_list)

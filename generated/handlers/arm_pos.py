@@ -64,7 +64,7 @@ class ArmPosHandler(
         self,
         payload: movement_software_feedback_pb2.ArmBoardActualPositions,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.jaw_open,

@@ -61,7 +61,7 @@ class ArmTargetHandler(
         self,
         payload: movement_software_target_pb2.ArmBoardTargetMovement,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.target_x,

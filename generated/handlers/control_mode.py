@@ -41,5 +41,5 @@ class ControlModeHandler(
         return control_mode_pb2.BasestationControlMode(mode=message.mode)
 
     def pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.mode)

@@ -58,7 +58,7 @@ class DetectedObjectHandler(
         )
 
     def pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         bbox = payload.bbox
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,

@@ -83,7 +83,7 @@ class DriveDiagHandler(
         )
 
     def pack(self, payload: motor_diagnostics_pb2.DrivingBoardDiagnostics) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         front_left_motor = payload.front_left_motor
         middle_left_motor = payload.middle_left_motor
         back_left_motor = payload.back_left_motor

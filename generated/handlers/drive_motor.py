@@ -47,7 +47,7 @@ class DriveMotorHandler(
         )
 
     def pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.distance_to_go,

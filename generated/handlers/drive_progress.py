@@ -50,5 +50,5 @@ class DriveProgressHandler(
         self,
         payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.distance_left)

@@ -62,7 +62,7 @@ class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSIn
         )
 
     def pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.latitude,

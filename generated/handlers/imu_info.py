@@ -62,7 +62,7 @@ class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInforma
         )
 
     def pack(self, payload: imu_sensor_pb2.SensorBoardIMUInfo) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.accel_x,

@@ -62,7 +62,7 @@ class LoadCellInfoHandler(
         )
 
     def pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.sensor_index,

@@ -46,5 +46,5 @@ class ObjectSelectionHandler(
         )
 
     def pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.object_id)

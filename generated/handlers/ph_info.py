@@ -48,7 +48,7 @@ class PhInfoHandler(Handler[ph_sensor_pb2.SensorBoardPHInfo, SensorBoardPHInfo])
         )
 
     def pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.ph_value,

@@ -58,7 +58,7 @@ class PressureInfoHandler(
         )
 
     def pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.sensor_index,

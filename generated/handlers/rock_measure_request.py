@@ -57,7 +57,7 @@ class RockMeasureRequestHandler(
         self,
         payload: rock_measure_request_pb2.BasestationRockMeasureRequest,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.x1,

@@ -53,5 +53,5 @@ class RockMeasureResultHandler(
         self,
         payload: rock_measure_result_pb2.BasestationRockMeasureResult,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.length_cm, payload.width_cm)

@@ -51,5 +51,5 @@ class RoverLocalizationHandler(
         self,
         payload: rover_localization_pb2.BasestationRoverLocalization,
     ) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.x, payload.y, payload.z)

@@ -65,7 +65,7 @@ class SensorDiagHandler(
         )
 
     def pack(self, payload: diagnostics_pb2.SensorBoardDiagnostics) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         ph_sensor = payload.ph_sensor
         imu_sensor = payload.imu_sensor
         gps_sensor_1 = payload.gps_sensor_1

@@ -32,12 +32,12 @@ def check(subject: Subject) -> Iterator[Finding]:
         return
     for row in table.rows:
         yield from _compare(row, members.get(row.number))
-    rows, retired = ({row.number for row in group} for group in (table.rows, table.retired))
+    retired = {row.number for row in table.retired}
     for number, field in members.items():
         member = f"{field.name} = {number} ({field.wire_type})"
         if number in retired:
             yield RULE.at(field.span, f"{member} is retired in {table.file}", "remove it where the envelope is kept")
-        elif number not in rows:
+        elif number not in table.numbers:
             yield RULE.at(field.span, f"{member} has no row in {table.file}", "add a row for it under `messages`")
 
 

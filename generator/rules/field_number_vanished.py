@@ -17,9 +17,8 @@ RULE = Rule("ENV103", "field-number-vanished")
 def check(subject: Subject) -> Iterator[Finding]:
     """Entries of the ledger whose number the table does not have."""
     table = subject.table
-    known = {row.number for row in table.rows} | {row.number for row in table.retired}
     for entry in subject.ledger.entries:
-        if entry.number not in known:
+        if entry.number not in table.numbers:
             message = (
                 f"field {entry.number} was published as {entry.name} ({entry.proto}) and is gone from {table.file}"
             )

@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.findings import Finding, Rule
+from generator.node_parameters import NODE_PARAMETERS
 from generator.subject import Subject
 from generator.table import PeerSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken")
-_NODE_PARAMETERS = frozenset(
-    {"listen_port", "listen_address", "dst_ip", "forward_policy", "max_datagram", "receive_buffer", "use_sim_time"}
-)
+_OF_THE_NODE = frozenset({"use_sim_time", *(parameter.name for parameter in NODE_PARAMETERS)})
 
 
 def check(subject: Subject) -> Iterator[Finding]:
@@ -25,6 +24,6 @@ def check(subject: Subject) -> Iterator[Finding]:
         if first is not peer:
             message = f"the parameter {peer.parameter} of {peer.name} is already that of {first.name}"
             yield RULE.at(peer.at("parameter"), message, "give each peer a parameter of its own")
-        elif peer.parameter in _NODE_PARAMETERS:
+        elif peer.parameter in _OF_THE_NODE:
             message = f"the parameter {peer.parameter} of {peer.name} is one of the node's own"
             yield RULE.at(peer.at("parameter"), message, f"call it dst_{peer.name}_port")

@@ -18,7 +18,7 @@ RULE = Rule("ROS101", "ros-name-forbidden")
 def check(subject: Subject) -> Iterator[Finding]:
     """The package, and the messages and topics of the rows."""
     table = subject.table
-    if not naming.is_package_name(table.package):
+    if table.package and not naming.is_package_name(table.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.package_span, f"ROS forbids the package name {table.package!r}", help)
     for row in table.rows:

@@ -6,7 +6,10 @@ from collections.abc import Callable
 
 from generator import ir, ledger
 from generator.targets import conversions, docs, envelope, handlers, messages, pb2, registry, ros_package, schema
-from generator.targets.conversions import Files
+from generator.targets.rendering import Files
+
+FOLDER = "generated"
+"""Where the files go, but for a few that have a place of their own."""
 
 _TARGETS: tuple[Callable[[ir.Bridge], Files], ...] = (
     conversions.emit,

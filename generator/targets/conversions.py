@@ -10,9 +10,7 @@ from generator import ir
 from generator.ir import ConversionKind
 from generator.targets import layout, spelling
 from generator.targets.layout import Comprehension, Conditional, Group, Item
-from generator.targets.rendering import header, render
-
-Files = Iterator[tuple[str, str]]
+from generator.targets.rendering import Files, header, render
 
 
 @dataclass(frozen=True, slots=True)

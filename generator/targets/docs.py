@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from generator import ir
-from generator.targets.conversions import Files
-from generator.targets.rendering import header, render
+from generator.targets.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:

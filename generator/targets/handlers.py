@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from generator import ir
 from generator.ir import ConversionKind
 from generator.targets import conversions, layout, spelling
-from generator.targets.conversions import Converters, Files
+from generator.targets.conversions import Converters
 from generator.targets.layout import Group
-from generator.targets.rendering import header, render
+from generator.targets.rendering import Files, header, render
 
-_RCLCPP_DEFAULT = ir.Qos("reliable", "volatile", "keep_last", 10)
+_RCLCPP_DEFAULT = ir.Qos()
 _LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does not
 
 
@@ -44,7 +44,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _
     imports = [layout.import_from("runtime.handler", runtime)]
     imports += [layout.import_from("runtime", ["cdr"])] if pack else []
     view = conversions.view(conversion, converters, 4, tuple(imports))
-    what = f"{conversion.local_name} {'to' if _inbound(route) else 'from'} {bridge.package}/msg/{conversion.ros}"
+    what = f"{conversion.local_name} {'to' if route.inbound else 'from'} {bridge.package}/msg/{conversion.ros}"
     return render(
         "handler.py.j2",
         header=header(f"{bridge.table} (row {route.name}) and {conversion.file}"),
@@ -68,12 +68,8 @@ def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _
     )
 
 
-def _inbound(route: ir.Route) -> bool:
-    return route.direction.endswith("_to_ros")
-
-
 def _arrow(route: ir.Route) -> str:
-    return "to the topic" if _inbound(route) else "from the topic"
+    return "to the topic" if route.inbound else "from the topic"
 
 
 def _route_arguments(route: ir.Route) -> Iterator[str | Group]:

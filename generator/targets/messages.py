@@ -6,8 +6,7 @@ import re
 
 from generator import ir
 from generator.targets import layout, spelling
-from generator.targets.conversions import Files
-from generator.targets.rendering import header, render
+from generator.targets.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 
 from generator import ir, ledger
 from generator.targets import layout, spelling
-from generator.targets.conversions import Files
-from generator.targets.rendering import header, render
+from generator.targets.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -40,14 +40,17 @@ def emit(bridge: ir.Bridge) -> Files:
     yield (
         "generated/checks.py",
         render(
-            "checks.py.j2", header=header(bridge.table), messages=[_schema(message) for message in bridge.wire_messages]
+            "checks.py.j2",
+            header=header(bridge.table),
+            messages=[_schema(message.name, message.fields) for message in bridge.wire_messages],
+            enums=[_schema(enum.name, enum.values) for enum in bridge.wire_enums],
         ),
     )
     yield "generated/__init__.py", header(bridge.table) + '\n"""The code that is compiled from the table."""\n'
 
 
-def _schema(message: ir.WireMessage) -> str:
-    return layout.entry(f'"{message.name}": ', "(", [f'"{field}"' for field in message.fields], ")", 4)
+def _schema(name: str, parts: Sequence[str]) -> str:
+    return layout.entry(f'"{name}": ', "(", [f'"{part}"' for part in parts], ")", 4)
 
 
 def _peer(peer: ir.Peer) -> layout.Group:

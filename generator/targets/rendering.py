@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+Files = Iterator[tuple[str, str]]
+"""What a target makes: the path of each file, relative to the table, and its text."""
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 REGENERATE = "Regenerate with: roverlink generate"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+
 from generator import ir
-from generator.targets.conversions import Files
-from generator.targets.rendering import header, render
+from generator.node_parameters import NODE_PARAMETERS
+from generator.targets.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -17,10 +19,15 @@ def emit(bridge: ir.Bridge) -> Files:
     yield f"{folder}/CMakeLists.txt", render(
         "CMakeLists.txt.j2", header=comment, package=bridge.package, messages=names
     )
+    name, _, address = bridge.maintainer.partition(" <")
     xml = header(bridge.table, "<!--", " -->")
-    yield f"{folder}/package.xml", render("package.xml.j2", header=xml, package=bridge.package)
+    yield f"{folder}/package.xml", render(
+        "package.xml.j2", header=xml, package=bridge.package, maintainer=name, address=address.rstrip(">")
+    )
     yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
-    yield f"{folder}/config/udp.yaml", render("udp.yaml.j2", header=comment, peers=bridge.peers)
+    yield f"{folder}/config/udp.yaml", render(
+        "udp.yaml.j2", header=comment, parameters=NODE_PARAMETERS, peers=bridge.peers
+    )
 
 
 def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
@@ -28,9 +35,17 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
         "message.msg.j2",
         header=header(f"{bridge.table} ({message.source})"),
         comment=_comment(message.comment),
-        constants=[(constant, _comment(constant.comment)) for constant in message.constants],
+        enums=[
+            (_heading(message, enum), [(constant, _comment(constant.comment)) for constant in constants])
+            for enum, constants in itertools.groupby(message.constants, lambda constant: constant.enum)
+        ],
         fields=[(_msg_type(field.type), field.name, _comment(field.comment)) for field in message.fields],
     )
+
+
+def _heading(message: ir.RosMessage, enum: str) -> str:
+    """What stands above an enum's constants: which fields take them."""
+    return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
 
 
 def _msg_type(type: ir.RosType) -> str:

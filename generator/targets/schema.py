@@ -6,8 +6,7 @@ import json
 
 from generator import ir
 from generator.table_format import json_schema
-from generator.targets.conversions import Files
-from generator.targets.rendering import REGENERATE
+from generator.targets.rendering import REGENERATE, Files
 
 
 def emit(_: ir.Bridge) -> Files:

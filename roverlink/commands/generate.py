@@ -8,7 +8,7 @@ from pathlib import Path
 
 import generator
 from generator import FindingsError, Severity
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, table_file
 
 
 def add(commands: Subparsers) -> None:
@@ -19,9 +19,7 @@ def add(commands: Subparsers) -> None:
         "compile mapping.yaml into handlers, messages, registry, envelope, ROS 2 package and docs",
         "roverlink generate --check",
     )
-    parser.add_argument(
-        "--table", type=Path, default=Path(TABLE), metavar="FILE", help="the table (default: %(default)s)"
-    )
+    add_table(parser)
     parser.add_argument(
         "--check", action="store_true", help="write nothing; exit 1 with a diff where a file is not what the table says"
     )
@@ -30,10 +28,10 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Generate, or check; exit code 1 for findings and for drift."""
-    table: Path = arguments.table
+    table = table_file(arguments.table)
     try:
         compiled = generator.compile_table(table)
-        changes = generator.compare(table.resolve().parent, compiled.files)
+        changes = generator.compare(table.resolve().parent, compiled.files, compiled.folders)
         for warning in compiled.warnings:
             print(warning.render(), file=sys.stderr)
         if arguments.check:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import logging
 import signal
 
 from roverlink.console import OK, Subparsers, add_project, command, node_logger, project_folder
-from runtime import NODE, Bridge, load_registry, parameters, ros_args
+from runtime import NODE, Bridge, Registry, load_registry, parameters, ros_args
 from runtime.middleware import NAMES, open_middleware
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
@@ -26,14 +27,18 @@ def add(commands: Subparsers) -> None:
     )
     add_project(parser)
     parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
-    parser.add_argument("--json", action="store_true", help="at the end, print the account as one JSON object")
-    parser.set_defaults(run=run)
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print two JSON objects: node, port and fingerprint once the port is open; at the end the account",
+    )
+    parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Bridge until a signal comes; then exit code 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    logger = node_logger(ros.node.name, ros.log_level)
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
     registry = load_registry(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
     with open_middleware(arguments.middleware, ros.node, settings.values) as middleware:
@@ -41,9 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
         with bridge:
-            logger.info(
-                "%s bridges %d messages on UDP port %d", ros.node.full_name, len(registry.handlers), bridge.port
-            )
+            _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:
         signal.signal(number, signal.SIG_IGN)  # it is stopping; at its very end Python would obey them itself
@@ -51,3 +54,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(bridge.account.as_dict()))
     return OK
+
+
+def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:
+    """Say that datagrams are taken from now on, and by which table: equal fingerprints mean the same by a number."""
+    messages, fingerprint = len(registry.handlers), registry.fingerprint
+    logger.info("%s bridges %d messages on UDP port %d", node, messages, port)
+    logger.info("table and schema have the fingerprint %s", fingerprint)
+    if json_too:
+        ready = {"node": node, "port": port, "messages": messages, "fingerprint": fingerprint}
+        print(json.dumps(ready), flush=True)

@@ -9,10 +9,10 @@ import time
 from google.protobuf.message import EncodeError
 
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
-from runtime import Registry, SetupError, load_registry, udp
+from runtime import Registry, SetupError, load_registry, parameters, udp
 from runtime.assignments import payload_from_assignments
+from runtime.errors import nearest
 from runtime.registry import AnyHandler
-from runtime.values import nearest
 
 
 def add(commands: Subparsers) -> None:
@@ -29,7 +29,10 @@ def add(commands: Subparsers) -> None:
     parser.add_argument("name", nargs="?", help="the payload, as mapping.yaml names it")
     parser.add_argument("assignments", nargs="*", metavar="field=value", help="what the payload says; the rest is zero")
     parser.add_argument(
-        "--to", default="127.0.0.1:5000", metavar="HOST:PORT", help="destination (default: %(default)s)"
+        "--to",
+        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
+        metavar="HOST:PORT",
+        help="destination (default: %(default)s)",
     )
     parser.add_argument("--count", type=count, default=1, metavar="N", help="how many to send (default: %(default)s)")
     parser.add_argument(

@@ -4,12 +4,14 @@
 - *Batching*: a writer that collects samples until it is flushed, then sends them in one packet. The packet, and waking
   the subscriber for it, cost several times as much as everything else that is done for a sample.
 - *Acknowledgement*: the package's own function for it (11.0.1) fails where it should return False.
-- *Deleting*: the package deletes an entity when nothing refers to it any more, which at the end of a program is never;
-  others would then see it for ten more seconds.
+- *Deleting*: the package deletes an entity when nothing refers to it any more, which at the end of a program is never,
+  so that others would see it for ten more seconds; or it is when Python has begun to go. A thread of Cyclone DDS that
+  then asks for Python, to free the type of a topic, is ended by it, and who waits for that thread waits for ever.
 """
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 from collections.abc import Sequence
 from typing import Any
@@ -85,3 +87,8 @@ class RawWriter:
 def delete(entity: Entity) -> None:
     """Delete an entity, and all that was made from it, now."""
     _delete(entity._ref)
+
+
+def delete_at_exit(entity: Entity) -> None:
+    """Delete an entity when the program ends, while Python still runs."""
+    atexit.register(delete, entity)

@@ -27,7 +27,7 @@ from runtime.errors import MiddlewareError
 from runtime.handler import Qos
 from runtime.messages import Message
 from runtime.middleware import NodeIdentity
-from runtime.middleware.cyclone import RawWriter, delete
+from runtime.middleware.cyclone import RawWriter, delete, delete_at_exit
 from runtime.middleware.dds_types import carrier_type, dds_qos
 from runtime.middleware.discovery import GraphAnnouncer
 
@@ -147,8 +147,10 @@ def _configure(domain_id: int) -> None:
 def _domain(domain_id: int, configuration: str) -> Domain | None:
     """A domain is configured once a process, before its first participant, and lives as long as the process."""
     try:
-        return Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
+        domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
     except DDSException as error:
         # Another part of the program was in the domain before us, and has configured it.
         logging.getLogger("roverlink").warning("DDS domain %d keeps the configuration it has: %s", domain_id, error)
         return None
+    delete_at_exit(domain)
+    return domain

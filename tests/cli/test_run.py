@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 from generated.registry import REGISTRY
+from roverlink.__main__ import main
 from roverlink.simulation import payload_at
 
 _NEEDS_DDS = pytest.mark.skipif(
@@ -69,6 +70,40 @@ def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: s
     assert account["dropped"] == {"malformed": 1, "unknown_payload": 1, "wrong_direction": 1}
     assert account["forwarded"] == 2
     assert program.wait_for("received 5, published 2").startswith("[INFO]")
+
+
+@_NEEDS_DDS
+def test_it_ends_whatever_the_middleware_still_has_to_free(start: Start) -> None:
+    """Stopped in the middle of traffic over DDS, it does not hang in what Python tears down last."""
+    for _ in range(6):
+        program = start("run", "--middleware", "dds", "--ros-args", *_FREE_PORT)
+        port = _port(program)
+        _send(port, *[_imu()] * 2000)
+        code, took = program.interrupt(signal.SIGINT)
+        assert code == 0
+        assert took < 10
+
+
+def test_json_says_when_it_is_ready(start: Start) -> None:
+    """With --json the first line of output has node, port and the fingerprint of table and schema."""
+    program = start("run", "--middleware", "memory", "--json", "--ros-args", *_FREE_PORT, "-r", "__ns:=/rover")
+    port = _port(program)
+    ready = json.loads(program.wait_for("fingerprint", program.output))
+    assert ready == {
+        "node": "/rover/udp_forwarder",
+        "port": port,
+        "messages": len(REGISTRY.handlers),
+        "fingerprint": REGISTRY.fingerprint,
+    }
+    assert program.interrupt()[0] == 0
+
+
+def test_other_commands_take_no_ros_arguments(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where `--ros-args` would have no effect, it is refused and not ignored."""
+    with pytest.raises(SystemExit) as ended:
+        main(["send", "--list", "--ros-args", "-p", "listen_port:=1"])
+    assert ended.value.code == 2
+    assert "send takes no --ros-args" in capsys.readouterr().err
 
 
 def test_impatient_signals_do_no_harm(start: Start) -> None:
@@ -143,6 +178,7 @@ def test_names_are_remapped_on_the_wire(start: Start) -> None:
 _HUNG = """
 import sys
 from generated.registry import REGISTRY
+from roverlink.__main__ import main
 from runtime import Qos
 from runtime.middleware import NodeIdentity, open_middleware
 with open_middleware("dds", NodeIdentity("hung")) as middleware:
@@ -199,7 +235,7 @@ def test_a_port_in_use_is_told(done: Start, peer: socket.socket) -> None:
     code, output, errors = done("run", "--middleware", "memory", "--ros-args", *arguments)
     assert (code, output) == (2, "")
     assert errors == (
-        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; stop it, or choose another listen_port"
+        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; stop it, or listen on another"
     )
 
 

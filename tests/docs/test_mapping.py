@@ -68,7 +68,7 @@ def test_every_key_of_the_format_is_documented() -> None:
 def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     """A table without any optional key reads as the page says."""
     (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
-    table = read.read(tmp_path / "mapping.yaml")
+    table = read.read(tmp_path / "mapping.yaml", [])
     row, peer = table.rows[0], table.peers[0]
     documented = {key: default.split(",")[0].strip("`") for key, default in _documented_keys().items()}
 

@@ -152,7 +152,7 @@ def plain(value: Any, store: Typestore) -> Any:
 def check(table: Path) -> None:
     """Raise `AssertionError` where a handler does something else than the IR and rosbags."""
     compiled = generator.compile_table(table)
-    generator.write(table.parent, generator.compare(table.parent, compiled.files))
+    generator.write(table.parent, generator.compare(table.parent, compiled.files, compiled.folders))
     registry = load_registry(table.parent)
     store, walker = typestore(table.parent, registry.package), Walker(compiled.bridge)
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0

@@ -59,6 +59,27 @@ def test_modules_of_the_user_do_not_get_in_the_way(tmp_path: Path) -> None:
     assert generate(project).code == 0
 
 
+def test_an_envelope_that_moves_leaves_nothing_behind(project: Path) -> None:
+    """The envelope's earlier file goes when the table names another; other files of the tree stay."""
+    assert generate(project).code == 0
+    table = project / "mapping.yaml"
+    before = snapshot(project)
+    table.write_text(table.read_text().replace("file: envelope.proto", "file: moved/envelope.proto"))
+    outcome = generate(project)
+    assert outcome.code == 0, outcome.stderr
+    assert " removed proto/envelope.proto" in outcome.stdout
+    gone = {path for path in before if path not in snapshot(project)}
+    assert {path for path in gone if path.startswith("proto/")} == {"proto/envelope.proto"}
+
+
+def test_the_nearest_table_above_is_compiled(project: Path) -> None:
+    """As every other command, `generate` finds its project from a folder within it, and says whose it is."""
+    below = project / "proto" / "deep"
+    below.mkdir()
+    outcome = generate(below, "--check")
+    assert (outcome.code, outcome.stdout) == (0, "everything is what ../../mapping.yaml says\n")
+
+
 def test_no_machine_path_in_the_output(project: Path) -> None:
     """Where the project stands is in none of its files."""
     assert [path for path, data in snapshot(project).items() if str(project.parent).encode() in data] == []

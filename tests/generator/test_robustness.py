@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import generator
-from generator import Finding, FindingsError, ledger, protos, read
+from generator import Finding, FindingsError, ledger, proto_files, protoc, read
 
 T = TypeVar("T")
 
@@ -73,8 +73,10 @@ def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPath
     """Edits of this repository's table, cut short for speed, give a table or findings with their places."""
     file = tmp_path_factory.getbasetemp() / "mutated.yaml"
     file.write_bytes(text)
-    table, findings = _outcome(read.read, file, "mapping.yaml")
+    reported: list[Finding] = []
+    table, findings = _outcome(read.read, file, reported, "mapping.yaml")
     assert {finding.span.file for finding in findings} == (set() if table else {"mapping.yaml"})
+    assert table is None or table.whole == (not reported)
 
 
 @_EXAMPLES
@@ -99,7 +101,7 @@ _WORDS = [
 @given(st.lists(st.sampled_from(_WORDS), max_size=60).map(" ".join))
 def test_any_proto_is_scanned(text: str) -> None:
     """Whatever stands in a .proto file, the scanner names what is declared in it and nothing that is not in it."""
-    assert all(part in text for name in protos.declared_names(text) for part in name.split("."))
+    assert all(part in text for name in proto_files.declared_names(text) for part in name.split("."))
 
 
 _ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", "a."]
@@ -108,7 +110,7 @@ _ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", 
 @pytest.mark.parametrize("text", [part * 100_000 for part in _ENDLESS], ids=_ENDLESS)
 def test_the_scanner_comes_to_an_end(text: str) -> None:
     """A file made to keep the scanner busy takes no longer than its length warrants; this test would hang."""
-    assert len(list(protos.declared_names(text))) < 100
+    assert len(list(proto_files.declared_names(text))) < 100
 
 
 @pytest.mark.parametrize("root", [ROOT / "proto", *(case.folder / "proto" for case in passing_cases())], ids=str)
@@ -117,8 +119,10 @@ def test_the_scanner_sees_what_protoc_sees(root: Path) -> None:
     unneeded = {"broken.proto", "old/imu.proto"}
     files = sorted(path.relative_to(root).as_posix() for path in root.rglob("*.proto"))
     files = [file for file in files if file not in unneeded]
-    seen = {(file, name) for file in files for name in protos.declared_names((root / file).read_text(encoding="utf-8"))}
-    schema = protos.compile_protos(root, files, {}, "proto")
+    seen = {
+        (file, name) for file in files for name in proto_files.declared_names((root / file).read_text(encoding="utf-8"))
+    }
+    schema = protoc.compile_protos(root, files, {}, "proto").schema
     groups = {
         field.type_name for message in schema.messages.values() for field in message.fields if field.type == "group"
     }

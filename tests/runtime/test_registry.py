@@ -172,7 +172,7 @@ def test_a_message_is_described_by_number_name_and_type() -> None:
 
 def test_descriptors_that_agree_pass() -> None:
     """Nothing is raised where what is loaded is what was generated from."""
-    schema.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)})
+    schema.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)}, {})
     checks.check()
 
 
@@ -191,7 +191,7 @@ def test_descriptors_that_agree_pass() -> None:
 def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str]) -> None:
     """A field more or less, another number, name, label or type: the message, and each difference, are named."""
     with pytest.raises(RegistryError) as caught:
-        schema.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)})
+        schema.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)}, {})
     for line in expected:
         assert f"tests.Whole: {line}" in str(caught.value)
     assert "tests.Part:" not in str(caught.value)
@@ -202,7 +202,18 @@ def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str])
 def test_a_message_that_is_not_loaded_is_told() -> None:
     """A message that is missing altogether is one line, among those of the others."""
     with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded at all[^$]*tests\.Whole"):
-        schema.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()})
+        schema.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()}, {})
+
+
+def test_an_enum_that_differs_is_told() -> None:
+    """A value of another name or number, and an enum that is not loaded: each is a line."""
+    name = "DrivingBoardDiagnostics.State"
+    loaded = checks.ENUMS[name]
+    with pytest.raises(RegistryError) as caught:
+        schema.check_descriptors({}, {name: (*loaded[:-1], "9 ELSE"), "tests.NoEnum": ("0 A",)})
+    assert f"{name}: '9 ELSE' was generated, but is not loaded" in str(caught.value)
+    assert f"{name}: {loaded[-1]!r} is loaded, but was not generated" in str(caught.value)
+    assert "tests.NoEnum: not loaded at all" in str(caught.value)
 
 
 # --- the registry -----------------------------------------------------------------------------------------------

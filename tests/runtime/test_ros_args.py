@@ -308,3 +308,12 @@ def test_the_generated_file_names_what_the_node_has() -> None:
 
     shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["udp_forwarder"]["ros__parameters"]
     assert parameters.read(REGISTRY, shipped) == parameters.read(REGISTRY, {})
+
+
+def test_switches_of_every_node_are_taken() -> None:
+    """What launch files say to every node does no harm here, and the console can be silenced."""
+    line = "--disable-rosout-logs --enable-external-lib-logs -e /rover --log-config-file x.yaml -p a:=1"
+    assert _parsed(line).parameters == {"a": 1}
+    assert _parsed(line).logs_to_console
+    assert not _parsed("--disable-stdout-logs").logs_to_console
+    assert _parsed("--disable-stdout-logs --enable-stdout-logs").logs_to_console

@@ -13,7 +13,8 @@ from generated.messages import ArmBoardDiagnostics, BasestationDetectedObject, I
 from generated.registry import REGISTRY
 from roverlink.simulation import payload_at
 from runtime import ConversionError, SetupError, cdr, standard
-from runtime.values import message_from_values, message_to_values, nearest, payload_to_values
+from runtime.errors import nearest
+from runtime.values import message_from_values, message_to_values, payload_to_values
 
 _TYPES = [
     ImuSensorInformation,

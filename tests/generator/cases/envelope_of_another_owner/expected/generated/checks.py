@@ -15,8 +15,9 @@ MESSAGES = {
     "link.Gps": ("1 x double",),
     "link.Imu": ("1 x float",),
 }
+ENUMS: dict[str, tuple[str, ...]] = {}
 
 
 def check() -> None:
     """Raise `runtime.RegistryError` where a loaded message is not the one that is meant."""
-    check_descriptors(MESSAGES)
+    check_descriptors(MESSAGES, ENUMS)

@@ -62,7 +62,7 @@ class ClassHandler(Handler[awkward_pb2.Class, Class]):
         )
 
     def pack(self, payload: awkward_pb2.Class) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,
             payload.l,

@@ -31,6 +31,6 @@ class MotorHandler(Handler[awkward_pb2.MotorHandler, MotorHandler_]):
         return awkward_pb2.MotorHandler(ten=Sensor10Handler.from_ros(message.ten))
 
     def pack(self, payload: awkward_pb2.MotorHandler) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         ten = payload.ten
         return _CDR.pack(cdr.LITTLE_ENDIAN, ten.x)

@@ -56,7 +56,7 @@ class ShortHandler(Handler[a_file_with_a_long_name_pb2.Short, Short]):
         )
 
     def pack(self, payload: a_file_with_a_long_name_pb2.Short) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         innermost_with_a_name_of_some_length = payload.innermost_with_a_name_of_some_length  # fmt: skip
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,

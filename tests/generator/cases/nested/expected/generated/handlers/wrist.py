@@ -39,7 +39,7 @@ class WristHandler(Handler[joint_pb2.Wrist, Wrist]):
         )
 
     def pack(self, payload: joint_pb2.Wrist) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         roll = payload.roll
         pitch = payload.pitch
         return _CDR.pack(cdr.LITTLE_ENDIAN, roll.angle, pitch.angle, payload.locked)

@@ -30,5 +30,5 @@ class LeftHandler(Handler[wheel_pb2.Wheel, WheelState]):
         return wheel_pb2.Wheel(rpm=message.speed)
 
     def pack(self, payload: wheel_pb2.Wheel) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.rpm)

@@ -34,7 +34,7 @@ class ImuHandler(Handler[imu_pb2.Imu, Imu]):
         )
 
     def pack(self, payload: imu_pb2.Imu) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         a = payload.a
         deep = payload.deep
         return _CDR.pack(cdr.LITTLE_ENDIAN, a.x, deep.x)

@@ -51,7 +51,7 @@ class FixHandler(Handler[fix_pb2.Fix, Fix]):
         )
 
     def pack(self, payload: fix_pb2.Fix) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         position = payload.position
         base = payload.base
         return _CDR.pack(

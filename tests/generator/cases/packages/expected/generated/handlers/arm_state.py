@@ -48,7 +48,7 @@ class ArmStateHandler(Handler[state_pb2.State, ArmState]):
         )
 
     def pack(self, payload: state_pb2.State) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         inner = payload.inner
         common = payload.common
         top = payload.top

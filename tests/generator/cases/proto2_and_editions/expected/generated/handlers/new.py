@@ -40,7 +40,7 @@ class NewHandler(Handler[new_pb2.New, New]):
         )
 
     def pack(self, payload: new_pb2.New) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         nested = payload.nested
         return _CDR.pack(
             cdr.LITTLE_ENDIAN,

@@ -36,5 +36,5 @@ class HoardingHandler(Handler[all_pb2.E, E]):
         return all_pb2.E(x=message.x)
 
     def pack(self, payload: all_pb2.E) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.x)

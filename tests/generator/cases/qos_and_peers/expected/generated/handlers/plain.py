@@ -30,5 +30,5 @@ class PlainHandler(Handler[all_pb2.A, A]):
         return all_pb2.A(x=message.x)
 
     def pack(self, payload: all_pb2.A) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.x)

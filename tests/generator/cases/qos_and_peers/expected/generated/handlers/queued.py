@@ -36,5 +36,5 @@ class QueuedHandler(Handler[all_pb2.B, B]):
         return all_pb2.B(x=message.x)
 
     def pack(self, payload: all_pb2.B) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.x)

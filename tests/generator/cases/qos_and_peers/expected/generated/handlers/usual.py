@@ -30,5 +30,5 @@ class UsualHandler(Handler[all_pb2.F, F]):
         return all_pb2.F(x=message.x)
 
     def pack(self, payload: all_pb2.F) -> bytes:
-        """The payload as a serialized message, in one step."""
+        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
         return _CDR.pack(cdr.LITTLE_ENDIAN, payload.x)

@@ -1,0 +1,124 @@
+"""protoc, which comes with grpcio-tools: run over the files that are needed, its errors as findings."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
+from generator.findings import Finding, FindingsError, Rule, Span
+from generator.protos import Schema, schema_of
+
+DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
+
+
+@dataclass(frozen=True, slots=True)
+class Compilation:
+    """What protoc made of the files that the table needs, and of those that they import."""
+
+    schema: Schema
+    modules: Mapping[str, str]
+    """Text of each module that protoc generated (pb2 and its stub), by path."""
+
+
+def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
+    """Run protoc over files and what they import.
+
+    ``overlay`` holds files that are not on disk yet, or not as they will be; ``shown_root`` is how findings call the
+    root. Raises `FindingsError` with protoc's own messages.
+    """
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
+        over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
+        out.mkdir()
+        for path, text in overlay.items():
+            target = over / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
+        folders = [over, root] if overlay else [root]
+        _protoc(folders, files, out, result, shown_root)
+        compiled = FileDescriptorSet.FromString(result.read_bytes())
+        own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
+        extra = [name for name in own if name not in files]
+        if extra:  # protoc generates modules for the files it is given, not for what they import
+            _protoc(folders, own, out, result, shown_root)
+        modules = {
+            path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
+        }
+    return Compilation(schema_of(compiled, shown_root), modules)
+
+
+def _protoc(folders: Sequence[Path], files: Sequence[str], out: Path, result: Path, shown_root: str) -> None:
+    command = [sys.executable, "-m", "grpc_tools.protoc"]
+    command += [f"-I{folder}" for folder in folders]
+    command += [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
+    command += ["--include_imports", "--include_source_info", *files]
+    # In a folder of its own, lest a module of the user's be taken for one of Python's.
+    done = subprocess.run(command, cwd=out, capture_output=True, text=True, check=False)  # noqa: S603  # our own Python
+    if done.returncode:
+        raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))
+
+
+_PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
+_BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
+_UNDEFINED = re.compile(r'"(?P<name>[^"]+)" (is not defined|seems to be defined)\b.*')
+_NOT_FOUND = "File not found."
+
+
+class _Error(NamedTuple):
+    """One line of protoc's."""
+
+    file: str
+    line: int
+    column: int
+    text: str
+
+
+def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Finding]:
+    """What protoc says, but for what only follows from something else that it says."""
+    errors = list(_errors(output, folders))
+    broken = {error.file for error in errors if error.text != _NOT_FOUND}
+    imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
+    missing_names = _declared_in(broken & imported, folders)
+    places: dict[Span, list[str]] = {}
+    for error in errors:
+        if not _is_consequence(error, broken, imported, missing_names):
+            places.setdefault(Span(f"{shown_root}/{error.file}", error.line, error.column), []).append(error.text)
+    if not places:
+        return [DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")]
+    return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
+
+
+def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:
+    for match in filter(None, map(_PROTOC_MESSAGE.fullmatch, output.splitlines())):
+        file = match["file"]
+        for folder in folders:  # protoc names a file by where it found it
+            file = file.removeprefix(f"{folder}/")
+        if not match["text"].startswith("warning:"):
+            yield _Error(file, int(match["line"] or 0), int(match["column"] or 0), match["text"])
+
+
+def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
+    """The last names of what files declare that did not compile."""
+    names: set[str] = set()
+    for path in (folder / file for file in files for folder in folders):
+        if path.is_file():
+            text = path.read_text(encoding="utf-8", errors="replace")
+            names.update(re.findall(r"\b(?:message|enum)\s+(\w+)", text))
+    return names
+
+
+def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing_names: Set[str]) -> bool:
+    """Whether an error would not be there but for another one."""
+    if error.text == _NOT_FOUND:
+        return error.file in imported  # the import that asks for it is a better place
+    if match := _BROKEN_IMPORT.fullmatch(error.text):
+        return match["file"] in broken
+    match = _UNDEFINED.fullmatch(error.text)
+    return match is not None and match["name"].rpartition(".")[2] in missing_names
