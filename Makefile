@@ -18,12 +18,13 @@ test: $(VENV)/ready-dev  ## the tests
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto -m slow
 
-lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, and whether generated/ is what mapping.yaml says
+lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
 	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
 	$(BIN)/black --quiet --check --diff --line-length 88 generated
 	$(BIN)/mypy
 	$(BIN)/roverlink generate --check
+	$(BIN)/roverlink lint
 
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench

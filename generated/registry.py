@@ -61,6 +61,6 @@ REGISTRY = Registry(
         RockMeasureResultHandler(),
         RoverLocalizationHandler(),
     ),
-    fingerprint="a712334a442f0acfd40790598e93aca4e6fcabcbfe0152fcee157a3f4ba0fa27",
+    fingerprint="9eef03f3753691dedba8f837fbd9718e306195f121921907934c1e1330fe6c40",
     retired={},
 )

@@ -1,7 +1,5 @@
-"""From mapping.yaml to files: read, resolve, lint, emit, write."""
+"""From mapping.yaml to files: read, resolve, lint, emit, write.
 
-from generator.findings import Finding, FindingsError, Severity, Span
-from generator.pipeline import Compiled, compile_table
-from generator.write import Change, compare, write
-
-__all__ = ["Change", "Compiled", "Finding", "FindingsError", "Severity", "Span", "compare", "compile_table", "write"]
+Whoever compiles takes `generator.pipeline` and `generator.write`; whoever lints takes `generator.linting`, and does not
+load what writes Python.
+"""

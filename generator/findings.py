@@ -16,7 +16,14 @@ class Severity(str, Enum):
     ERROR = "error"
     """Nothing is written; the exit code is 1."""
     WARNING = "warning"
-    """It is shown, and the run goes on."""
+    """It is shown, and the run goes on; `lint` exits with 1 all the same."""
+    HINT = "hint"
+    """It is shown, and is no fault."""
+
+    @property
+    def rank(self) -> int:
+        """How grave it is: 0 for the gravest."""
+        return list(Severity).index(self)
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -31,6 +38,11 @@ class Span:
         return ":".join([self.file, *(str(part) for part in (self.line, self.column) if part)])
 
 
+def shown(folder: str, path: str) -> str:
+    """How findings call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
+    return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
+
+
 @dataclass(frozen=True, slots=True)
 class Rule:
     """A kind of fault. Its id is never given to another kind, even after the rule is gone."""
@@ -39,9 +51,22 @@ class Rule:
     name: str
     severity: Severity = Severity.ERROR
 
-    def at(self, span: Span, message: str, help: str = "", also: Sequence[tuple[Span, str]] = ()) -> Finding:
-        """A finding of this kind. ``also`` are other places that belong to it."""
-        return Finding(self, span, message, help, tuple(also))
+    def at(
+        self,
+        span: Span,
+        message: str,
+        help: str = "",
+        also: Sequence[tuple[Span, str]] = (),
+        *,
+        type: str = "",
+        number: int | None = None,
+    ) -> Finding:
+        """A finding of this kind.
+
+        ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
+        about, ``number`` that of the field, of the enum value, or of the payload in the envelope.
+        """
+        return Finding(self, span, message, help, tuple(also), type, number, self.severity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +78,16 @@ class Finding:
     message: str
     help: str = ""
     also: tuple[tuple[Span, str], ...] = ()
+    type: str = ""
+    """Full name of the message or enum that it is about; empty for none."""
+    number: int | None = None
+    """Of the field or of the enum value that it is about."""
+    severity: Severity = Severity.ERROR
+    """The rule's, or what the table has lowered that to."""
 
     def render(self) -> str:
         """The finding as text: the place, what is wrong, the other places, the cure."""
-        lines = [f"{self.span}: {self.rule.severity.value}[{self.rule.id}] {self.message}"]
+        lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:
             lines.append(f"  help: {self.help}")
@@ -78,7 +109,7 @@ def in_order(findings: Iterable[Finding]) -> list[Finding]:
 
 def has_errors(findings: Iterable[Finding]) -> bool:
     """Whether any finding is an error."""
-    return any(finding.rule.severity is not Severity.WARNING for finding in findings)
+    return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:

@@ -166,13 +166,37 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
+class WireField:
+    """A field as it is on the wire."""
+
+    number: int
+    name: str
+    type: str
+    """The scalar's name, or the full name of the message or enum."""
+    label: str
+    """``optional`` (it tells *absent* from *zero*), ``required``, ``repeated``; or empty."""
+    oneof: str
+    """The oneof it stands in; empty for none."""
+
+
+@dataclass(frozen=True, slots=True)
 class WireMessage:
     """A message as it is on the wire."""
 
     name: str
-    fields: tuple[str, ...]
-    """``<number> <name> [repeated ]<type>``, in the order of the numbers."""
-    reserved: tuple[str, ...]
+    fields: tuple[WireField, ...]
+    """In the order of the numbers."""
+    reserved: tuple[tuple[int, int], ...]
+    """Ranges of numbers, both ends included."""
+    reserved_names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WireValue:
+    """A declared value of an enum."""
+
+    number: int
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,8 +204,11 @@ class WireEnum:
     """An enum as it is on the wire."""
 
     name: str
-    values: tuple[str, ...]
-    """``<number> <name>``, in the order of the numbers."""
+    values: tuple[WireValue, ...]
+    """In the order of the numbers."""
+    reserved: tuple[tuple[int, int], ...]
+    """Ranges of numbers, both ends included."""
+    reserved_names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import ir, ledger, naming, read, resolve, targets
+from generator import ir, ledger, naming, read, resolve, subject, targets
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
-from generator.proto_files import DeclarationIndex
+from generator.proto_files import DeclarationIndex, index_declarations
 from generator.protoc import Compilation, compile_protos
+from generator.protos import Schema
+from generator.retire import with_retired
 from generator.rules import lint
-from generator.subject import Subject
 from generator.table import Table
 from generator.targets import envelope as envelope_target
+from generator.write import Change, compare
+from generator.yaml_items import read_text
 
 NO_PROTO_ROOT = Rule("PRO107", "no-proto-root")
 NO_ENVELOPE = Rule("PRO108", "no-envelope-file")
@@ -40,24 +43,48 @@ def compile_table(table_path: Path) -> Compiled:
 
     Raises `FindingsError` with everything that is wrong, as far as it can be seen at once.
     """
+    return _compiled(table_path, read_text(table_path, table_path.name))
+
+
+def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
+    """What a table compiles to without a number's row, and the changes of the disk, the table's own among them.
+
+    Raises `FindingsError` where no row has the number, and as `compile_table`.
+    """
+    file = table_path.name
+    text = read_text(table_path, file)
+    read.parse(text, file, [])  # what is no table is reported as such
+    text = with_retired(text, number, file)
+    compiled = _compiled(table_path, text)
+    return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
+
+
+def _compiled(table_path: Path, text: str) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Finding] = []
-    table = read.read(table_path, findings, table_path.name)
-    published = _collecting(findings, lambda: ledger.read(project / ledger.NAME)) or ledger.Ledger()
+    table = read.parse(text, table_path.name, findings)
+    published = ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
     files = {} if index is None else resolve.locate(table, index, findings)
     envelope = resolve.resolve_envelope(table, files)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope)) if named else None
     schema = compilation.schema if compilation else None
-    findings += lint(Subject(table, schema, published))
+    findings += lint(subject.Subject(table, schema, published, changes=_since_last_time(published, schema)))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bridge = resolve.resolve(table, compilation, envelope, findings)
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
     folders = (targets.FOLDER, *([table.proto.root] if envelope.ours else []))
-    return Compiled(bridge, targets.emit(bridge, table.proto.root), folders, tuple(in_order(findings)))
+    return Compiled(bridge, targets.emit(bridge, table.proto.root, published), folders, tuple(in_order(findings)))
+
+
+def _since_last_time(published: ledger.Ledger, schema: Schema | None) -> tuple[subject.Change, ...]:
+    """What became of the wire schema that the ledger has."""
+    if schema is None or not published.entries:
+        return ()
+    return (subject.Change(ledger.as_schema(published), schema, ledger.NAME, of_ledger=True),)
 
 
 def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
@@ -74,7 +101,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
         raise FindingsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")])
-    return DeclarationIndex(root, table.proto.exclude, table.proto.root)
+    return index_declarations(root, table.proto.exclude, table.proto.root)
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Compilation:

@@ -6,13 +6,17 @@ does no harm.
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from generator.findings import FindingsError, Rule, Severity, Span
+from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
 
 UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
+
+_LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
 
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
@@ -20,28 +24,75 @@ _TOKEN = re.compile(
 _DEEPEST = 32  # protoc takes no more messages in messages
 
 
+@dataclass(frozen=True, slots=True)
 class DeclarationIndex:
-    """Which file declares which message, without compiling any."""
+    """Which files, relative to the root, declare a message of a name."""
 
-    def __init__(self, root: Path, exclude: Iterable[str], shown_root: str) -> None:
-        """``shown_root`` is how findings call the root. Raises `FindingsError` for a file that cannot be read."""
-        excluded = {str(PurePosixPath(path)) for path in exclude}
-        self.excluded: dict[str, list[str]] = {}
-        """Like `files`, of the excluded files."""
-        self.files: dict[str, list[str]] = {}
-        """The files, relative to the root, that declare a name."""
-        for path in sorted(root.rglob("[!.]*.proto")):  # a hidden file is an editor's
-            name = path.relative_to(root).as_posix()
-            target = self.excluded if name in excluded else self.files
-            for declared in sorted(set(declared_names(_read(path, f"{shown_root}/{name}")))):
-                target.setdefault(declared, []).append(name)
+    files: Mapping[str, Sequence[str]]
+    excluded: Mapping[str, Sequence[str]]
+    """Of the files that never take part in a build."""
 
 
-def _read(path: Path, shown: str) -> str:
+def index_declarations(root: Path, exclude: Iterable[str], shown_root: str) -> DeclarationIndex:
+    """The index of a tree; ``shown_root`` is how findings call the root.
+
+    Raises `FindingsError` for what cannot be read.
+    """
+    left_out = {str(PurePosixPath(path)) for path in exclude}
+    files: dict[str, list[str]] = {}
+    excluded: dict[str, list[str]] = {}
+    findings: list[Finding] = []
+    for name in proto_files(root, shown_root, findings):
+        target = excluded if name in left_out else files
+        for declared in sorted(set(declared_names(read_proto(root, name, shown_root, findings)))):
+            target.setdefault(declared, []).append(name)
+    if findings:
+        raise FindingsError(findings)
+    return DeclarationIndex(files, excluded)
+
+
+def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[str]:
+    """The .proto files below a folder, relative to it, links followed; hidden files are an editor's.
+
+    A folder that cannot be listed, and a link that leads back to where it is, is a finding.
+    """
+
+    def unreadable(error: OSError) -> None:
+        folder = shown(shown_root, Path(error.filename).relative_to(root).as_posix())
+        findings.append(UNREADABLE_PROTO.at(Span(folder), f"cannot be listed: {error.strerror}"))
+
+    found: list[str] = []
+    above: dict[str, frozenset[str]] = {str(root): frozenset([os.path.realpath(root)])}
+    for folder, folders, files in os.walk(root, followlinks=True, onerror=unreadable):
+        here = Path(folder).relative_to(root)
+        found += [(here / file).as_posix() for file in files if file.endswith(".proto") and not file.startswith(".")]
+        for name in list(folders):
+            path = os.path.join(folder, name)
+            real = os.path.realpath(path)
+            above[path] = above[folder] | {real}
+            if real in above[folder]:
+                folders.remove(name)
+                span = Span(shown(shown_root, (here / name).as_posix()))
+                message = "is a link to a folder that it stands in; what is behind it was not looked at"
+                findings.append(UNREADABLE_PROTO.at(span, message, "remove the link"))
+    return sorted(found)
+
+
+def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str:
+    """The text of a .proto file; empty, with a finding, where it has none that anybody wrote."""
+    path, span = root / name, Span(shown(shown_root, name))
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        size = path.stat().st_size
+        data = b"" if size > _LARGEST else path.read_bytes()
     except OSError as error:
-        raise FindingsError([UNREADABLE_PROTO.at(Span(shown), f"cannot be read: {error.strerror}")]) from error
+        findings.append(UNREADABLE_PROTO.at(span, f"cannot be read: {error.strerror}"))
+        return ""
+    if size > _LARGEST:
+        findings.append(UNREADABLE_PROTO.at(span, f"has {size} bytes; files of more than {_LARGEST} are not looked at"))
+    elif b"\0" in data:
+        findings.append(UNREADABLE_PROTO.at(span, "is binary, not the text of a .proto file"))
+        return ""
+    return data.decode("utf-8", errors="replace")
 
 
 def declared_names(text: str) -> Iterator[str]:

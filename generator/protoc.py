@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-from generator.findings import Finding, FindingsError, Rule, Span
-from generator.protos import Schema, schema_of
+from generator.descriptors import schema_of
+from generator.findings import Finding, FindingsError, Rule, Span, shown
+from generator.protos import Schema
 
 DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
 
@@ -42,25 +43,45 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
         folders = [over, root] if overlay else [root]
-        _protoc(folders, files, out, result, shown_root)
+        options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
+        _protoc(folders, files, options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
         extra = [name for name in own if name not in files]
         if extra:  # protoc generates modules for the files it is given, not for what they import
-            _protoc(folders, own, out, result, shown_root)
+            _protoc(folders, own, options, out, shown_root)
         modules = {
             path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
         }
     return Compilation(schema_of(compiled, shown_root), modules)
 
 
-def _protoc(folders: Sequence[Path], files: Sequence[str], out: Path, result: Path, shown_root: str) -> None:
-    command = [sys.executable, "-m", "grpc_tools.protoc"]
-    command += [f"-I{folder}" for folder in folders]
-    command += [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
+def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Finding]]:
+    """What the files of a tree declare that do compile; a finding for each error in one that does not."""
+    findings: list[Finding] = []
+    left = list(files)
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
+        out, result = Path(folder), Path(folder, "set")
+        while left:
+            try:
+                _protoc([root], left, [f"--descriptor_set_out={result}"], out, shown_root)
+            except FindingsError as error:
+                findings += [finding for finding in error.findings if finding not in findings]
+                broken = {finding.span.file for finding in error.findings}
+                kept = [file for file in left if shown(shown_root, file) not in broken]
+                left = kept if len(kept) < len(left) else []
+            else:
+                return schema_of(FileDescriptorSet.FromString(result.read_bytes()), shown_root), findings
+    return schema_of(FileDescriptorSet(), shown_root), findings
+
+
+def _protoc(
+    folders: Sequence[Path], files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str
+) -> None:
+    command = [sys.executable, "-m", "grpc_tools.protoc", *(f"-I{folder}" for folder in folders), *options]
     command += ["--include_imports", "--include_source_info", *files]
     # In a folder of its own, lest a module of the user's be taken for one of Python's.
-    done = subprocess.run(command, cwd=out, capture_output=True, text=True, check=False)  # noqa: S603  # our own Python
+    done = subprocess.run(command, cwd=inside, capture_output=True, text=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))
 
@@ -89,7 +110,7 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
-            places.setdefault(Span(f"{shown_root}/{error.file}", error.line, error.column), []).append(error.text)
+            places.setdefault(Span(shown(shown_root, error.file), error.line, error.column), []).append(error.text)
     if not places:
         return [DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")]
     return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]

@@ -1,26 +1,35 @@
-"""What .proto files say once protoc has read them: messages, fields and enums, with their comments and places."""
+"""What .proto files declare once they are compiled: messages, fields and enums, with their comments and places."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from google.protobuf.descriptor_pb2 import (
-    DescriptorProto,
-    EnumDescriptorProto,
-    FieldDescriptorProto,
-    FileDescriptorProto,
-    FileDescriptorSet,
-)
-from google.protobuf.descriptor_pool import DescriptorPool
-
+from generator import ir
 from generator.findings import Span
 
-_SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
+Ranges = tuple[tuple[int, int], ...]
+"""Ranges of numbers, both ends included."""
 
 
 @dataclass(frozen=True, slots=True)
-class ProtoField:
+class Declared:
+    """Something that a .proto file declares."""
+
+    span: Span
+    places: Mapping[str, Span] = field(repr=False, hash=False)
+    """Where its parts stand: ``name``, ``number``, ``type``, ``label``; a reserved range as ``reserved 3 to 5``."""
+    comment: str = field(repr=False)
+    options: bytes = field(repr=False)
+    """Its options, serialized; custom ones among them."""
+
+    def at(self, part: str) -> Span:
+        """Where a part stands; the whole declaration's place where that is not known."""
+        return self.places.get(part, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class ProtoField(Declared):
     """A field of a message, or of a oneof in it."""
 
     number: int
@@ -29,13 +38,32 @@ class ProtoField:
     """The scalar's name; or ``message``, ``enum``, ``group``."""
     type_name: str
     """Full name of the message or enum; empty for a scalar."""
-    repeated: bool
-    optional: bool
-    """Whether it tells *absent* from *zero*; of a message field, only where it was declared ``optional``."""
+    label: str
+    """``repeated``, ``required``; ``optional`` where it tells *absent* from *zero*; else empty."""
+    declared_optional: bool
+    """Whether `optional` was written in a proto3 file."""
     oneof: str
     """The oneof it stands in; empty for none."""
-    comment: str
-    span: Span
+    json_name: str
+    """Its name in JSON; empty where that is not known."""
+    facets: Mapping[str, str] = field(hash=False)
+    """What else changes the code that is generated for it, or its bytes: ``default``, ``packed``, ``jstype``..."""
+
+    @property
+    def repeated(self) -> bool:
+        """Whether it holds any number of values; a map does too."""
+        return self.label == "repeated"
+
+    @property
+    def optional(self) -> bool:
+        """Whether it tells *absent* from *zero*; of a message field, only where it was declared ``optional``."""
+        holds_message = self.type in ("message", "group")
+        return self.declared_optional or (self.label == "optional" and not holds_message and not self.oneof)
+
+    def on_the_wire(self) -> ir.WireField:
+        """What of it is visible in bytes; that a message or a oneof's member may be absent goes without saying."""
+        plain = self.label == "optional" and (self.type in ("message", "group") or self.oneof)
+        return ir.WireField(self.number, self.name, self.wire_type, "" if plain else self.label, self.oneof)
 
     @property
     def wire_type(self) -> str:
@@ -44,157 +72,102 @@ class ProtoField:
 
 
 @dataclass(frozen=True, slots=True)
-class ProtoMessage:
+class ProtoMessage(Declared):
     """A message type."""
 
     full_name: str
     file: str
     fields: tuple[ProtoField, ...]
-    comment: str
-    span: Span
+    oneofs: tuple[str, ...]
+    """The declared ones, in their order."""
     map_entry: bool
-    extendable: bool
-    reserved: tuple[tuple[int, int], ...]
-    """Ranges of numbers that are reserved, both ends included."""
+    extension_ranges: Ranges
+    reserved: Ranges
     reserved_names: tuple[str, ...]
+    facets: Mapping[str, str] = field(hash=False)
+    """Options that change its bytes or its JSON."""
+
+    @property
+    def extendable(self) -> bool:
+        """Whether other files may add fields to it."""
+        return bool(self.extension_ranges)
+
+    def on_the_wire(self) -> ir.WireMessage:
+        """What of it is visible in bytes."""
+        fields = sorted(self.fields, key=lambda field: field.number)
+        return ir.WireMessage(
+            self.full_name,
+            tuple(field.on_the_wire() for field in fields),
+            tuple(sorted(self.reserved)),
+            tuple(sorted(self.reserved_names)),
+        )
 
 
 @dataclass(frozen=True, slots=True)
-class ProtoEnumValue:
+class ProtoEnumValue(Declared):
     """A declared value of an enum."""
 
     name: str
     number: int
-    comment: str
 
 
 @dataclass(frozen=True, slots=True)
-class ProtoEnum:
+class ProtoEnum(Declared):
     """An enum type."""
 
     full_name: str
     file: str
     values: tuple[ProtoEnumValue, ...]
-    comment: str
-    span: Span
+    reserved: Ranges
+    reserved_names: tuple[str, ...]
+    facets: Mapping[str, str] = field(hash=False)
+    """Whether it is open or closed, and its JSON."""
+
+    def on_the_wire(self) -> ir.WireEnum:
+        """What of it is visible in bytes."""
+        return ir.WireEnum(
+            self.full_name,
+            tuple(ir.WireValue(v.number, v.name) for v in sorted(self.values, key=lambda v: (v.number, v.name))),
+            tuple(sorted(self.reserved)),
+            tuple(sorted(self.reserved_names)),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ProtoExtension:
+    """A field that a file adds to a message of another."""
+
+    extendee: str
+    """Full name of the message."""
+    scope: str
+    """Full name of the message that it is declared in; empty for none."""
+    field: ProtoField
+    file: str = ""
+    """The file that adds it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """What protoc made of the files that the table needs."""
+    """What some files declare, and all that they import."""
 
     files: tuple[str, ...]
-    """The closure, in the order in which protoc wants it."""
+    """Each after those that it imports."""
     messages: Mapping[str, ProtoMessage]
     enums: Mapping[str, ProtoEnum]
+    extensions: tuple[ProtoExtension, ...] = ()
+    file_options: Mapping[str, bytes] = field(default_factory=dict)
+    """The serialized options of each file."""
 
-
-# --- from descriptors ---------------------------------------------------------------------------------------------
-
-_Comments = Mapping[tuple[int, ...], tuple[str, int, int]]
-
-# Field numbers in descriptor.proto, of which the paths in source_code_info are made.
-_FILE_MESSAGE, _FILE_ENUM = 4, 5
-_MESSAGE_FIELD, _MESSAGE_NESTED, _MESSAGE_ENUM = 2, 3, 4
-_ENUM_VALUE = 2
-
-
-def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
-    """The schema in a descriptor set; ``shown_root`` is how findings call the folder of its files."""
-    messages: dict[str, ProtoMessage] = {}
-    enums: dict[str, ProtoEnum] = {}
-    pool = DescriptorPool()
-    for file in compiled.file:
-        pool.Add(file)
-        reader = _FileReader(file, pool, shown_root)
-        prefix = f"{file.package}." if file.package else ""
-        for index, message in enumerate(file.message_type):
-            reader.message(message, prefix, (_FILE_MESSAGE, index), messages, enums)
-        for index, enum in enumerate(file.enum_type):
-            reader.enum(enum, prefix, (_FILE_ENUM, index), enums)
-    return Schema(tuple(file.name for file in compiled.file), messages, enums)
-
-
-class _FileReader:
-    """Reads one file's descriptors, with the comments and places that protoc kept for them."""
-
-    def __init__(self, file: FileDescriptorProto, pool: DescriptorPool, shown_root: str) -> None:
-        self._file, self._pool = file, pool
-        self._shown = f"{shown_root}/{file.name}"
-        self._places: _Comments = {
-            tuple(location.path): (
-                _clean(location.leading_comments) or _clean(location.trailing_comments),
-                location.span[0] + 1,
-                location.span[1] + 1,
-            )
-            for location in file.source_code_info.location
-        }
-
-    def _at(self, path: tuple[int, ...]) -> tuple[str, Span]:
-        comment, line, column = self._places.get(path, ("", 0, 0))
-        return comment, Span(self._shown, line, column)
-
-    def message(
-        self,
-        message: DescriptorProto,
-        prefix: str,
-        path: tuple[int, ...],
-        messages: dict[str, ProtoMessage],
-        enums: dict[str, ProtoEnum],
-    ) -> None:
-        full_name = prefix + message.name
-        comment, span = self._at(path)
-        messages[full_name] = ProtoMessage(
-            full_name,
-            self._file.name,
-            tuple(
-                self._field(full_name, message, field, (*path, _MESSAGE_FIELD, index))
-                for index, field in enumerate(message.field)
-            ),
-            comment,
-            span,
-            message.options.map_entry,
-            bool(message.extension_range),
-            tuple((reserved.start, reserved.end - 1) for reserved in message.reserved_range),
-            tuple(message.reserved_name),
-        )
-        for index, nested in enumerate(message.nested_type):
-            self.message(nested, f"{full_name}.", (*path, _MESSAGE_NESTED, index), messages, enums)
-        for index, enum in enumerate(message.enum_type):
-            self.enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index), enums)
-
-    def _field(
-        self, full_name: str, message: DescriptorProto, field: FieldDescriptorProto, path: tuple[int, ...]
-    ) -> ProtoField:
-        comment, span = self._at(path)
-        named = field.type_name.removeprefix(".")
-        kind = _SCALARS[field.type]
-        named_message = kind in ("message", "group")
-        required = field.label == FieldDescriptorProto.LABEL_REQUIRED
-        presence = self._pool.FindFieldByName(f"{full_name}.{field.name}").has_presence and not required
-        in_oneof = field.HasField("oneof_index") and not field.proto3_optional
-        return ProtoField(
-            number=field.number,
-            name=field.name,
-            type=kind,
-            type_name=named,
-            repeated=field.label == FieldDescriptorProto.LABEL_REPEATED,
-            optional=field.proto3_optional or (presence and not named_message and not in_oneof),
-            oneof=message.oneof_decl[field.oneof_index].name if in_oneof else "",
-            comment=comment,
-            span=span,
-        )
-
-    def enum(self, enum: EnumDescriptorProto, prefix: str, path: tuple[int, ...], enums: dict[str, ProtoEnum]) -> None:
-        comment, span = self._at(path)
-        values = tuple(
-            ProtoEnumValue(value.name, value.number, self._at((*path, _ENUM_VALUE, index))[0])
-            for index, value in enumerate(enum.value)
-        )
-        enums[prefix + enum.name] = ProtoEnum(prefix + enum.name, self._file.name, values, comment, span)
-
-
-def _clean(comment: str) -> str:
-    """A comment's text without the space after its slashes and without empty lines at its ends."""
-    lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
-    return "\n".join(lines).strip("\n")
+    def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
+        """The messages and the enums that can travel inside messages, those themselves included."""
+        messages: set[str] = set()
+        enums: set[str] = set()
+        waiting = [*roots]
+        while waiting:
+            name = waiting.pop()
+            if name in self.enums:
+                enums.add(name)
+            elif name not in messages and name in self.messages:
+                messages.add(name)
+                waiting += [field.type_name for field in self.messages[name].fields if field.type_name]
+        return messages, enums

@@ -8,9 +8,9 @@ from string import ascii_lowercase
 
 from generator import ir
 from generator.findings import Finding, FindingsError, Rule
-from generator.table import EnumSettings, EnvelopeSettings, PeerSettings, ProtoSettings, RetiredRow, Row, Table
+from generator.table import EnumSettings, EnvelopeSettings, Lowered, PeerSettings, ProtoSettings, RetiredRow, Row, Table
 from generator.table_format import ENUM, RETIRED, ROW, TABLE, Object
-from generator.yaml_items import Item, read_item
+from generator.yaml_items import Item, read_item, read_text
 
 CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
 
@@ -25,8 +25,13 @@ def read(path: Path, findings: list[Finding], name: str | None = None) -> Table:
     whether that is everything. Raises `FindingsError` where there is nothing to read.
     """
     file = name or str(path)
+    return parse(read_text(path, file), file, findings)
+
+
+def parse(text: str, file: str, findings: list[Finding]) -> Table:
+    """The table that a text holds; as `read`."""
     before = len(findings)
-    item = read_item(path, file, TABLE, "the table", findings)
+    item = read_item(text, file, TABLE, "the table", findings)
     if item is None:
         raise FindingsError(findings)
     whole = len(findings) == before
@@ -65,6 +70,7 @@ def _table(file: str, item: Item, whole: bool, findings: list[Finding]) -> Table
             for name, enum in enums.items()
             if _is_whole(enum, ENUM)
         ),
+        lint=tuple(_lowered(item.entry("lint"))),
     )
 
 
@@ -84,6 +90,7 @@ def _peers(item: Item) -> Iterator[PeerSettings]:
             peer.get("parameter", f"dst_{letter}_port"),
             peer.get("port", _FIRST_PORT + index),
             peer.get("strip_trailing_zeros", False),
+            peer.get("max_size"),
         )
 
 
@@ -101,7 +108,14 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         fields={path: entry.value for path, entry in item.entry("fields").entries.items()},
         ignore=item.texts("ignore"),
         forward=item.texts("forward"),
+        lint=tuple(_lowered(item.entry("lint"))),
     )
+
+
+def _lowered(item: Item) -> Iterator[Lowered]:
+    for rule, entry in item.entries.items():
+        if entry.has("severity", "reason"):
+            yield Lowered(entry.span, entry.spans(), rule, entry.get("severity"), entry.get("reason"))
 
 
 def _qos(item: Item, findings: list[Finding]) -> ir.Qos:

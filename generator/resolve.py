@@ -6,14 +6,14 @@ What the table or a proto asks for, and this version cannot convert, is a findin
 from __future__ import annotations
 
 import keyword
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
 from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
-from generator.protos import ProtoEnum, ProtoMessage, Schema
+from generator.protos import Schema
 from generator.ros_messages import RosMessages
 from generator.table import Row, Table
 
@@ -45,7 +45,7 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
     return files
 
 
-def _not_located(row: Row, declared: list[str], index: DeclarationIndex) -> Finding:
+def _not_located(row: Row, declared: Sequence[str], index: DeclarationIndex) -> Finding:
     span = row.at("proto")
     if declared:
         help = "name all but one of them under proto.exclude"
@@ -86,7 +86,7 @@ def resolve(table: Table, compilation: Compilation, envelope: ir.Envelope, findi
         messages.check_enums()
     findings += _unimportable(table, schema)
     findings += _excluded(table, schema)
-    reached, enums = _reachable(schema, envelope.message)
+    reached, enums = schema.reachable(envelope.message)
     return ir.Bridge(
         table=table.file,
         package=table.package,
@@ -99,8 +99,8 @@ def resolve(table: Table, compilation: Compilation, envelope: ir.Envelope, findi
         routes=routes,
         messages=tuple(sorted(messages.messages.values(), key=lambda message: message.name)),
         nested=tuple(conversion for proto, conversion in sorted(messages.conversions.items()) if proto not in rows),
-        wire_messages=tuple(_wire_message(schema.messages[name]) for name in sorted(reached)),
-        wire_enums=tuple(_wire_enum(schema.enums[name]) for name in sorted(enums)),
+        wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
+        wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
         modules=compilation.modules,
     )
 
@@ -120,38 +120,3 @@ def _excluded(table: Table, schema: Schema) -> Iterator[Finding]:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
             yield EXCLUDED_PROTO.at(span, f"{path} is left out, but what the rows name imports it")
-
-
-def _reachable(schema: Schema, root: str) -> tuple[set[str], set[str]]:
-    """The messages and the enums that can travel inside a message, itself included."""
-    messages: set[str] = set()
-    enums: set[str] = set()
-    waiting = [root]
-    while waiting:
-        name = waiting.pop()
-        if name in schema.enums:
-            enums.add(name)
-        elif name not in messages:
-            messages.add(name)
-            waiting += [field.type_name for field in schema.messages[name].fields if field.type_name]
-    return messages, enums
-
-
-def _wire_message(message: ProtoMessage) -> ir.WireMessage:
-    return ir.WireMessage(
-        message.full_name,
-        tuple(
-            f"{field.number} {field.name} {'repeated ' if field.repeated else ''}{field.wire_type}"
-            for field in sorted(message.fields, key=lambda field: field.number)
-        ),
-        (
-            *(str(first) if first == last else f"{first} to {last}" for first, last in sorted(message.reserved)),
-            *sorted(message.reserved_names),
-        ),
-    )
-
-
-def _wire_enum(enum: ProtoEnum) -> ir.WireEnum:
-    return ir.WireEnum(
-        enum.full_name, tuple(f"{value.number} {value.name}" for value in sorted(enum.values, key=lambda v: v.number))
-    )

@@ -54,6 +54,18 @@ class PeerSettings(Placed):
     port: int
     """That parameter's default."""
     strip_trailing_zeros: bool
+    max_size: int | None
+    """Largest envelope in bytes that it can take or send; None where it has memory enough."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lowered(Placed):
+    """A rule whose findings count for less."""
+
+    rule: str
+    severity: str
+    """``warning``, ``hint``, or ``off``."""
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +85,8 @@ class Row(Placed):
     """Paths of proto fields that no ROS field takes."""
     forward: tuple[str, ...]
     """Peers that also get the raw datagram."""
+    lint: tuple[Lowered, ...]
+    """What counts for less where it is about this row."""
 
     @property
     def inbound(self) -> bool:
@@ -127,3 +141,9 @@ class Table:
     rows: tuple[Row, ...]
     retired: tuple[RetiredRow, ...]
     enums: tuple[EnumSettings, ...]
+    lint: tuple[Lowered, ...]
+    """What counts for less everywhere."""
+
+    def peers_by_name(self) -> dict[str, PeerSettings]:
+        """The peers by name."""
+        return {peer.name: peer for peer in self.peers}

@@ -84,6 +84,15 @@ _QOS = Object(
         "depth": Key(Integer(1, 1_000_000), "How many are kept with keep_last; the same as the row's queue."),
     }
 )
+_LOWERED = MapOf(
+    Text(r"[A-Z]{3}[0-9]{3}", "ENV106"),
+    Object(
+        {
+            "severity": Key(Text(choices=("warning", "hint", "off")), "What its findings count as.", True),
+            "reason": Key(Text(), "Why: for whoever reviews it.", True),
+        }
+    ),
+)
 ROW = Object(
     {
         "number": Key(_NUMBER, "Field number in the envelope's oneof. Permanent.", True),
@@ -101,6 +110,7 @@ ROW = Object(
         "fields": Key(MapOf(_FIELD_PATH, Text()), "Renames: path of a proto field to the ROS field that takes it."),
         "ignore": Key(ListOf(_FIELD_PATH), "Paths of proto fields that no ROS field takes."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
+        "lint": Key(_LOWERED, "Rules that count for less in what is about this row, its message and those in it."),
     }
 )
 RETIRED = Object(
@@ -169,6 +179,11 @@ TABLE = Object(
                             "... in the alphabetical order of the peers.",
                         ),
                         "port": Key(Integer(1, 65_535), "Default of that parameter; 6000, 6001, ... where absent."),
+                        "max_size": Key(
+                            Integer(1, 65_507),
+                            "Largest envelope in bytes that the peer can take or send, for a microcontroller: what "
+                            "travels there and back must then have a bounded encoding.",
+                        ),
                         "strip_trailing_zeros": Key(
                             Boolean(), "Whether datagrams to this peer are sent without their trailing zero bytes."
                         ),
@@ -190,6 +205,7 @@ TABLE = Object(
             ),
             "Enums that are a ROS 2 message of their own; any other is an integer with its constants beside it.",
         ),
+        "lint": Key(_LOWERED, "Rules that count for less everywhere."),
     }
 )
 

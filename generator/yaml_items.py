@@ -63,16 +63,17 @@ class Item:
         return spans
 
 
-def read_item(path: Path, file: str, type: Type, what: str, findings: list[Finding]) -> Item | None:
-    """The file as an item, as far as it fits the format; what does not is added to the findings.
+def read_item(text: str, file: str, type: Type, what: str, findings: list[Finding]) -> Item | None:
+    """The text of a file as an item, as far as it fits the format; what does not is added to the findings.
 
     ``file`` and ``what`` are how findings call the file and its whole. None where the whole is of another type.
-    Raises `FindingsError` where the file cannot be read, or is not YAML.
+    Raises `FindingsError` where the text is not YAML.
     """
-    return _Reader(file, findings).value(_compose(_text(path, file), file), type, what)
+    return _Reader(file, findings).value(_compose(text, file), type, what)
 
 
-def _text(path: Path, file: str) -> str:
+def read_text(path: Path, file: str) -> str:
+    """The text of the file. Raises `FindingsError` where it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:

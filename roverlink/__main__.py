@@ -14,7 +14,7 @@ from roverlink.console import OK, UNABLE, complain
 from runtime import ros_args
 from runtime.errors import RoverlinkError
 
-_COMMANDS = ("generate", "run", "send", "listen", "echo", "pub", "demo")
+_COMMANDS = ("generate", "lint", "explain", "retire", "run", "send", "listen", "echo", "pub", "demo")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -1,41 +1,89 @@
 """The rules: pure functions from what is known to findings. One file a rule; none knows another.
 
-Each module has `RULE` and `check`, and its docstring is the rule's documentation.
+Each module has `RULE` and `check`, and its docstring is the rule's documentation, which `roverlink explain` prints:
+what it finds, why that hurts, a bad and a good example. A module that is put into this folder is a rule; nothing else
+has to know it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import dataclasses
+import importlib
+import pkgutil
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from typing import Protocol, cast
 
-from generator.findings import Finding
-from generator.rules import (
-    envelope_disagrees,
-    field_number_out_of_range,
-    field_number_reuse,
-    field_number_taken,
-    field_number_vanished,
-    name_taken,
-    peer_parameter_taken,
-    ros_name_forbidden,
-    topic_taken,
-    unknown_peer,
-)
+from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
+from generator.table import Lowered
 
-_CHECKS: tuple[Callable[[Subject], Iterator[Finding]], ...] = (
-    envelope_disagrees.check,
-    field_number_out_of_range.check,
-    field_number_reuse.check,
-    field_number_taken.check,
-    field_number_vanished.check,
-    name_taken.check,
-    peer_parameter_taken.check,
-    ros_name_forbidden.check,
-    topic_taken.check,
-    unknown_peer.check,
-)
+
+_OF_THE_ENVELOPE = "ENV"
+_OF_CHANGES = ("WIR", "JSN", "SRC")
+
+
+class RuleModule(Protocol):
+    """What a module of this folder has."""
+
+    RULE: Rule
+    __doc__: str
+
+    def check(self, subject: Subject) -> Iterator[Finding]:
+        """What the rule finds."""
+
+
+@cache
+def modules() -> Mapping[str, RuleModule]:
+    """The rules by their ids."""
+    names = [found.name for found in pkgutil.iter_modules(__path__)]
+    loaded = [cast(RuleModule, importlib.import_module(f"{__name__}.{name}")) for name in names]
+    return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
 
 
 def lint(subject: Subject) -> list[Finding]:
-    """What every rule finds."""
-    return [finding for check in _CHECKS for finding in check(subject)]
+    """What every rule finds, counting for as much as the table says."""
+    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
+    said = _without_repetitions(found, subject.table.envelope.message)
+    return [finding for finding in (_as_the_table_says(finding, subject) for finding in said) if finding is not None]
+
+
+def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Finding]:
+    """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
+    found = list(found)
+    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
+    told = {*payloads, None} if payloads else payloads  # None: a reserved name, which is that of such a payload
+    for one in found:
+        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
+            yield one
+
+
+def _as_the_table_says(finding: Finding, subject: Subject) -> Finding | None:
+    """The finding with its severity lowered where the table lowers it; None where it turns it off."""
+    if finding.severity is Severity.FATAL:
+        return finding
+    severity: Severity = finding.severity
+    for lowered in _lowerings(finding, subject):
+        if lowered.severity == "off":
+            return None
+        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
+    return dataclasses.replace(finding, severity=severity)
+
+
+def _lowerings(finding: Finding, subject: Subject) -> Iterator[Lowered]:
+    table, id = subject.table, finding.rule.id
+    yield from (lowered for lowered in table.lint if lowered.rule == id)
+    for row in table.rows:
+        of_row = [lowered for lowered in row.lint if lowered.rule == id]
+        if of_row and _is_about(finding, row.number, row.proto, subject):
+            yield from of_row
+
+
+def _is_about(finding: Finding, number: int, proto: str, subject: Subject) -> bool:
+    """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
+    if finding.type in ("", subject.table.envelope.message):
+        return finding.number == number
+    if subject.schema is None:
+        return finding.type == proto
+    messages, enums = subject.schema.reachable(proto)
+    return finding.type in messages or finding.type in enums

@@ -1,6 +1,14 @@
 """A field number that protobuf keeps for itself.
 
 The numbers from 19000 to 19999 belong to protobuf's implementation; protoc refuses them.
+
+Bad::
+
+    - {number: 19000, name: imu_info, proto: SensorBoardIMUInfo, topic: imu_data, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 22, name: imu_info, proto: SensorBoardIMUInfo, topic: imu_data, direction: hardware_to_ros}
 """
 
 from __future__ import annotations
@@ -16,9 +24,14 @@ _IMPLEMENTATION = range(19_000, 20_000)
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Rows with such a number."""
+    envelope = subject.table.envelope.message
+    message = f"is one of protobuf's own, {_IMPLEMENTATION.start} to {_IMPLEMENTATION.stop - 1}"
     for row in subject.table.rows:
         if row.number in _IMPLEMENTATION:
-            message = (
-                f"field {row.number} is one of protobuf's own, {_IMPLEMENTATION.start} to {_IMPLEMENTATION.stop - 1}"
+            yield RULE.at(
+                row.at("number"),
+                f"field {row.number} {message}",
+                "take a smaller number",
+                type=envelope,
+                number=row.number,
             )
-            yield RULE.at(row.at("number"), message, "take a smaller number")

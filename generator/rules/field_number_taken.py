@@ -2,15 +2,27 @@
 
 Two payloads with one number cannot be told apart on the wire. A retired number counts as taken for ever: boards that
 still send the old payload are out there.
+
+Bad::
+
+    messages:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 12, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.findings import Finding, Rule, Span
 from generator.subject import Subject
-from generator.table import RetiredRow
+from generator.table import RetiredRow, Row
 
 RULE = Rule("ENV101", "field-number-taken")
 
@@ -19,19 +31,23 @@ def check(subject: Subject) -> Iterator[Finding]:
     """Rows, retired ones first, whose number an earlier one has."""
     table = subject.table
     holders: dict[int, RetiredRow] = {}
+
+    def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Finding:
+        return RULE.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
+
     for retired in table.retired:
         first = holders.setdefault(retired.number, retired)
         if first is not retired:
-            also = [(first.at("number"), "first retired here")]
-            yield RULE.at(retired.at("number"), f"field {retired.number} is retired twice", "keep one of them", also)
+            message = f"field {retired.number} is retired twice"
+            yield at(retired, message, "keep one of them", (first.at("number"), "first retired here"))
     rows = {row.number: row for row in reversed(table.rows)}
     help = f"the next number never used is {subject.next_number()}"
     for row in table.rows:
         if row.number in holders:
             gone = holders[row.number]
             message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"
-            yield RULE.at(row.at("number"), message, help, [(gone.at("number"), "retired here")])
+            yield at(row, message, help, (gone.at("number"), "retired here"))
         elif rows[row.number] is not row:
             taken = rows[row.number]
             message = f"field {row.number} is already taken by {taken.name} ({taken.proto})"
-            yield RULE.at(row.at("number"), message, help, [(taken.at("number"), "first used here")])
+            yield at(row, message, help, (taken.at("number"), "first used here"))

@@ -2,13 +2,25 @@
 
 Two members of one oneof cannot share a name, nor can two handlers: names that differ only in capitals or underscores
 would become the same class. A retired name is taken for ever, as its number is; and the oneof has a name too.
+
+Bad::
+
+    messages:
+      - {number: 12, name: gps, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: gps, proto: SensorBoardGPSStatus, topic: gps_status, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 12, name: gps, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: gps_status, proto: SensorBoardGPSStatus, topic: gps_status, direction: hardware_to_ros}
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.findings import Finding, Rule, Span
 from generator.naming import distinct
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
@@ -21,21 +33,24 @@ def check(subject: Subject) -> Iterator[Finding]:
     """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
     table = subject.table
     retired: dict[str, RetiredRow] = {}
+
+    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Finding:
+        return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
+
     for gone in table.retired:
         first = retired.setdefault(gone.name, gone)
         if first is not gone:
-            also = [(first.at("name"), "first retired here")]
-            yield RULE.at(gone.at("name"), f"the name {gone.name} is retired twice", "correct one of them", also)
+            message = f"the name {gone.name} is retired twice"
+            yield at(gone, message, (first.at("name"), "first retired here"), "correct one of them")
     seen: dict[str, Row] = {}
     for row in table.rows:
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
             message = f"the name {row.name} is already taken by field {earlier.number} ({earlier.proto})"
-            yield RULE.at(row.at("name"), message, _HELP, [(earlier.at("name"), "first used here")])
+            yield at(row, message, (earlier.at("name"), "first used here"))
         elif row.name in retired:
             gone = retired[row.name]
             message = f"the name {row.name} was that of field {gone.number} ({gone.proto}) and is retired"
-            yield RULE.at(row.at("name"), message, _HELP, [(gone.at("name"), "retired here")])
+            yield at(row, message, (gone.at("name"), "retired here"))
         elif row.name == table.envelope.oneof:
-            also = [(table.envelope.at("oneof"), "named here")]
-            yield RULE.at(row.at("name"), f"the name {row.name} is that of the oneof", _HELP, also)
+            yield at(row, f"the name {row.name} is that of the oneof", (table.envelope.at("oneof"), "named here"))

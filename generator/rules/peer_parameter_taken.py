@@ -1,6 +1,18 @@
-"""Two peers have one port parameter.
+"""Two peers have one port parameter, or a peer has one of the node's own.
 
-The parameter names the UDP port of a peer; setting it would move both.
+The parameter names the UDP port of a peer; setting it would move both, or change something else of the node.
+
+Bad::
+
+    peers:
+      hardware: {parameter: dst_port}
+      basestation: {parameter: dst_port}
+
+Good::
+
+    peers:
+      hardware: {parameter: dst_b_port}
+      basestation: {parameter: dst_a_port}
 """
 
 from __future__ import annotations

@@ -2,6 +2,14 @@
 
 Packages are lower case with single underscores, messages are CamelCase without underscores, topics are names separated
 by slashes. rosidl and rcl refuse anything else, long after the table was written.
+
+Bad::
+
+    - {number: 12, name: gps, proto: GPS_Info, topic: gps//data, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 12, name: gps, proto: GPS_Info, ros: GPSInfo, topic: gps/data, direction: hardware_to_ros}
 """
 
 from __future__ import annotations
@@ -11,6 +19,7 @@ from collections.abc import Iterator
 from generator import naming
 from generator.findings import Finding, Rule
 from generator.subject import Subject
+from generator.table import Row
 
 RULE = Rule("ROS101", "ros-name-forbidden")
 
@@ -21,12 +30,19 @@ def check(subject: Subject) -> Iterator[Finding]:
     if table.package and not naming.is_package_name(table.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.package_span, f"ROS forbids the package name {table.package!r}", help)
-    for row in table.rows:
+    for row in filter(_reaches_ros, table.rows):
         if not naming.is_message_name(row.ros):
             nearest = naming.camel_case(row.ros)
             example = nearest if naming.is_message_name(nearest) else "ImuInfo"
             help = f"letters and digits, starting with a capital: {example}"
-            yield RULE.at(row.ros_span, f"ROS forbids the message name {row.ros!r}", help)
+            message = f"ROS forbids the message name {row.ros!r}"
+            yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
         if not naming.is_topic_name(row.topic):
             help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
-            yield RULE.at(row.at("topic"), f"ROS forbids the topic name {row.topic!r}", help)
+            message = f"ROS forbids the topic name {row.topic!r}"
+            yield RULE.at(row.at("topic"), message, help, type=table.envelope.message, number=row.number)
+
+
+def _reaches_ros(row: Row) -> bool:
+    """Whether it is more than a member of an envelope without a table."""
+    return bool(row.topic)

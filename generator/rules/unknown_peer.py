@@ -1,7 +1,22 @@
-"""A row speaks of a peer that the table does not have.
+"""A row speaks of a peer that the table does not have, or forwards where it cannot.
 
-`direction` and `forward` name machines under `peers`; a row forwarding to the peer from which it comes would send
-every datagram back.
+`direction` and `forward` name machines under `peers`; the datagrams of any other would go nowhere. A row forwarding to
+the peer from which it comes would send every datagram back.
+
+Bad::
+
+    peers:
+      hardware: {}
+    messages:
+      - {number: 16, name: mode, proto: ControlMode, topic: mode, direction: basestation_to_ros}
+
+Good::
+
+    peers:
+      hardware: {}
+      basestation: {}
+    messages:
+      - {number: 16, name: mode, proto: ControlMode, topic: mode, direction: basestation_to_ros}
 """
 
 from __future__ import annotations
@@ -17,26 +32,33 @@ RULE = Rule("TAB103", "unknown-peer")
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Directions and forwards without a peer."""
-    peers = {peer.name for peer in subject.table.peers}
-    known = f"there are {', '.join(sorted(peers))}" if peers else "name the peers under `peers`"
-    if not subject.table.whole:
+    table = subject.table
+    if not table.whole:
         return  # the peer may be among what could not be read
-    for row in subject.table.rows:
-        if row.peer not in peers:
-            help = nearest(row.peer, peers, known)
-            message = f"{row.name} goes {row.direction}, but there is no peer {row.peer!r}"
-            yield RULE.at(row.at("direction"), message, help)
-        for target in row.forward:
-            if target not in peers:
-                help = nearest(target, peers, known)
-                yield RULE.at(row.at(f"forward.{target}"), f"{row.name} forwards to {target!r}, which is no peer", help)
-        yield from _check_forward(row)
+    peers = {peer.name for peer in table.peers}
+    for row in table.rows:
+        for key, message, help in (*_unknown(row, peers), *_misdirected(row)):
+            yield RULE.at(row.at(key), message, help, type=table.envelope.message, number=row.number)
 
 
-def _check_forward(row: Row) -> Iterator[Finding]:
+_Fault = tuple[str, str, str]  # the key of the row where it stands, what is wrong, the cure
+
+
+def _unknown(row: Row, peers: set[str]) -> Iterator[_Fault]:
+    known = f"there are {', '.join(sorted(peers))}" if peers else "name the peers under `peers`"
+    if row.direction and row.peer not in peers:
+        message = f"{row.name} goes {row.direction}, but there is no peer {row.peer!r}"
+        yield "direction", message, nearest(row.peer, peers, known)
+    for target in row.forward:
+        if target not in peers:
+            message = f"{row.name} forwards to {target!r}, which is no peer"
+            yield f"forward.{target}", message, nearest(target, peers, known)
+
+
+def _misdirected(row: Row) -> Iterator[_Fault]:
     if row.forward and not row.inbound:
         message = f"{row.name} goes {row.direction}: there is no datagram to forward"
-        yield RULE.at(row.at("forward"), message, "remove `forward`")
+        yield "forward", message, "remove `forward`"
     elif row.peer in row.forward:
         message = f"{row.name} comes from {row.peer} and would be sent back to it"
-        yield RULE.at(row.at(f"forward.{row.peer}"), message, "forward to another peer")
+        yield f"forward.{row.peer}", message, "forward to another peer"

@@ -23,10 +23,13 @@ _TARGETS: tuple[Callable[[ir.Bridge], Files], ...] = (
 )
 
 
-def emit(bridge: ir.Bridge, proto_root: str) -> dict[str, str]:
-    """Every file that a table compiles to: its path, relative to the table, and its text."""
+def emit(bridge: ir.Bridge, proto_root: str, published: ledger.Ledger) -> dict[str, str]:
+    """Every file that a table compiles to: its path, relative to the table, and its text.
+
+    ``published`` is what the ledger had before.
+    """
     files = {path: text for target in _TARGETS for path, text in target(bridge)}
-    files[ledger.NAME] = ledger.render(bridge)
+    files[ledger.NAME] = ledger.render(bridge, published)
     if bridge.envelope.ours:
         files[f"{proto_root}/{bridge.envelope.file}"] = envelope.text(bridge.envelope, bridge.table)
     return dict(sorted(files.items()))

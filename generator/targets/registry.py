@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from generator import ir, ledger
 from generator.targets import layout, spelling
@@ -42,15 +42,23 @@ def emit(bridge: ir.Bridge) -> Files:
         render(
             "checks.py.j2",
             header=header(bridge.table),
-            messages=[_schema(message.name, message.fields) for message in bridge.wire_messages],
-            enums=[_schema(enum.name, enum.values) for enum in bridge.wire_enums],
+            messages=[_entry(message.name, map(_field, message.fields)) for message in bridge.wire_messages],
+            enums=[
+                _entry(enum.name, (f"{value.number} {value.name}" for value in enum.values))
+                for enum in bridge.wire_enums
+            ],
         ),
     )
     yield "generated/__init__.py", header(bridge.table) + '\n"""The code that is compiled from the table."""\n'
 
 
-def _schema(name: str, parts: Sequence[str]) -> str:
+def _entry(name: str, parts: Iterable[str]) -> str:
     return layout.entry(f'"{name}": ', "(", [f'"{part}"' for part in parts], ")", 4)
+
+
+def _field(field: ir.WireField) -> str:
+    """A field in the spelling of `runtime.schema.check_descriptors`."""
+    return f"{field.number} {field.name} {'repeated ' if field.label == 'repeated' else ''}{field.type}"
 
 
 def _peer(peer: ir.Peer) -> layout.Group:
@@ -65,4 +73,6 @@ def fingerprint(bridge: ir.Bridge) -> str:
         f"{route.number} {route.name} {route.topic} {route.direction} {route.conversion.proto} {route.conversion.ros}"
         for route in bridge.routes
     ]
-    return hashlib.sha256("\n".join([ledger.render(bridge), *routes]).encode()).hexdigest()
+    return hashlib.sha256(
+        "\n".join([*ledger.schema_lines(bridge.wire_messages, bridge.wire_enums), *routes]).encode()
+    ).hexdigest()

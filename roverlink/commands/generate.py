@@ -6,8 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-import generator
-from generator import FindingsError, Severity
+from generator.findings import FindingsError, Severity
+from generator.pipeline import Compiled, compile_table
+from generator.write import Change, compare, write
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, table_file
 
 
@@ -30,24 +31,28 @@ def run(arguments: argparse.Namespace) -> int:
     """Generate, or check; exit code 1 for findings and for drift."""
     table = table_file(arguments.table)
     try:
-        compiled = generator.compile_table(table)
-        changes = generator.compare(table.resolve().parent, compiled.files, compiled.folders)
+        compiled = compile_table(table)
+        changes = compare(table.resolve().parent, compiled.files, compiled.folders)
         for warning in compiled.warnings:
             print(warning.render(), file=sys.stderr)
         if arguments.check:
             return _check(table, changes)
-        generator.write(table.resolve().parent, changes)
+        write(table.resolve().parent, changes)
     except FindingsError as error:
-        return _report(table, error)
-    for change in changes:
-        print(f"{change.verb:>8} {change.path}")
-    messages = len(compiled.bridge.routes)
-    plural = "s" if len(changes) != 1 else ""
-    print(f"{len(changes)} change{plural} in {len(compiled.files)} files for {messages} messages")
+        return report(table, error)
+    say_changes(compiled, changes)
     return OK
 
 
-def _check(table: Path, changes: list[generator.Change]) -> int:
+def say_changes(compiled: Compiled, changes: list[Change]) -> None:
+    """Print what was written."""
+    for change in changes:
+        print(f"{change.verb:>8} {change.path}")
+    said = _counted(len(changes), "change"), _counted(len(compiled.bridge.routes), "message")
+    print(f"{said[0]} in {len(compiled.files)} files for {said[1]}")
+
+
+def _check(table: Path, changes: list[Change]) -> int:
     for change in changes:
         sys.stdout.write(change.diff())
     if changes:
@@ -57,9 +62,14 @@ def _check(table: Path, changes: list[generator.Change]) -> int:
     return OK
 
 
-def _report(table: Path, error: FindingsError) -> int:
-    severities = [finding.rule.severity for finding in error.findings]
-    errors = len(severities) - severities.count(Severity.WARNING)
+def report(table: Path, error: FindingsError) -> int:
+    """Print why nothing was written; the exit code."""
+    severities = [finding.severity for finding in error.findings]
+    errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     print(error, file=sys.stderr)
-    print(f"{errors} error{'s' if errors != 1 else ''} in {table}; nothing was written", file=sys.stderr)
+    print(f"{_counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
     return UNABLE if Severity.FATAL in severities else FINDINGS
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

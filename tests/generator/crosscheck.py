@@ -21,8 +21,9 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-import generator
 from generator.ir import Bridge, Conversion, ConversionKind, FieldConversion
+from generator.pipeline import compile_table
+from generator.write import compare, write
 from runtime import ConversionError, cdr, load_registry
 
 _EXAMPLES = settings(max_examples=15, deadline=None, database=None, suppress_health_check=list(HealthCheck))
@@ -151,8 +152,8 @@ def plain(value: Any, store: Typestore) -> Any:
 
 def check(table: Path) -> None:
     """Raise `AssertionError` where a handler does something else than the IR and rosbags."""
-    compiled = generator.compile_table(table)
-    generator.write(table.parent, generator.compare(table.parent, compiled.files, compiled.folders))
+    compiled = compile_table(table)
+    write(table.parent, compare(table.parent, compiled.files, compiled.folders))
     registry = load_registry(table.parent)
     store, walker = typestore(table.parent, registry.package), Walker(compiled.bridge)
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0

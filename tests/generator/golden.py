@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import generator
+from generator.pipeline import compile_table
 from roverlink.__main__ import main
 
 ROOT = Path(__file__).parents[2]
@@ -77,19 +77,20 @@ def passing_cases() -> list[Case]:
 @cache
 def files_of(case: Case) -> dict[str, str]:
     """Everything that a passing case compiles to."""
-    return generator.compile_table(case.folder / "mapping.yaml").files
+    return compile_table(case.folder / "mapping.yaml").files
 
 
 def generate(project: Path, *options: str) -> Outcome:
     """`roverlink generate` in a project's folder."""
     stdout, stderr = io.StringIO(), io.StringIO()
-    with _inside(project), contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
+    with inside(project), contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         code = main(["generate", *options])
     return Outcome(code, stdout.getvalue(), stderr.getvalue())
 
 
 @contextlib.contextmanager
-def _inside(folder: Path) -> Iterator[None]:
+def inside(folder: Path) -> Iterator[None]:
+    """The folder as the current one."""
     before = Path.cwd()
     os.chdir(folder)
     try:

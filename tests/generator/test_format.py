@@ -14,7 +14,8 @@ import yaml
 from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
-from generator import Finding, FindingsError, read
+from generator import read
+from generator.findings import Finding, FindingsError
 from generator.ledger import Ledger
 from generator.rules import lint
 from generator.subject import Subject

@@ -104,8 +104,9 @@ def test_a_changed_row_rewrites_what_it_changes(project: Path) -> None:
         " changed docs/messages.md",
         " changed generated/handlers/arm.py",
         " changed generated/registry.py",
+        " changed mapping.lock",
     ]
-    assert said[-1].startswith("3 ")
+    assert said[-1].startswith("4 ")
 
 
 # --- files that go, and files that are not ours -----------------------------------------------------------------
@@ -171,13 +172,15 @@ def test_check_shows_drift_and_writes_nothing(project: Path, path: str, drift: s
 
 
 def test_check_shows_drift_of_the_ledger(project: Path) -> None:
-    """A ledger that lacks a number is drift like any other."""
-    ledger = project / "mapping.lock"
-    ledger.write_text(ledger.read_text().replace("  2: wrist Wrist\n", ""))
+    """A ledger that a new row is not in yet is drift like any other."""
+    before = (project / "mapping.lock").read_text()
+    table = project / "mapping.yaml"
+    row = "  - {number: 9, name: second_wrist, proto: Wrist, topic: second_wrist, direction: board_to_ros}\n"
+    table.write_text(table.read_text() + row)
     outcome = generate(project, "--check")
     assert outcome.code == 1
-    assert "+  2: wrist Wrist\n" in outcome.stdout
-    assert "wrist" not in ledger.read_text().split("schema:")[0]
+    assert "+  9: second_wrist Wrist on second_wrist\n" in outcome.stdout
+    assert (project / "mapping.lock").read_text() == before
 
 
 def test_check_shows_a_file_that_should_not_be(project: Path) -> None:
@@ -234,7 +237,7 @@ def test_a_read_only_folder_is_a_finding(project: Path) -> None:
     done = _roverlink("generate", cwd=project, through=_WITHOUT_PRIVILEGES)
     (project / "generated" / "handlers").chmod(0o755)
     assert done.returncode == 2
-    assert done.stderr.startswith("generated/handlers/arm.py: fatal[OUT101] cannot be written: Permission denied\n")
+    assert "\ngenerated/handlers/arm.py: fatal[OUT101] cannot be written: Permission denied\n" in done.stderr
     assert snapshot(project) == before
 
 
@@ -244,9 +247,7 @@ def test_a_full_disk_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch
     _fail_at_the_second(monkeypatch, tempfile, "mkstemp", OSError(28, "No space left on device"))
     outcome = generate(project)
     assert outcome.code == 2
-    assert outcome.stderr.startswith(
-        "generated/handlers/arm.py: fatal[OUT101] cannot be written: No space left on device\n"
-    )
+    assert "\ngenerated/handlers/arm.py: fatal[OUT101] cannot be written: No space left on device\n" in outcome.stderr
     assert snapshot(project) == before
 
 

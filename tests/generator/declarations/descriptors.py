@@ -19,7 +19,6 @@ from google.protobuf.descriptor_pb2 import (
 from grpc_tools import protoc
 
 from generator.declarations import Enum, EnumValue, Extend, Field, File, Import, Message, resolve_type
-from generator.protos import _clean
 
 WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 _TYPES = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
@@ -62,7 +61,7 @@ class Theirs:
         messages = tuple(self._message((4, index), file.package, item) for index, item in enumerate(file.message_type))
         for index, message in enumerate(file.message_type):
             extends += self._extends((4, index), file.package, message)
-        kinds = {index: "public" for index in file.public_dependency} | {index: "weak" for index in file.weak_dependency}
+        kinds = dict.fromkeys(file.public_dependency, "public") | dict.fromkeys(file.weak_dependency, "weak")
         editions = {"editions": Edition.Name(file.edition).removeprefix("EDITION_")}
         return File(
             syntax=editions.get(file.syntax, file.syntax or "proto2"),
@@ -152,6 +151,11 @@ class Theirs:
         )
 
 
+def _clean(comment: str) -> str:
+    """As the generator shows comments: without the space after the slashes, and without empty lines at the ends."""
+    return "\n".join(line.removeprefix(" ").rstrip() for line in comment.splitlines()).strip("\n")
+
+
 def _type_of(field: FieldDescriptorProto) -> str:
     group = field.type == FieldDescriptorProto.TYPE_GROUP
     return "group" if group else field.type_name.removeprefix(".") or _TYPES[field.type]
@@ -205,5 +209,3 @@ def _field(field: Field, scope: str, names: frozenset[str]) -> Field:
     value = resolve_type(field.value_type, scope, names) or field.value_type
     type = f"map<{field.key_type}, {value}>" if value else resolve_type(field.type, scope, names) or field.type
     return replace(field, type=type, value_type=value, options={})
-
-

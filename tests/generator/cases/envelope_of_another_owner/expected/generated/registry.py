@@ -17,6 +17,6 @@ REGISTRY = Registry(
         GpsHandler(),
         ImuHandler(),
     ),
-    fingerprint="62894e5ba07dee5098270ba2387df343c3e572777c45464542a5563eead28f9c",
+    fingerprint="f477fd2591ea7b7995c9b188978a74f3eda42063d90e7cb70c61270a75e3e22e",
     retired={},
 )

@@ -34,6 +34,6 @@ REGISTRY = Registry(
         ANameThatIsSoLongThatTwoOfThemNeverFitIntoOneLineHandler(),
         ShortHandler(),
     ),
-    fingerprint="439fd0cb1ba4d800134cc24b49d252549334cafc40cd671417fea440f6ffc592",
+    fingerprint="dda969485b5ff261fd4125a8c869020feca3cb1f1751ff51c49444de3d8f5669",
     retired={},
 )

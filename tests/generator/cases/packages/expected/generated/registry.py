@@ -24,6 +24,6 @@ REGISTRY = Registry(
         TopHandler(),
         InnerHandler(),
     ),
-    fingerprint="20bbc11a9ef9a9b2bc5dd7f4de796ee94dea8b2f3fdbbd0132dd6cb59efc29c4",
+    fingerprint="ee0b824c859722ca4ca4c24291a7ccd6718e2a4609f49739e5530854778d60df",
     retired={},
 )

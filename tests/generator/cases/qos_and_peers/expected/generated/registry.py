@@ -42,6 +42,6 @@ REGISTRY = Registry(
         ForwardedHandler(),
         SpreadHandler(),
     ),
-    fingerprint="01c949a707d1a5cb9916d57ff59685a2230d2150da163f2d15365e2280cf8edb",
+    fingerprint="16ba2d90d00a729f8855cbecbd39ca57c70ae1f27415b2c9a6a8eb47be9f95d0",
     retired={},
 )

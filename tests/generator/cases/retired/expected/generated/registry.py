@@ -14,7 +14,7 @@ REGISTRY = Registry(
     oneof="payload",
     peers=(Peer(name="board", port_parameter="dst_a_port", port=6000),),
     handlers=(NowHandler(),),
-    fingerprint="8b7f27f545b479b359752a33b81f08f85a28bc4d934a9019f283c92812d9f3a8",
+    fingerprint="f3c894edf1b8d27e4d66b3cffbba026d003f59308cc88bc86bf0f696f31bd878",
     retired={
         1: "before",
         7: "never_published",

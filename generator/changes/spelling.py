@@ -1,0 +1,104 @@
+"""Declarations as a .proto file has them, for messages that say what stood somewhere and what is to be written."""
+
+from __future__ import annotations
+
+from generator.changes.breaks import Breaks
+from generator.changes.cardinality import is_map
+from generator.changes.pairing import FieldPair
+from generator.changes.types import kind
+from generator.findings import Span
+from generator.protos import ProtoEnum, ProtoField, Schema
+
+
+def declaration(field: ProtoField, schema: Schema, owner: str, number: int | None = None) -> str:
+    """A field as it is declared in a message; with another number where one is given."""
+    label = {"repeated": "repeated ", "required": "required "}.get(field.label, "optional " if field.optional else "")
+    if is_map(field, schema):
+        label = ""
+    end = " { ... }" if field.type == "group" else ";"
+    return f"{label}{type_of(field, schema, owner)} {field.name} = {number or field.number}{end}"
+
+
+def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
+    """A field's type as its message names it."""
+    entry = schema.messages.get(field.type_name)
+    if entry is not None and is_map(field, schema):
+        key, value = sorted(entry.fields, key=lambda one: one.number)
+        return f"map<{key.type}, {type_of(value, schema, owner)}>"
+    if field.type == "group":
+        return "group"
+    return from_within(owner, field.type_name) if field.type_name else field.type
+
+
+def type_place(field: ProtoField) -> Span:
+    """Where a field's type stands."""
+    return field.places.get("type") or field.at("type_name")
+
+
+def value_place(enum: ProtoEnum, number: int) -> Span:
+    """Where the first value of a number stands."""
+    return next((value.span for value in enum.values if value.number == number), enum.span)
+
+
+def retyping(pair: FieldPair, breaks: Breaks) -> str:
+    """That a field has another type, and what happens to values between two sides of which each has one of them."""
+    old, new = pair.old, pair.new
+    old_type = type_text(old, pair.change.before, pair.owner)
+    new_type = type_text(new, pair.change.after, pair.owner)
+    if pair.in_map_entry:
+        return f"the {new.name} of {pair.owner} was {old_type} and is {new_type} now: {consequence(old, new, breaks)}"
+    if old.name != new.name:
+        return f"number {new.number} was {old.name} ({old_type}) and is {new.name} ({new_type}) now"
+    return f"{new.name} = {new.number} was {old_type} and is {new_type} now: {consequence(old, new, breaks)}"
+
+
+def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
+    """A field's type in a sentence."""
+    if kind(field) == "group":
+        return f"{field.type_name}, delimited as a group"
+    return type_of(field, schema, "" if field.type_name and not is_map(field, schema) else owner)
+
+
+def from_within(owner: str, full_name: str) -> str:
+    """A full name as it is mostly written inside a message: without what both have in front."""
+    scope = owner
+    while scope:
+        if full_name.startswith(f"{scope}."):
+            return full_name.removeprefix(f"{scope}.")
+        scope = scope.rpartition(".")[0]
+    return full_name
+
+
+_WIRE_TYPES = {
+    **dict.fromkeys(("int32", "int64", "uint32", "uint64", "sint32", "sint64", "bool", "enum"), "varint"),
+    **dict.fromkeys(("fixed32", "sfixed32", "float"), "four bytes"),
+    **dict.fromkeys(("fixed64", "sfixed64", "double"), "eight bytes"),
+    **dict.fromkeys(("string", "bytes", "message"), "length and bytes"),
+    "group": "group",
+}
+
+
+def consequence(old: ProtoField, new: ProtoField, breaks: Breaks) -> str:
+    """What happens to values between two sides of which each has one of the types."""
+    old_kind, new_kind = kind(old), kind(new)
+    if breaks is Breaks.WIRE:
+        return _misreading(old_kind, new_kind)
+    if breaks is Breaks.JSON and "enum" in (old_kind, new_kind) and old_kind != new_kind:
+        return "the bytes are the same, but JSON has an enum's names"
+    if breaks is Breaks.JSON and (old_kind, new_kind) == ("string", "bytes"):
+        return "the bytes are the same, but JSON has bytes in base64"
+    if breaks is Breaks.JSON and old_kind != new_kind:
+        return "numbers that do not fit are cut off in silence, and JSON has another form"
+    if old_kind != new_kind:
+        return "negative numbers are read as large ones, and large ones as negative"
+    return "the bytes are the same" + (", but JSON is not" if breaks is Breaks.JSON else "")
+
+
+def _misreading(old: str, new: str) -> str:
+    if _WIRE_TYPES.get(old) != _WIRE_TYPES.get(new):
+        return "what the one side sends, the other skips as unknown"
+    if "message" in (old, new) or old == new == "enum":
+        return "what the one side sends, the other reads with other meanings"
+    if new == "string":
+        return "a receiver refuses the whole message where the bytes are not UTF-8"
+    return "what the one side sends, the other reads as other values"

@@ -1,0 +1,103 @@
+"""Units, scales and references in names: `speed_mm_per_s`, `angle_deg_x100`, `delta_position_mm`."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+_DEGREE = math.pi / 180
+_OF_DIMENSION: dict[str, dict[str, float]] = {
+    "length": {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1, "km": 1e3, "inch": 0.0254, "ft": 0.3048}
+    | {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1, "metres": 1, "kilometers": 1e3},
+    "angle": {"rad": 1, "mrad": 1e-3, "radians": 1, "rev": 2 * math.pi, "turns": 2 * math.pi}
+    | {"deg": _DEGREE, "degrees": _DEGREE, "cdeg": _DEGREE / 100, "mdeg": _DEGREE / 1000}
+    | {"centidegrees": _DEGREE / 100, "decidegrees": _DEGREE / 10, "millidegrees": _DEGREE / 1000},
+    "time": {"s": 1, "sec": 1, "secs": 1, "seconds": 1, "ms": 1e-3, "msec": 1e-3, "millis": 1e-3}
+    | {"us": 1e-6, "usec": 1e-6, "micros": 1e-6, "ns": 1e-9, "min": 60, "minutes": 60, "h": 3600, "hours": 3600},
+    "speed": {"mps": 1, "kmh": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704},
+    "acceleration": {"mps2": 1, "ms2": 1, "gs": 9.80665},
+    "turning": {"rpm": 2 * math.pi / 60, "rps": 2 * math.pi, "dps": _DEGREE},
+    "voltage": {"v": 1, "mv": 1e-3, "uv": 1e-6, "kv": 1e3, "volts": 1, "millivolts": 1e-3},
+    "current": {"a": 1, "ma": 1e-3, "ua": 1e-6, "amps": 1, "amperes": 1, "milliamps": 1e-3},
+    "power": {"w": 1, "mw": 1e-3, "kw": 1e3, "watts": 1},
+    "energy": {"j": 1, "kj": 1e3, "wh": 3600, "kwh": 3.6e6},
+    "charge": {"ah": 1, "mah": 1e-3},
+    "frequency": {"hz": 1, "khz": 1e3, "mhz": 1e6, "ghz": 1e9},
+    "mass": {"g": 1e-3, "kg": 1, "mg": 1e-6},
+    "pressure": {"pa": 1, "hpa": 100, "kpa": 1e3, "bar": 1e5, "mbar": 100},
+    "part": {"percent": 1e-2, "pct": 1e-2, "permille": 1e-3, "ppm": 1e-6, "ratio": 1, "fraction": 1},
+}
+_WITHOUT_SIZE = {
+    "temperature": ("celsius", "degc", "kelvin", "fahrenheit", "degf"),  # their zeros differ
+    "count": ("raw", "ticks", "counts", "steps", "lsb"),  # how much one of them is, only the device knows
+}
+_UNITS: dict[str, tuple[str, float | None]] = {
+    **{unit: (dimension, size) for dimension, units in _OF_DIMENSION.items() for unit, size in units.items()},
+    **{unit: (dimension, None) for dimension, names in _WITHOUT_SIZE.items() for unit in names},
+}
+_RELATIVE = frozenset({"delta", "relative", "rel", "diff", "increment"})
+_ABSOLUTE = frozenset({"absolute", "abs"})
+_SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """What a name says about how a value is to be read."""
+
+    words: tuple[str, ...]
+    """What is left of the name: what is measured."""
+    units: tuple[str, ...]
+    """The unit, and those that it is divided by."""
+    scale: int
+    """With what the value was multiplied before it was sent."""
+    relative: bool
+    """Whether it is a difference to something."""
+    rate: bool
+    """Whether it says `per`."""
+
+    @property
+    def shown(self) -> str:
+        """What it says in words."""
+        parts = ["relative"] * self.relative + [" per ".join(self.units)] * bool(self.units)
+        return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "as it is"
+
+
+def measure(words: Sequence[str]) -> Measure:
+    """What the words of a name say; the units are the last of them, and never all."""
+    subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
+    relative = len(subject) < len(words) and not _RELATIVE.isdisjoint(words)
+    end = len(subject)
+    while end > 1 and (subject[end - 1] in _UNITS or subject[end - 1] == "per" or _SCALE.fullmatch(subject[end - 1])):
+        end -= 1
+    tail = subject[end:]
+    scales = [int(match["factor"]) for match in map(_SCALE.fullmatch, tail) if match]
+    units = tuple(word for word in tail if word in _UNITS)
+    return Measure(tuple(subject[:end]), units, math.prod(scales), relative, "per" in tail)
+
+
+def disagree(old: Measure, new: Measure) -> bool:
+    """Whether a value is to be read differently; a unit where there was none is no news."""
+    units = old.units != new.units and bool((old.units and new.units) or old.rate != new.rate)
+    return units or old.scale != new.scale or old.relative != new.relative
+
+
+def factor(old: Measure, new: Measure) -> float | None:
+    """How many times too large a value is that was sent as the old and is read as the new; None where unknown."""
+    sizes = [_size(one) for one in (old, new)]
+    if old.relative != new.relative or sizes[0] is None or sizes[1] is None or sizes[0][0] != sizes[1][0]:
+        return None
+    return (sizes[1][1] / new.scale) / (sizes[0][1] / old.scale)
+
+
+def _size(of: Measure) -> tuple[tuple[str, ...], float] | None:
+    """The dimensions and the size of what counts as one."""
+    size, dimensions = 1.0, []
+    for position, unit in enumerate(of.units):
+        dimension, factor = _UNITS[unit]
+        if factor is None:
+            return None
+        dimensions.append(dimension)
+        size = size / factor if position else factor
+    return tuple(dimensions), size

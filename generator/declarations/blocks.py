@@ -1,0 +1,133 @@
+"""What stands between braces: each kind of block reads its own statements, and may open a block inside."""
+
+from __future__ import annotations
+
+from generator.declarations.claims import claims_in
+from generator.declarations.fields import read_value
+from generator.declarations.model import LARGEST_ENUM_NUMBER, Claim, Enum, EnumValue
+from generator.declarations.phrases import MAX, Range, Words
+from generator.declarations.source import Source
+from generator.declarations.statements import VISIBILITIES, Statement
+from generator.declarations.tokens import Comment
+
+
+class Block:
+    """A block while it is read."""
+
+    def __init__(self, source: Source, opening: Statement) -> None:
+        first = opening.tokens[0] if opening.tokens else source.tokens[opening.end]
+        visibility = first.text in VISIBILITIES and len(opening.tokens) > 1
+        self.source = source
+        self.opening = opening.tokens[1] if visibility else first  # as protoc has it
+        self.indentation = first.column if first.first else 0
+        self.unclosed = opening.end in source.tokens.unclosed
+        self.end_line = self.opening.line
+        self.depth = 0
+        """How many blocks are open in a `SkippedBlock`."""
+
+    def take(self, statement: Statement) -> Block | None:
+        """Read a statement; the block that it opens, if it does."""
+        if statement.tokens:
+            return self.read(statement)
+        return self.unknown(statement) if statement.ending == "{" else None
+
+    def read(self, statement: Statement) -> Block | None:
+        """Read a statement of at least one token; the block that it opens, if it does."""
+        raise NotImplementedError
+
+    def unknown(self, statement: Statement) -> Block | None:
+        """A block that is not known, in which nothing will be read; none if its brace, in a line, is one too many."""
+        self.source.unreadable(statement, "a block of an unknown kind")
+        tokens = self.source.tokens
+        ends_line = tokens[statement.end + 1].first
+        return SkippedBlock(self.source, statement) if ends_line or not tokens.unclosed else None
+
+    def claim(self, comments: tuple[Comment, ...]) -> None:
+        """Look for claims in neighbouring comments."""
+
+
+class SkippedBlock(Block):
+    """A block in which nothing is read: a service, or something unknown. It counts the blocks that are open inside."""
+
+    def take(self, statement: Statement) -> Block | None:
+        """Skip a statement."""
+        self.depth += statement.ending == "{"
+        return None
+
+
+class EnumBlock(Block):
+    """The inside of an enum."""
+
+    def __init__(self, source: Source, opening: Statement, name: str) -> None:
+        super().__init__(source, opening)
+        self.name = name
+        self.comment = source.comment(opening)
+        self.values: list[EnumValue] = []
+        self.reserved: list[Range] = []
+        self.reserved_names: list[str] = []
+        self.options: dict[str, str] = {}
+        self.claims: list[Claim] = []
+
+    def read(self, statement: Statement) -> Block | None:
+        """Read a value, an option or what is reserved."""
+        head = statement.tokens[0].text if len(statement.tokens) > 1 and statement.tokens[1].text != "=" else ""
+        if head == "option":
+            read_option(self.source, statement, self.options)
+        elif head == "reserved":
+            read_ranges(self.source, statement, self.reserved, self.reserved_names, signed=True)
+        elif value := read_value(self.source, statement):
+            self.values.append(value)
+        return SkippedBlock(self.source, statement) if statement.ending == "{" else None
+
+    def claim(self, comments: tuple[Comment, ...]) -> None:
+        """Look for enum values that are commented out."""
+        self.claims += claims_in(self.source.text, comments, values=True, oneof="")
+
+    def build(self, scope: str) -> Enum:
+        """The enum, in the package or message of this name."""
+        return Enum(
+            name=self.name,
+            full_name=f"{scope}.{self.name}" if scope else self.name,
+            values=tuple(self.values),
+            reserved=with_end(self.reserved, LARGEST_ENUM_NUMBER),
+            reserved_names=tuple(self.reserved_names),
+            options=self.options,
+            comment=self.comment,
+            claims=tuple(self.claims),
+            line=self.opening.line,
+            column=self.opening.column,
+            end_line=self.end_line,
+        )
+
+
+# --- statements that several kinds of block have ------------------------------------------------------------------
+
+
+def read_option(source: Source, statement: Statement, options: dict[str, str]) -> None:
+    """Read ``option``."""
+    words = Words(statement.tokens)
+    words.skip()
+    name, value = words.option(source.text)
+    if name:
+        options[name] = value
+    if not (name and value and statement.ending):
+        source.unreadable(statement, "an option that is not written as it should be")
+
+
+def read_ranges(
+    source: Source, statement: Statement, ranges: list[Range], names: list[str], signed: bool = False
+) -> None:
+    """Read ``reserved`` or ``extensions``."""
+    words = Words(statement.tokens)
+    words.skip()
+    found_ranges, found_names = words.ranges(signed)
+    ranges += found_ranges
+    names += found_names
+    words.bracketed(source.text)
+    if not (words.done and words.closed and statement.ending and (found_ranges or found_names)):
+        source.unreadable(statement, "numbers or names that are not written as they should be")
+
+
+def with_end(ranges: list[Range], largest: int) -> tuple[tuple[int, int], ...]:
+    """Ranges, with what ``max`` is."""
+    return tuple((start, largest if end is MAX else end) for start, end in ranges)

@@ -1,0 +1,46 @@
+"""Which declared type a name means, by protobuf's rules."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from functools import lru_cache
+
+_SCALARS = "double float int32 int64 uint32 uint64 sint32 sint64 fixed32 fixed64 sfixed32 sfixed64 bool string bytes"
+SCALARS = frozenset(_SCALARS.split())
+
+
+def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | None:
+    """Full name of the message or enum that is meant by a name as written in a scope; None for none that is declared.
+
+    ``scope`` is the full name of the message that the field stands in. The innermost scope that has the name's first
+    part decides; that the rest is not to be found in there does not send the search further out.
+
+    >>> resolve_type("B", "pkg.A", {"pkg.A", "pkg.A.B", "pkg.B"})
+    'pkg.A.B'
+    >>> resolve_type(".pkg.B", "pkg.A", {"pkg.A", "pkg.A.B", "pkg.B"})
+    'pkg.B'
+    >>> resolve_type("A.C", "pkg.A", {"pkg.A", "pkg.A.A", "pkg.A.C"}) is None
+    True
+    """
+    declared = frozenset(declared_names)
+    if type_name.startswith("."):
+        return type_name[1:] if type_name[1:] in declared else None
+    if type_name in SCALARS:
+        return None
+    first, dot, rest = type_name.partition(".")
+    deciding = declared | _scopes(declared) if dot else declared
+    while True:
+        candidate = f"{scope}.{first}" if scope else first
+        if candidate in deciding:
+            found = candidate + dot + rest
+            return found if found in declared else None
+        if not scope:
+            return None
+        scope = scope.rpartition(".")[0]
+
+
+@lru_cache(maxsize=16)
+def _scopes(declared: frozenset[str]) -> frozenset[str]:
+    """What declared names stand in: messages and packages, with the packages that those stand in."""
+    parts = (name.split(".") for name in declared)
+    return frozenset(".".join(part[:length]) for part in parts for length in range(1, len(part)))

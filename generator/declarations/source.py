@@ -1,0 +1,44 @@
+"""The text that is read, and what is wrong with it; statements ask here for what stands around them."""
+
+from __future__ import annotations
+
+from generator.declarations.comments import Gap, clean
+from generator.declarations.model import Problem
+from generator.declarations.statements import Statement, Tokens
+from generator.declarations.tokens import Lexer, Token
+
+_LONGEST_QUOTE = 60
+
+
+class Source:
+    """A file's text and tokens, and the list of its problems."""
+
+    def __init__(self, text: str) -> None:
+        lexer = Lexer(text)
+        lexer.run()
+        self.text, self.tokens = text, Tokens(lexer.tokens)
+        self._problems = lexer.problems
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What is wrong, in the order of the file."""
+        return tuple(sorted(set(self._problems)))
+
+    def problem(self, token: Token, what: str) -> None:
+        """Something is wrong at a token."""
+        self._problems.append(Problem(token.line, token.column, what))
+
+    def unreadable(self, statement: Statement, why: str) -> None:
+        """A statement was not understood, or not all of it."""
+        first = self.tokens[statement.start]
+        last = statement.tokens[-1] if statement.tokens else first
+        quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
+        self.problem(first, f"{why}: {quote}")
+
+    def comment(self, statement: Statement) -> str:
+        """What a declaration's comment says: the one before it, or else the one behind it or its opening brace."""
+        before = self.tokens[statement.start - 1] if statement.start else None
+        leading = clean(Gap(self.text, before, self.tokens[statement.start]).leading)
+        if leading or not statement.ending:
+            return leading
+        return clean(Gap(self.text, self.tokens[statement.end], self.tokens[statement.end + 1]).trailing)

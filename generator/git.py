@@ -1,0 +1,88 @@
+"""What git knows of a repository, asked through its own program."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+_LINK = "120000"  # the mode of a symbolic link in a tree
+
+
+class GitError(Exception):
+    """git is not there, or says no; the text is its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Commit:
+    """A commit, as a finding names it."""
+
+    id: str
+    date: str
+    """Of its author, as ``2026-11-21``."""
+    subject: str
+
+    def __str__(self) -> str:
+        return f"{self.id[:10]} {self.date} {self.subject}"
+
+
+@dataclass(frozen=True, slots=True)
+class Repository:
+    """A folder within a git repository, from which paths are counted."""
+
+    folder: Path
+
+    def resolve(self, ref: str) -> str:
+        """The commit that a ref names. Raises `GitError` where it names none."""
+        return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
+
+    def files(self, commit: str) -> list[str]:
+        """The files below the folder in a commit, relative to it; links and submodules are not among them."""
+        listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
+        prefix = self._run("rev-parse", "--show-prefix").strip()
+        entries = [entry.split("\t", 1) for entry in listed if entry]
+        return [
+            path.removeprefix(prefix) for about, path in entries if about.split()[1] == "blob" and _LINK not in about
+        ]
+
+    def contents(self, commit: str, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+        """The bytes of files in a commit. Raises `GitError` where the clone does not have them."""
+        paths = list(paths)
+        asked = "".join(f"{commit}:./{path}\n" for path in paths)
+        answer = self._run_bytes("cat-file", "--batch", input=asked.encode())
+        position = 0
+        for path in paths:
+            head_end = answer.index(b"\n", position)
+            about = answer[position:head_end].split()
+            if about[-1] == b"missing":
+                raise GitError(f"{path} is not in this clone")
+            size = int(about[2])
+            yield path, answer[head_end + 1 : head_end + 1 + size]
+            position = head_end + 1 + size + 1
+
+    def commit_of_line(self, path: str, line: int, commit: str | None = None) -> Commit | None:
+        """The commit from which a line of a file is; None where it is not committed yet, or git does not say."""
+        try:
+            said = self._run("blame", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path)
+        except GitError:
+            return None
+        id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
+        if not id.strip("0") or "summary" not in facts:
+            return None
+        when = datetime.fromtimestamp(int(facts["author-time"]), timezone.utc)
+        return Commit(id, when.date().isoformat(), facts["summary"])
+
+    def _run(self, *arguments: str) -> str:
+        return self._run_bytes(*arguments).decode("utf-8", errors="replace")
+
+    def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
+        command = ["git", "-C", str(self.folder), *arguments]
+        try:
+            done = subprocess.run(command, input=input, capture_output=True, check=False)  # noqa: S603  # no shell
+        except OSError as error:
+            raise GitError(f"git cannot be run: {error.strerror}") from error
+        if done.returncode:
+            raise GitError(done.stderr.decode("utf-8", errors="replace").strip())
+        return done.stdout

@@ -1,0 +1,147 @@
+"""The ledger's text to what it says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from generator import ir
+from generator.findings import Finding, Rule, Severity, Span
+from generator.ledger.model import NAME, Entry, Ledger, Number, Owner, checksum
+
+UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
+BROKEN_LEDGER = Rule("LED102", "broken-ledger")
+EDITED_LEDGER = Rule("LED103", "edited-ledger")
+
+_CONFLICT_END = ">>>>>>>"
+_CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
+_RESTORE = "restore the file from version control; it is only written by `roverlink generate`"
+_TYPE = r"[A-Za-z_][\w.]*"
+_ENTRY = re.compile(
+    rf"  (?P<number>[0-9]{{1,9}}): (?P<name>\w+) (?P<proto>{_TYPE})(?: on (?P<topic>\S+))?(?P<end> retired| gone)?"
+)
+_OWNER = re.compile(rf"  (?P<kind>message|enum) (?P<name>{_TYPE}):")
+_FIELD = re.compile(
+    rf"    (?P<number>[0-9]{{1,9}}) (?P<name>\w+) (?:(?P<label>optional|required|repeated) )?(?P<type>{_TYPE})"
+    r"(?: in (?P<oneof>\w+))?(?P<gone> gone)?"
+)
+_VALUE = re.compile(r"    (?P<number>-?[0-9]{1,10}) (?P<name>\w+)(?P<gone> gone)?")
+_RESERVED = re.compile(r'    reserved (?:(?P<first>-?[0-9]{1,10})(?: to (?P<last>-?[0-9]{1,10}))?|"(?P<name>[^"]+)")')
+_CHECKSUM = re.compile(r"checksum: (?P<digest>[0-9a-f]+)")
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:)?")
+
+
+def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
+    """The ledger on disk, as far as it can be read; empty where there is none yet.
+
+    It is a finding where it cannot be read, where a line is none of the ledger's, and where it is not as generate
+    wrote it.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return Ledger()
+    except OSError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))
+        return Ledger()
+    except UnicodeError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8: {error}"))
+        return Ledger()
+    reader = _Reader()
+    for index, line in enumerate(text.splitlines(), 1):
+        reader.line(line, Span(name, index, len(line) - len(line.lstrip()) + 1))
+    if not reader.broken and not reader.merged and checksum(text.rpartition("checksum:")[0]) != reader.checksum:
+        message = "this is not what generate wrote: it was edited, or a part of it is missing"
+        reader.broken.append(EDITED_LEDGER.at(Span(name), message, _RESTORE))
+    findings += reader.broken
+    return reader.ledger()
+
+
+class _Reader:
+    """Reads line by line, and takes what both sides of a merge conflict have."""
+
+    def __init__(self) -> None:
+        self._entries: dict[tuple[int, str, str], Entry] = {}
+        self._owners: dict[str, dict[str, Owner]] = {"message": {}, "enum": {}}
+        self._owner: Owner | None = None
+        self._in_conflict = False
+        self._one_sided: set[tuple[int, str]] = set()
+        self.merged = False
+        """Whether there was a merge conflict."""
+        self.checksum = ""
+        self.broken: list[Finding] = []
+
+    def ledger(self) -> Ledger:
+        """What was read."""
+        entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
+        return Ledger(tuple(entries), self._owners["message"], self._owners["enum"])
+
+    def line(self, line: str, span: Span) -> None:
+        """Take one line, in whatever section: a conflict may reach over both."""
+        if line.startswith(_CONFLICT_MARKERS):
+            self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
+        elif match := _ENTRY.fullmatch(line):
+            self._add_entry(match, span)
+        elif match := _OWNER.fullmatch(line):
+            of_message = match["kind"] == "message"
+            self._owner = self._owners[match["kind"]].setdefault(match["name"], Owner(of_message, span))
+        elif match := _CHECKSUM.fullmatch(line):
+            self.checksum = match["digest"]
+        elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
+            self.broken.append(BROKEN_LEDGER.at(span, f"not a line of the ledger: {line.strip()!r}", _RESTORE))
+
+    def _add_entry(self, match: re.Match[str], span: Span) -> None:
+        entry = Entry(
+            int(match["number"]),
+            match["name"],
+            match["proto"],
+            match["topic"] or "",
+            match["end"] == " retired",
+            self._in_conflict,
+            span,
+        )
+        self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
+
+    def _add_fact(self, line: str, span: Span) -> bool:
+        """Take a line below a message or an enum; False where it is none."""
+        owner = self._owner
+        pattern = (_FIELD if owner.of_message else _VALUE) if owner else None
+        match = (_RESERVED.fullmatch(line) or pattern.fullmatch(line)) if pattern else None
+        if owner is None or match is None:
+            return False
+        if self._is_published(owner, line):
+            _add(owner, match, span)
+        return True
+
+    def _is_published(self, owner: Owner, line: str) -> bool:
+        """Whether a fact was in the ledger of both branches, or there is but one.
+
+        What only one side of a conflict has was published by one branch; the merged protos say what became of it.
+        """
+        if not self._in_conflict:
+            return True
+        seen_before = (id(owner), line) in self._one_sided
+        self._one_sided.add((id(owner), line))
+        return seen_before
+
+
+def _add(owner: Owner, match: re.Match[str], span: Span) -> None:
+    """Take what a line below a message or an enum says."""
+    found = match.groupdict()
+    if match.re is not _RESERVED:
+        owner.numbers.append(Number(_fact(owner, found), found["gone"] is not None, span))
+    elif found["name"]:
+        owner.reserved_names.append(found["name"])
+        owner.places[f"reserved {found['name']}"] = span
+    else:
+        first = int(found["first"])
+        owner.reserved.append((first, int(found["last"] or first)))
+        owner.places[f"reserved {first} to {owner.reserved[-1][1]}"] = span
+
+
+def _fact(owner: Owner, found: Mapping[str, str | None]) -> ir.WireField | ir.WireValue:
+    number, name = int(found["number"] or 0), found["name"] or ""
+    if not owner.of_message:
+        return ir.WireValue(number, name)
+    return ir.WireField(number, name, found["type"] or "", found["label"] or "", found["oneof"] or "")

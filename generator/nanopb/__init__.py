@@ -1,0 +1,29 @@
+"""What nanopb makes of messages on microcontrollers: its options, and the largest encoding that they leave room for.
+
+nanopb (https://jpa.kapsi.fi/nanopb) compiles .proto files to C with fixed buffers. How large those are is said beside
+the .proto files: in a ``.options`` file, or in options numbered 1010 inside. The numbers here are those that nanopb's
+generator (0.4.9.1) writes as ``<Message>_size``, the size of the buffer that such a board sends from; the tests hold
+them against it. They are upper bounds for what nanopb encodes, not the tightest ones, and count no extensions.
+
+- `read_bounds` reads the options of a schema, each with the place where it was said;
+- `largest_size` says how many bytes a message takes at most, or which field has no bound.
+"""
+
+from __future__ import annotations
+
+from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
+from generator.nanopb.faults import PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from generator.nanopb.reading import read_bounds
+from generator.nanopb.sizes import Unbounded, field_sizes, largest_size
+
+__all__ = [
+    "PATTERN_WITHOUT_MATCH",
+    "UNREADABLE_OPTIONS",
+    "Bounds",
+    "FieldBounds",
+    "MessageBounds",
+    "Unbounded",
+    "field_sizes",
+    "largest_size",
+    "read_bounds",
+]

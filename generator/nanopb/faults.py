@@ -1,0 +1,11 @@
+"""What can be wrong with nanopb's options."""
+
+from __future__ import annotations
+
+from generator.findings import Rule, Severity
+
+UNREADABLE_OPTIONS = Rule("NPB101", "unreadable-nanopb-options")
+"""An option of nanopb's, in a .options file or in a .proto file, or the whole file, cannot be read."""
+
+PATTERN_WITHOUT_MATCH = Rule("NPB102", "nanopb-pattern-without-match", Severity.WARNING)
+"""A line of a .options file is for nothing that its .proto file declares."""

@@ -1,0 +1,75 @@
+"""The .options file beside a .proto file: lines of a pattern, and of options for all that it matches.
+
+Text from ``//`` or ``#`` to the end of a line is a comment, wherever it stands, and so is ``/* ... */`` within a line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from fnmatch import translate
+from pathlib import Path, PurePosixPath
+
+from generator.findings import Finding, Span, shown
+from generator.nanopb.faults import UNREADABLE_OPTIONS
+from generator.nanopb.options import OptionsError, Values, parse_options
+
+_BLOCK_COMMENT = re.compile(r"/\*.*?\*/")
+_LINE_COMMENT = re.compile(r"(//|#).*")
+
+
+@dataclass(frozen=True, slots=True)
+class OptionsLine:
+    """Options for what a pattern matches."""
+
+    pattern: str
+    matches: Callable[[str], object]
+    """Whether a full name is one that it is for."""
+    values: Values
+    span: Span
+
+
+def options_file_of(proto: str) -> str:
+    """The path of the .options file of a .proto file; both from the root of the .proto files."""
+    return PurePosixPath(proto).with_suffix(".options").as_posix()
+
+
+def read_options_file(root: Path, name: str, shown_root: str, findings: list[Finding]) -> list[OptionsLine]:
+    """Its lines; none if there is no such file."""
+    place = shown(shown_root, name)
+    try:
+        text = (root / name).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return []
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else f"it is not UTF-8: {error.reason}"
+        findings.append(UNREADABLE_OPTIONS.at(Span(place), f"the file cannot be read: {reason}"))
+        return []
+    # Not splitlines(): to nanopb, a line ends where it does to a text file, not at every separator of Unicode's.
+    lines = (_line(raw, Span(place, number), findings) for number, raw in enumerate(text.split("\n"), 1))
+    return [line for line in lines if line]
+
+
+def _line(raw: str, at: Span, findings: list[Finding]) -> OptionsLine | None:
+    bare = _LINE_COMMENT.sub("", _BLOCK_COMMENT.sub("", raw)).strip()
+    if not bare:
+        return None
+    pattern, *rest = bare.split(None, 1)
+    span = Span(at.file, at.line, raw.find(pattern) + 1)
+    if not rest:
+        help = f"write {pattern} max_size:16, for example"
+        findings.append(UNREADABLE_OPTIONS.at(span, f"{pattern} has no options", help))
+        return None
+    try:
+        values = parse_options(rest[0])
+    except OptionsError as error:
+        findings.append(UNREADABLE_OPTIONS.at(_place(error, raw, rest[0], span), str(error), error.help))
+        return None
+    return OptionsLine(pattern, re.compile(translate(pattern)).match, values, span)
+
+
+def _place(error: OptionsError, raw: str, options: str, otherwise: Span) -> Span:
+    """Where in a line an error is, unless a comment in between hides that."""
+    start = raw.rfind(options)
+    return Span(otherwise.file, otherwise.line, start + error.column) if error.column and start >= 0 else otherwise

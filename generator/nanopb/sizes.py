@@ -1,0 +1,115 @@
+"""The largest encoding of a message, as nanopb's generator reckons it.
+
+A message has a size if every field has a bound of its own, and every message inside has a size. So sizes are worked out
+from the innermost messages on; a message that this never reaches has none, and those that contain themselves do not.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from generator.findings import Span
+from generator.nanopb.bounds import Bounds
+from generator.nanopb.gaps import gap_in
+from generator.nanopb.reckoning import BoundedField, fields_of, message_size
+from generator.protos import Schema
+
+
+@dataclass(frozen=True, slots=True)
+class Unbounded:
+    """Why a message has no largest size."""
+
+    path: str
+    """The first field without a bound, from the message on, with dots; empty for the message itself."""
+    reason: str
+    span: Span
+    """That field's; the map's for a part of a map's entry."""
+
+
+def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounded:
+    """How many bytes a message, given by its full name, takes at most: nanopb's ``<Message>_size``.
+
+    ``bounds`` are those of this schema. Extensions do not count, as they do not for nanopb.
+    """
+    sizes = _sizes(schema, bounds)
+    return sizes[message] if message in sizes else _first_gap(schema, bounds, sizes, message)
+
+
+def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str, int]]:
+    """How many bytes each field of a message takes at most, the largest first; none of a field without a bound.
+
+    The members of a oneof are all there, though only the largest counts.
+    """
+    sizes = _sizes(schema, bounds)
+    found = [
+        (field.field.name, field.size(schema, sizes))
+        for field in fields_of(schema.messages[message], bounds)
+        if not gap_in(field, schema, bounds) and (not field.inner or field.inner in sizes)
+    ]
+    return sorted(found, key=lambda named: (-named[1], named[0]))
+
+
+def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
+    """The size of every message that has one."""
+    if not bounds.worked_out:
+        bounds.worked_out.append(_from_the_innermost(schema, bounds))
+    return bounds.worked_out[0]
+
+
+def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
+    sizes: dict[str, int] = {}
+    users: defaultdict[str, list[str]] = defaultdict(list)
+    missing = _inner_messages(schema, bounds)
+    for name, inner in missing.items():
+        for used in inner:
+            users[used].append(name)
+    ready = [name for name, inner in missing.items() if not inner]
+    while ready:
+        name = ready.pop()
+        sizes[name] = message_size(schema.messages[name], schema, bounds, sizes)
+        for user in users[name]:
+            missing[user].discard(name)
+            if not missing[user]:
+                ready.append(user)
+    return sizes
+
+
+def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
+    """Of every message that has no gap of its own, the messages in its fields."""
+    found: dict[str, set[str]] = {}
+    for message in schema.messages.values():
+        fields = list(fields_of(message, bounds))
+        skipped = bounds.of_message(message.full_name).skipped
+        if not skipped and not any(gap_in(field, schema, bounds) for field in fields):
+            found[message.full_name] = {field.inner for field in fields if field.inner}
+    return found
+
+
+def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> Unbounded:
+    """The way from a message without a size to the first field that is why."""
+    span = schema.messages[message].span
+    if bounds.of_message(message).skipped:
+        return Unbounded("", f"nanopb leaves {message} out", span)
+    passed: dict[str, str] = {}  # the field that the way goes on by, of each message on it
+    while message not in passed:
+        field, reason = _gap_of(schema, bounds, sizes, message)
+        passed[message] = field.field.name
+        if field.field.span.line:  # protoc knows no place for what it makes itself: the fields of a map's entry
+            span = field.field.span
+        if reason:
+            return Unbounded(".".join(passed.values()), reason, span)
+        message = field.inner
+    names = [*passed]
+    cycle = " > ".join([*names[names.index(message) :], message])
+    return Unbounded(".".join(passed.values()), f"a message inside itself: {cycle}", span)
+
+
+def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
+    """The first field of a message that keeps it from having a size; why, unless it is for the message in it."""
+    for field in fields_of(schema.messages[message], bounds):
+        reason = gap_in(field, schema, bounds)
+        if reason or (field.inner and field.inner not in sizes):
+            return field, reason
+    raise AssertionError(f"{message} has a size")  # and then nobody asks

@@ -1,0 +1,69 @@
+"""An enum's value has the name of a message.
+
+In protobuf, the values of an enum are siblings of the enum, not its children: `enum Kind { Motor = 0; }` declares
+`Kind` and `Motor`. Beside a message `Motor`, in whatever file of the package, the two cannot be compiled together;
+mostly that shows on the day when somebody imports both.
+
+Bad::
+
+    enum MessageType {
+      SensorBoardIMUInfo = 0;
+    }
+    message SensorBoardIMUInfo {}
+
+Good::
+
+    enum MessageType {
+      MESSAGE_TYPE_SENSOR_BOARD_IMU_INFO = 0;
+    }
+    message SensorBoardIMUInfo {}
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+
+from generator.declarations import Enum, Message
+from generator.findings import Finding, Rule, Severity, Span
+from generator.naming import snake_case
+from generator.subject import Subject
+
+RULE = Rule("NAM103", "enum-value-collides")
+
+_Messages = Mapping[str, tuple[str, Message]]  # by full name, each with its file
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Enums with values that are called as a message in the same scope is; each enum once."""
+    files = {**subject.excluded_files, **subject.files}
+    messages = {found.full_name: (path, found) for path, file in files.items() for found in file.all_messages()}
+    for path, file in files.items():
+        for enum in file.all_enums():
+            yield from _check(path, enum, messages, subject)
+
+
+def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iterator[Finding]:
+    scope = enum.full_name.removesuffix(enum.name)
+    colliding = [value for value in enum.values if f"{scope}{value.name}" in messages]
+    if not colliding:
+        return
+    first = colliding[0]
+    file, message = messages[f"{scope}{first.name}"]
+    named = [value.name for value in colliding[:3]] + ["..."] * (len(colliding) > 3)
+    prefixed = f"{snake_case(enum.name)}_{snake_case(first.name)}".upper()
+    finding = RULE.at(
+        subject.place(path, first.line, first.column),
+        f"values of the enum {enum.name} have the names of messages: {', '.join(named)}",
+        f"start its values with its own name ({prefixed}), or delete the enum if nobody uses it",
+        [(_place(file, message, subject), "the message")],
+        type=enum.full_name,
+        number=first.number,
+    )
+    # An excluded file takes part in no build.
+    excluded = not {path, file}.isdisjoint(subject.excluded_files)
+    yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding
+
+
+def _place(file: str, message: Message, subject: Subject) -> Span:
+    return subject.place(file, message.line, message.column)

@@ -1,0 +1,45 @@
+"""The name of a deleted field is not reserved.
+
+Its number is, so bytes are safe. A new field of that name would read the old one's values out of JSON, logs and saved
+parameters.
+
+Bad::
+
+    message Imu { float x = 1; reserved 2; }   // before, y was 2
+
+Good::
+
+    message Imu { float x = 1; reserved 2; reserved "y"; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import each_once, earlier, gone_fields
+from generator.changes.cures import back_or_reserve
+from generator.changes.ranges import covers
+from generator.changes.spelling import declaration
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Change, Subject
+
+RULE = Rule("JSN102", "field-name-freed", Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields that are gone and whose number is reserved, but not their name."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    for pair, field in gone_fields(change):
+        if covers(pair.new.reserved, field.number) and field.name not in pair.new.reserved_names:
+            was = declaration(field, change.before, pair.old.full_name)
+            yield RULE.at(
+                pair.new.span,
+                f"`{was}` is gone from {pair.new.full_name}, and its name is not reserved",
+                back_or_reserve(pair, field),
+                earlier(change, field.span, "it was here"),
+                type=pair.new.full_name,
+                number=field.number,
+            )

@@ -1,0 +1,45 @@
+"""A field has another name, and so has its value in JSON.
+
+Bytes carry the number alone. JSON, logs, saved parameters and generated code know the name; what was written under the
+old one is ignored, or refused.
+
+Bad::
+
+    message Imu { float heading = 1; }       // before
+    message Imu { float heading_raw = 1; }   // after
+
+Good::
+
+    message Imu { float heading_raw = 1 [json_name = "heading"]; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import each_once, earlier, fields
+from generator.changes.cures import back, before_and_after
+from generator.changes.renames import Rename, json_name_changed, rename, renamed
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Change, Subject
+
+RULE = Rule("JSN104", "field-renamed", Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields that are called something else in JSON too, and still seem to be the same thing."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    for pair in fields(change):
+        if rename(pair) is Rename.WORDING and json_name_changed(pair):
+            was, _ = before_and_after(pair)
+            yield RULE.at(
+                pair.new.at("name"),
+                f"{renamed(pair)}, in JSON too",
+                back(pair),
+                earlier(change, pair.old.at("name"), f"it was `{was}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )

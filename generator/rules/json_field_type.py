@@ -1,0 +1,45 @@
+"""A field has a type now that JSON writes differently, or that holds fewer values.
+
+The bytes are read, and numbers that do not fit are cut off in silence. In JSON the value has another form: a 64-bit
+integer is a string, an enum is its name, bytes are base64.
+
+Bad::
+
+    message Wheel { int32 ticks = 1; }   // before
+    message Wheel { int64 ticks = 1; }   // after: an old board cuts them to 32 bits
+
+Good::
+
+    message Wheel { int32 ticks = 1 [deprecated = true]; int64 total_ticks = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes.spelling import retyping, type_place
+from generator.changes.types import retyped
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Change, Subject
+
+RULE = Rule("JSN101", "field-type-changed-in-json", Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields whose old and new type can read each other's bytes, but not JSON."""
+    return each_once(subject, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    for pair in retyped(change, fields(change), Breaks.JSON):
+        was, _ = before_and_after(pair)
+        yield RULE.at(
+            type_place(pair.new),
+            retyping(pair, Breaks.JSON),
+            back_or_renumber(subject, pair),
+            earlier(change, type_place(pair.old), f"it was `{was}` here"),
+            type=pair.owner,
+            number=pair.new.number,
+        )

@@ -1,0 +1,43 @@
+"""A name that was reserved is not any more.
+
+It was reserved because something was called that. A new field or value of the name would read the old one's values out
+of JSON, logs and saved parameters.
+
+Bad::
+
+    message Imu { reserved 2; reserved "y"; float x = 1; }   // before
+    message Imu { reserved 2; float x = 1; }                 // after
+
+Good::
+
+    message Imu { reserved 2; reserved "y"; float x = 1; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Change, Subject
+
+RULE = Rule("JSN109", "reserved-name-freed", Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Names of messages and enums that were reserved."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    pairs: list[MessagePair | EnumPair] = [*messages(change), *enums(change)]
+    for pair in pairs:
+        for name in dict.fromkeys(pair.old.reserved_names):
+            if name not in pair.new.reserved_names:
+                yield RULE.at(
+                    pair.new.span,
+                    f'{pair.new.full_name} does not reserve "{name}" any more',
+                    f'put back `reserved "{name}";`',
+                    earlier(change, pair.old.at(f"reserved {name}"), "reserved here"),
+                    type=pair.new.full_name,
+                )

@@ -1,0 +1,46 @@
+"""A new row leaves numbers out.
+
+A number that is skipped is free for ever and looks as if it had been used once; each reader has to find out which. And
+a number above 15 costs a byte more in every datagram.
+
+Bad::
+
+    # the largest number that was ever used is 21
+    messages:
+      - {number: 30, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 22, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Subject
+
+RULE = Rule("TAB106", "number-skipped", Severity.HINT)
+_IMPLEMENTATION = range(19_000, 20_000)  # protobuf's own
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """New rows with a larger number than they need, where something was published before."""
+    published = {entry.number for entry in subject.published}
+    if not published:
+        return
+    table = subject.table
+    new = {row.number: row for row in reversed(table.rows) if row.number not in published}
+    # Only what lies above every old number is known to have never been used.
+    old = published | (table.numbers - new.keys()) | {claim.number for claim, _ in subject.envelope_claims()}
+    wanted = (number for number in count(max(old) + 1) if number not in _IMPLEMENTATION)
+    above = sorted(number for number in new if number > max(old))
+    for number, smallest in zip(above, wanted):
+        if number > smallest:
+            row = new[number]
+            message = f"field {number} skips numbers that were never used; the next one is {smallest}"
+            help = f"give {row.name} the number {smallest}, while nobody uses {number} yet"
+            yield RULE.at(row.at("number"), message, help, type=table.envelope.message, number=number)

@@ -1,0 +1,53 @@
+"""A number is given to a field that means something else.
+
+Its type can read the old bytes, so that nothing looks wrong: the old value is simply taken for the new thing. A field
+that only got a better name has a word in common with the old one, or keeps it as its `json_name`.
+
+Bad::
+
+    message Motor { float voltage = 1; }       // before
+    message Motor { float temperature = 1; }   // after
+
+Good::
+
+    message Motor { reserved 1; reserved "voltage"; float temperature = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import FieldPair, each_once, earlier, fields
+from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes.renames import Rename, names_another_field, rename
+from generator.findings import Finding, Rule
+from generator.subject import Change, Subject
+
+RULE = Rule("WIR114", "field-meaning-replaced")
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields whose new name has nothing of the old one, or was another field's."""
+    return each_once(subject, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    for pair in fields(change):
+        # What a payload means is its type, which has rules of its own.
+        if rename(pair) is Rename.MEANING and pair.owner != subject.table.envelope.message:
+            was, _ = before_and_after(pair)
+            yield RULE.at(
+                pair.new.at("name"),
+                _message(pair),
+                back_or_renumber(subject, pair),
+                earlier(change, pair.old.at("name"), f"it was `{was}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _message(pair: FieldPair) -> str:
+    message = f"number {pair.new.number} was {pair.old.name} and is {pair.new.name} now"
+    if names_another_field(pair):
+        return f"{message}, which had another number: the old values are read as those"
+    return f"{message}: the old value is read as the new thing"

@@ -1,0 +1,67 @@
+"""A number that a message had for another field once is used again.
+
+The field was deleted long ago, and with it what reserved its number. The ledger knows every number that was ever
+published: a board with the old field may still be out there, and its bytes are read as the new one.
+
+Bad::
+
+    message Imu { float x = 1; float y = 2; }      // once
+    message Imu { float x = 1; }                   // later
+    message Imu { float x = 1; int32 state = 2; }  // now
+
+Good::
+
+    message Imu { float x = 1; reserved 2; reserved "y"; int32 state = 3; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator import ir
+from generator.changes import Breaks
+from generator.changes.numbers import next_field_number
+from generator.changes.spelling import declaration
+from generator.changes.types import broken_by_kind
+from generator.findings import Finding, Rule
+from generator.ledger import Number
+from generator.protos import ProtoField, ProtoMessage, Schema
+from generator.subject import Subject
+
+RULE = Rule("WIR111", "field-number-reuse-in-message")
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
+    if subject.schema is None:
+        return
+    for name, owner in subject.ledger.messages.items():
+        message = subject.schema.messages.get(name)
+        for field in message.fields if message else ():
+            published = [number for number in owner.numbers if number.fact.number == field.number]
+            if message and not any(_is_the_same(number, field) for number in published):
+                gone = [number for number in published if number.gone]
+                yield from (_finding(subject, subject.schema, message, field, number) for number in gone)
+
+
+def _is_the_same(number: Number, field: ProtoField) -> bool:
+    """Whether a fact is about this very field, if with a type that reads the same bytes."""
+    fact = number.fact
+    if not isinstance(fact, ir.WireField) or fact.name != field.name:
+        return False
+    return fact.type == field.wire_type or broken_by_kind(fact.type, field.wire_type) is not Breaks.WIRE
+
+
+def _finding(subject: Subject, schema: Schema, message: ProtoMessage, field: ProtoField, number: Number) -> Finding:
+    fact = number.fact
+    was = f"{fact.name} ({fact.type})" if isinstance(fact, ir.WireField) else fact.name
+    free = next_field_number(subject, message.full_name)
+    moved = declaration(field, schema, message.full_name, free)
+    return RULE.at(
+        field.at("number"),
+        f"number {field.number} of {message.full_name} was {was} once, and is given to {field.name}",
+        f'write `{moved} reserved {field.number}; reserved "{fact.name}";`: the next free number is {free}',
+        [(number.span, "published here")],
+        type=message.full_name,
+        number=field.number,
+    )

@@ -1,0 +1,49 @@
+"""A string has another type in C++.
+
+With `ctype` or the feature `(pb.cpp).string_type`, code has a string, a view or a cord.
+
+Bad::
+
+    message Log { string text = 1; }                  // before
+    message Log { string text = 1 [ctype = CORD]; }   // after
+
+Good::
+
+    message Log { string text = 1; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import each_once, earlier, fields
+from generator.findings import Finding, Rule, Severity, Span
+from generator.protos import ProtoField
+from generator.subject import Change, Subject
+
+RULE = Rule("SRC115", "cpp-string-type-changed", Severity.WARNING)
+_HARMLESS = ("STRING_PIECE", "STRING")  # the one was never more than the other
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Strings and bytes with another type in C++."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    for pair in fields(change):
+        old, new = (field.facets.get("cpp_string_type", "") for field in (pair.old, pair.new))
+        if old and new and old != new and (old, new) != _HARMLESS and not pair.in_map_entry:
+            yield RULE.at(
+                _place(pair.new),
+                f"{pair.new.name} = {pair.new.number} was a {old} in C++ and is a {new} now",
+                f"put back what made it a {old}",
+                earlier(change, _place(pair.old), f"it was a {old} here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _place(field: ProtoField) -> Span:
+    said = (field.places.get(part) for part in ("ctype", "cpp_string_type", "features"))
+    return next((span for span in said if span), field.span)

@@ -1,0 +1,44 @@
+"""A field is in another oneof than before, and with the same fields.
+
+The oneof has another name, or the field is alone in it. What travels is the same; code that asks which field of the
+oneof is set has to change.
+
+Bad::
+
+    message Order { oneof command { int32 stop = 1; } }   // before
+    message Order { oneof order { int32 stop = 1; } }     // after
+
+Good::
+
+    message Order { oneof command { int32 stop = 1; } }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes.oneofs import broken_by_oneof, moved_text
+from generator.findings import Finding, Rule, Severity
+from generator.subject import Change, Subject
+
+RULE = Rule("SRC106", "oneof-of-a-field-changed", Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields that are in another oneof, in the same company."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    for pair in fields(change):
+        if broken_by_oneof(pair) is Breaks.CODE:
+            back = f"put it back into `oneof {pair.old.oneof}`" if pair.old.oneof else "take it out again"
+            yield RULE.at(
+                pair.new.span,
+                moved_text(pair),
+                f"{back}, or change the code that uses it on every side",
+                earlier(change, pair.old.span, "it was here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )

@@ -1,0 +1,54 @@
+"""The number of a deleted field is not reserved.
+
+It looks free. Whoever takes it next gives it another meaning, and bytes of boards that still send the old field are
+read as the new one.
+
+Bad::
+
+    message Imu { float x = 1; float y = 2; }   // before
+    message Imu { float x = 1; }                // after
+
+Good::
+
+    message Imu { float x = 1; reserved 2; reserved "y"; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import MessagePair, each_once, earlier, gone_fields
+from generator.changes.cures import back_or_reserve
+from generator.changes.ranges import covers
+from generator.changes.spelling import declaration
+from generator.findings import Finding, Rule
+from generator.protos import ProtoField
+from generator.subject import Change, Subject
+
+RULE = Rule("WIR102", "field-number-freed")
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Numbers that were a field's, and are neither a field's nor reserved."""
+    return each_once(subject, _findings)
+
+
+def _findings(change: Change) -> Iterator[Finding]:
+    for pair, field in gone_fields(change):
+        if not covers(pair.new.reserved, field.number):
+            yield RULE.at(
+                pair.new.span,
+                _message(pair, field),
+                back_or_reserve(pair, field),
+                earlier(change, field.span, "it was here"),
+                type=pair.new.full_name,
+                number=field.number,
+            )
+
+
+def _message(pair: MessagePair, field: ProtoField) -> str:
+    was = declaration(field, pair.change.before, pair.old.full_name)
+    moved = next((one.number for one in pair.new.fields if one.name == field.name), None)
+    if moved is not None:
+        return f"{field.name} moved from number {field.number} to {moved}, and {field.number} is not reserved"
+    return f"`{was}` is gone from {pair.new.full_name}, and its number is not reserved"

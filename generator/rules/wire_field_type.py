@@ -1,0 +1,45 @@
+"""A field has a type now whose bytes mean something else.
+
+Bytes carry a field's number, not its type. A board that was not flashed goes on sending the old type, and the rover
+reads its bytes as the new one: as other values, or not at all, without any error.
+
+Bad::
+
+    message Imu { float heading = 3; }   // before
+    message Imu { int32 heading = 3; }   // after
+
+Good::
+
+    message Imu { reserved 3; int32 heading = 4; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes.spelling import retyping, type_place
+from generator.changes.types import retyped
+from generator.findings import Finding, Rule
+from generator.subject import Change, Subject
+
+RULE = Rule("WIR101", "field-type-changed-on-the-wire")
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields whose old and new type cannot read each other."""
+    return each_once(subject, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    for pair in retyped(change, fields(change), Breaks.WIRE):
+        was, _ = before_and_after(pair)
+        yield RULE.at(
+            type_place(pair.new),
+            retyping(pair, Breaks.WIRE),
+            back_or_renumber(subject, pair),
+            earlier(change, type_place(pair.old), f"it was `{was}` here"),
+            type=pair.owner,
+            number=pair.new.number,
+        )

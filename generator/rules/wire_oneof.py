@@ -1,0 +1,44 @@
+"""A field shares a oneof with other fields than before.
+
+Of the members of a oneof a receiver keeps the last that it reads. Where one side sends two fields and the other knows
+them as members of one oneof, all but one are lost.
+
+Bad::
+
+    message Order { int32 stop = 1; int32 go = 2; }             // before
+    message Order { oneof what { int32 stop = 1; int32 go = 2; } }   // after
+
+Good::
+
+    message Order { int32 stop = 1; int32 go = 2; oneof what { int32 halt = 3; int32 run = 4; } }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes.cures import back_or_renumber
+from generator.changes.oneofs import broken_by_oneof, moved_text
+from generator.findings import Finding, Rule
+from generator.subject import Change, Subject
+
+RULE = Rule("WIR105", "field-moved-between-oneofs")
+
+
+def check(subject: Subject) -> Iterator[Finding]:
+    """Fields whose company in a oneof is another."""
+    return each_once(subject, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    for pair in fields(change):
+        if broken_by_oneof(pair) is Breaks.WIRE:
+            yield RULE.at(
+                pair.new.span,
+                f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",
+                back_or_renumber(subject, pair),
+                earlier(change, pair.old.span, "it was here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )

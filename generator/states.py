@@ -1,0 +1,149 @@
+"""Another state of a project or of a tree of .proto files: a git ref, a folder, or a descriptor set."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.message import DecodeError
+
+from generator import ledger, read
+from generator.descriptors import schema_of
+from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
+from generator.git import Commit, GitError, Repository
+from generator.ledger import Entry
+from generator.nanopb import Bounds, read_bounds
+from generator.proto_files import proto_files
+from generator.protoc import compile_tree
+from generator.protos import Schema
+from generator.table import Table
+
+NO_SUCH_STATE = Rule("STA101", "no-such-state", Severity.FATAL)
+UNREADABLE_STATE = Rule("STA102", "unreadable-state", Severity.FATAL)
+
+_TABLE = "mapping.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where a state has what, relative to its folder."""
+
+    root: str
+    """The proto root; empty for the folder itself."""
+    exclude: tuple[str, ...]
+    """Files that are left out, where the state has no table that says so itself."""
+    envelope_message: str
+    oneof: str
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What a project was."""
+
+    name: str
+    """How findings call it."""
+    schema: Schema
+    entries: tuple[Entry, ...]
+    """The payloads of its envelope, and of its ledger and table where it has them."""
+    bounds: Bounds | None
+    commit_of: Callable[[Span], Commit | None]
+    """The commit from which a line of the state is; None where that is not known."""
+
+
+def open_state(spec: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+    """The state that ``--against`` names, as far as it can be read; what cannot is a finding.
+
+    A folder or a file of that name comes before a git ref. Raises `FindingsError` where there is nothing.
+    """
+    path = Path(spec)
+    if path.is_dir():
+        return _state_in(path.resolve(), spec.rstrip("/") or spec, layout, lambda _: None, findings)
+    if path.is_file():
+        return _descriptor_set(path, spec, layout)
+    return _at_ref(spec, project, layout, findings)
+
+
+def _descriptor_set(path: Path, spec: str, layout: Layout) -> State:
+    try:
+        compiled = FileDescriptorSet.FromString(path.read_bytes())
+    except (OSError, DecodeError) as error:
+        message = "is no descriptor set, as `protoc --descriptor_set_out` or `buf build` writes it"
+        raise FindingsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
+    if not compiled.file:
+        raise FindingsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
+    schema = schema_of(compiled, spec)
+    return State(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
+
+
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+    repository = Repository(project)
+    try:
+        commit = repository.resolve(ref)
+    except GitError as error:
+        message = f"{ref!r} is no folder, no file, and no git ref"
+        help = str(error) or "git branch --all and git tag show which refs there are; a shallow clone has few"
+        raise FindingsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
+    with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
+        try:
+            wanted = [file for file in repository.files(commit) if _is_wanted(file)]
+            for file, data in repository.contents(commit, wanted):
+                target = Path(folder, file)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(data)
+        except (GitError, OSError) as error:
+            raise FindingsError([UNREADABLE_STATE.at(Span(ref), f"cannot be read: {error}")]) from error
+
+        def commit_of(span: Span) -> Commit | None:
+            file = span.file.removeprefix(f"{ref}:")
+            return repository.commit_of_line(file, span.line, commit) if span.line else None
+
+        return _state_in(Path(folder), f"{ref}:", layout, commit_of, findings)
+
+
+def _is_wanted(file: str) -> bool:
+    return file.endswith((".proto", ".options")) or file in (_TABLE, ledger.NAME)
+
+
+def _state_in(
+    folder: Path,
+    name: str,
+    layout: Layout,
+    commit_of: Callable[[Span], Commit | None],
+    findings: list[Finding],
+) -> State:
+    """The state in a folder: a project, the folder of its protos, or any tree of them."""
+    own: list[Finding] = []  # faults of the state's own, which nobody can mend there
+    table = read.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
+    published = ledger.read(folder / ledger.NAME, own, shown(name, ledger.NAME))
+    root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
+    shown_root = shown(name, root) if root else name
+    files = proto_files(folder / root, shown_root, findings)
+    if not files:
+        raise FindingsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
+    excluded = table.proto.exclude if table else layout.exclude
+    schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
+    findings += [finding for finding in own if finding.severity is Severity.FATAL]
+    findings += [_of_state(error) for error in errors]
+    entries = (*published.entries, *_rows(table), *_members(schema, layout))
+    return State(name, schema, entries, read_bounds(schema, folder / root, shown_root, []), commit_of)
+
+
+def _of_state(error: Finding) -> Finding:
+    """An error of protoc's in another state: it was not looked at, and nobody can mend it there."""
+    help = "name another state, or lint against a descriptor set"
+    return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)
+
+
+def _rows(table: Table | None) -> list[Entry]:
+    rows = table.rows if table else ()
+    return [Entry(r.number, r.name, r.proto, r.topic, False, False, r.at("number")) for r in rows]
+
+
+def _members(schema: Schema, layout: Layout) -> list[Entry]:
+    """The payloads in a state's envelope."""
+    envelope = schema.messages.get(layout.envelope_message)
+    fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
+    return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]

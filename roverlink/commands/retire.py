@@ -1,0 +1,36 @@
+"""``roverlink retire``: end the use of a number."""
+
+from __future__ import annotations
+
+import argparse
+
+from generator.findings import FindingsError
+from generator.pipeline import retire
+from generator.write import write
+from roverlink.commands.generate import report, say_changes
+from roverlink.console import OK, Subparsers, add_table, command, count, table_file
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "retire",
+        "end the use of an envelope number: its row moves to `retired`, and the envelope reserves it",
+        "roverlink retire 14",
+    )
+    parser.add_argument("number", type=count, metavar="NUMBER", help="the number in the envelope")
+    add_table(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Retire and generate in one go; where either cannot be, nothing is written."""
+    table = table_file(arguments.table)
+    try:
+        compiled, changes = retire(table, arguments.number)
+        write(table.resolve().parent, changes)
+    except FindingsError as error:
+        return report(table, error)
+    say_changes(compiled, changes)
+    return OK

@@ -1,0 +1,31 @@
+"""Workflow commands, which GitHub Actions shows at the lines of a pull request."""
+
+from __future__ import annotations
+
+from generator.findings import Finding, Severity
+from generator.linting import Linted
+from roverlink.reports.places import from_here, told
+
+_COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}
+
+
+def write(linted: Linted) -> None:
+    """Print a command a finding."""
+    for finding in linted.findings:
+        print(_command(finding, linted))
+
+
+def _command(finding: Finding, linted: Linted) -> str:
+    span, rule = from_here(finding.span, linted), finding.rule
+    properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
+    shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
+    also = [f"{from_here(place, linted)}: {told(place, what, linted)}" for place, what in finding.also]
+    lines = [finding.message, *also, *([f"help: {finding.help}"] if finding.help else [])]
+    return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(chr(10).join(lines))}"
+
+
+def _escaped(text: str, more: str = "") -> str:
+    """Text as a command takes it; properties have two more characters that end them."""
+    for character in f"%\r\n{more}":
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text

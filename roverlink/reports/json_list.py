@@ -1,0 +1,37 @@
+"""One JSON list, an object a finding."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from generator.findings import Finding, Span
+from generator.linting import Linted
+
+
+def write(linted: Linted) -> None:
+    """Print the list."""
+    print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
+
+
+def _finding(finding: Finding, linted: Linted) -> dict[str, Any]:
+    return {
+        "id": finding.rule.id,
+        "name": finding.rule.name,
+        "severity": finding.severity.value,
+        "message_type": finding.type or None,
+        "number": finding.number,
+        **_place(finding.span),
+        "message": finding.message,
+        "help": finding.help or None,
+        "also": [{**_place(span), "text": text, "commit": _commit(span, linted)} for span, text in finding.also],
+    }
+
+
+def _place(span: Span) -> dict[str, Any]:
+    return {"path": span.file, "line": span.line or None, "column": span.column or None}
+
+
+def _commit(span: Span, linted: Linted) -> dict[str, str] | None:
+    commit = linted.commit_of(span)
+    return {"id": commit.id, "date": commit.date, "subject": commit.subject} if commit else None

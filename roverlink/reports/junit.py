@@ -1,0 +1,31 @@
+"""JUnit's XML, in which CI servers show tests: every rule is a test, which fails where it found something."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+from generator.findings import Finding, Rule, Severity
+from generator.linting import Linted
+from generator.rules import modules
+
+
+def write(linted: Linted) -> None:
+    """Print the suite."""
+    rules = {module.RULE.id: module.RULE for module in modules().values()}
+    rules |= {finding.rule.id: finding.rule for finding in linted.findings}
+    suite = ElementTree.Element("testsuite", name="roverlink lint", tests=str(len(rules)))
+    failed = [_add(suite, rule, [f for f in linted.findings if f.rule == rule]) for _, rule in sorted(rules.items())]
+    suite.set("failures", str(sum(failed)))
+    ElementTree.indent(suite)
+    print('<?xml version="1.0" encoding="UTF-8"?>')
+    print(ElementTree.tostring(suite, encoding="unicode"))
+
+
+def _add(suite: ElementTree.Element, rule: Rule, findings: list[Finding]) -> bool:
+    """Add a rule to the suite; whether it failed."""
+    case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
+    faults = [finding for finding in findings if finding.severity is not Severity.HINT]
+    if faults:
+        failure = ElementTree.SubElement(case, "failure", message=faults[0].message, type=faults[0].severity.value)
+        failure.text = "\n".join(finding.render() for finding in faults)
+    return bool(faults)

@@ -1,0 +1,56 @@
+"""SARIF 2.1.0, which code scanning services read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import quote
+
+from generator.findings import Finding, Rule, Severity, Span
+from generator.linting import Linted
+from generator.rules import modules
+from roverlink.reports.places import from_here, told
+
+_LEVELS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "note"}
+_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+def write(linted: Linted) -> None:
+    """Print the log of one run."""
+    rules = {id: _rule(module.RULE, module.__doc__) for id, module in modules().items()}
+    rules |= {finding.rule.id: _rule(finding.rule, "") for finding in linted.findings if finding.rule.id not in rules}
+    driver = {"name": "roverlink", "rules": [rules[id] for id in sorted(rules)]}
+    run = {"tool": {"driver": driver}, "results": [_result(finding, linted) for finding in linted.findings]}
+    print(json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2))
+
+
+def _rule(rule: Rule, documentation: str) -> dict[str, Any]:
+    described: dict[str, Any] = {"id": rule.id, "name": rule.name}
+    if documentation:
+        described["shortDescription"] = {"text": documentation.strip().splitlines()[0]}
+        described["help"] = {"text": documentation.strip()}
+    return {**described, "defaultConfiguration": {"level": _LEVELS[rule.severity]}}
+
+
+def _result(finding: Finding, linted: Linted) -> dict[str, Any]:
+    text = f"{finding.message}\n{finding.help}" if finding.help else finding.message
+    result: dict[str, Any] = {
+        "ruleId": finding.rule.id,
+        "level": _LEVELS[finding.severity],
+        "message": {"text": text},
+        "locations": [_location(from_here(finding.span, linted))],
+    }
+    if finding.also:
+        result["relatedLocations"] = [
+            {**_location(from_here(span, linted)), "message": {"text": told(span, what, linted)}}
+            for span, what in finding.also
+        ]
+    return result
+
+
+def _location(span: Span) -> Mapping[str, Any]:
+    physical: dict[str, Any] = {"artifactLocation": {"uri": quote(span.file)}}
+    if span.line:
+        physical["region"] = {"startLine": span.line, **({"startColumn": span.column} if span.column else {})}
+    return {"physicalLocation": physical}

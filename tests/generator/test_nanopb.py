@@ -1,0 +1,605 @@
+"""The largest sizes of messages are those that nanopb's own generator writes into its headers."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from random import Random
+from unittest import mock
+
+import grpc_tools
+import pytest
+from golden import ROOT, inside
+from google.protobuf.compiler.plugin_pb2 import CodeGeneratorRequest, CodeGeneratorResponse
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from grpc_tools import protoc
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from generator.descriptors import schema_of
+from generator.findings import Finding, Span
+from generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
+from generator.protos import Schema
+
+nanopb = pytest.importorskip("nanopb.generator.nanopb_generator", reason="nanopb writes the sizes to compare with")
+
+_DATA = ROOT / "tests" / "generator" / "nanopb"
+_NANOPB_PROTO = Path(nanopb.__file__).parent / "proto"
+_WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
+_EXAMPLES = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+# --- nanopb ---------------------------------------------------------------------------------------------------------
+
+
+def _compiled(root: Path, files: list[str], *flags: str) -> FileDescriptorSet:
+    result = root / "descriptors"
+    folders = [f"-I{folder}" for folder in (root, _NANOPB_PROTO, _WELL_KNOWN)]
+    command = ["protoc", *folders, f"--descriptor_set_out={result}", "--include_imports", *flags, *files]
+    assert protoc.main(command) == 0
+    return FileDescriptorSet.FromString(result.read_bytes())
+
+
+class _Stream:
+    """A standard stream of a program that asks for its number."""
+
+    def __init__(self, path: Path, flags: int) -> None:
+        self._number = os.open(path, flags | os.O_CREAT, 0o600)
+
+    def fileno(self) -> int:
+        return self._number  # whoever asks opens it, and closes it
+
+
+@dataclass
+class _Headers:
+    """What nanopb wrote."""
+
+    text: str
+    complaints: str
+
+    def size(self, message: str) -> int | None:
+        """The size of a message, by the name that it has in C; none if nanopb knows none."""
+        return self._value(f"{message}_size", ())
+
+    def mentions(self, message: str) -> bool:
+        """Whether nanopb knows the message at all."""
+        return re.search(rf"\b{message}_size\b", self.text) is not None
+
+    def _value(self, macro: str, within: tuple[str, ...]) -> int | None:
+        defined = re.search(rf"^#define {macro} +(.*)$", self.text, re.MULTILINE)
+        return self._evaluated(defined[1], (*within, macro)) if defined and macro not in within else None
+
+    def _evaluated(self, expression: str, within: tuple[str, ...]) -> int | None:
+        """Of a sum in brackets, of numbers, names, products of those, and sizes of unions."""
+        total = 0
+        for term in expression.strip("()").replace("(union ", "(").split(" + "):
+            factor, _, name = term.rpartition("*")
+            if union := re.fullmatch(r"sizeof\((\w+)\)?", name):
+                value = self._union(union[1], within)
+            else:
+                value = int(name) if re.fullmatch(r"-?\d+", name) else self._value(name, within)
+            if value is None:
+                return None
+            total += int(factor or 1) * value
+        return total
+
+    def _union(self, name: str, within: tuple[str, ...]) -> int | None:
+        members = re.search(rf"^union {name} {{(.*)}};$", self.text, re.MULTILINE)
+        assert members, name
+        if name in within:
+            return None
+        sizes = [self._evaluated(size, (*within, name)) for size in re.findall(r"char f\d+\[(.*?)\];", members[1])]
+        return None if None in sizes else max(filter(None, sizes), default=0)
+
+
+def _nanopb(root: Path, compiled: FileDescriptorSet, files: list[str]) -> _Headers:
+    """What nanopb makes of files; raises what it raises."""
+    request, response = root / "request", root / "response"
+    asked = CodeGeneratorRequest(file_to_generate=files, parameter="-I.", proto_file=compiled.file)
+    request.write_bytes(asked.SerializeToString())
+    response.write_bytes(b"")
+    with (
+        inside(root),  # nanopb keeps the folders of former calls, so all calls must call theirs the same
+        mock.patch.object(sys, "stdin", _Stream(request, os.O_RDONLY)),
+        mock.patch.object(sys, "stdout", _Stream(response, os.O_WRONLY)),
+        contextlib.redirect_stderr(io.StringIO()) as complaints,
+    ):
+        nanopb.main_plugin()
+    written = CodeGeneratorResponse.FromString(response.read_bytes()).file
+    return _Headers("".join(file.content for file in written if file.name.endswith(".h")), complaints.getvalue())
+
+
+def _written(root: Path, files: Mapping[str, str]) -> Path:
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8", newline="")
+    return root
+
+
+@dataclass
+class _Both:
+    """What we and nanopb say of some files."""
+
+    schema: Schema
+    bounds: Bounds
+    findings: list[Finding]
+    headers: _Headers
+
+    def ours(self, message: str) -> int | Unbounded:
+        return largest_size(self.schema, self.bounds, message)
+
+    def compare(self, files: list[str], name: str = "{}") -> list[int]:
+        """Assert that we say what nanopb says, and return all sizes."""
+        messages = [message for message in self.schema.messages.values() if message.file in files]
+        sizes = []
+        for message in messages:
+            ours, in_c = self.ours(message.full_name), name.format(message.full_name).replace(".", "_")
+            if message.map_entry and not self.headers.mentions(in_c):
+                continue  # of a map that is left out, nanopb leaves out the entry as well
+            assert (None if isinstance(ours, Unbounded) else ours) == self.headers.size(in_c), (message.full_name, ours)
+            sizes += [ours] if isinstance(ours, int) else []
+        return sizes
+
+
+def _both(root: Path, files: list[str]) -> _Both:
+    compiled = _compiled(root, files, "--include_source_info")
+    schema, findings = schema_of(compiled, "proto"), list[Finding]()
+    bounds = read_bounds(schema, root, "proto", findings)
+    return _Both(schema, bounds, findings, _nanopb(root, compiled, files))
+
+
+def _proto3(body: str, more: str = "") -> str:
+    return f'syntax = "proto3"; package p.q; import "nanopb.proto"; {more}\n{body}'
+
+
+# --- sizes ----------------------------------------------------------------------------------------------------------
+
+
+def test_our_own_messages_have_the_sizes_that_nanopb_says(tmp_path: Path) -> None:
+    """Every message of this repository is as large for us as for nanopb, and needs no bound that it does not have."""
+    texts = {path.relative_to(ROOT / "proto").as_posix(): path.read_text() for path in ROOT.glob("proto/**/*.proto")}
+    both = _both(_written(tmp_path, texts), sorted(texts))
+    assert len(both.compare(sorted(texts))) > 20
+    assert not both.findings
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory: pytest.TempPathFactory) -> _Both:
+    """The files beside this one, which have every option that changes a size."""
+    root = tmp_path_factory.mktemp("nanopb")
+    _written(root, {path.name: path.read_text() for path in _DATA.iterdir()})
+    return _both(root, sorted(path.name for path in _DATA.glob("*.proto")))
+
+
+@pytest.mark.parametrize("file", sorted(path.name for path in _DATA.glob("*.proto")))
+def test_every_option_counts_as_it_does_for_nanopb(everything: _Both, file: str) -> None:
+    """Scalars, strings, maps, oneofs, recursion, and options at every level have the sizes that nanopb says."""
+    assert everything.compare([file])
+
+
+def test_what_is_said_of_other_files_is_for_nothing(everything: _Both) -> None:
+    """A line of a .options file holds for its own .proto file, and those here say nothing else that is wrong."""
+    assert [finding.render() for finding in everything.findings] == [
+        "proto/importing.options:1:1: warning[NPB102] "
+        "nothing in importing.proto has a name that matches lengths.Free.a\n"
+        "  help: a name is that of a message, then the field's, package included: pkg.Message.field"
+    ]
+    assert "lengths.Free.a" in everything.headers.complaints
+
+
+_MANGLED = "message A { string a = 1; message B { A a = 1; string b = 2; } }"
+
+
+@pytest.mark.parametrize(
+    ("option", "lines", "name"),
+    [
+        ("mangle_names = M_STRIP_PACKAGE", "A.a max_size:5\nA.B.b max_size:6", "{}"),
+        ("mangle_names = M_FLATTEN", "A.a max_size:5\nB.b max_size:6", "{}"),
+        ("mangle_names = M_PACKAGE_INITIALS", "pq.A.a max_size:5\npq.A.B.b max_size:6", "pq_{}"),
+        ('package = "other.one"', "other.one.A.a max_size:5\nother.one.A.B.b max_size:6", "other_one_{}"),
+    ],
+)
+def test_patterns_match_the_names_that_nanopb_gives(tmp_path: Path, option: str, lines: str, name: str) -> None:
+    """Where nanopb shortens names, or puts another package before them, patterns are for those names."""
+    text = _proto3(_MANGLED, f"option (nanopb_fileopt).{option};")
+    both = _both(_written(tmp_path, {"a.proto": text, "a.options": f"{lines}\np.q.A.a max_size:99"}), ["a.proto"])
+    inner = "B" if "FLATTEN" in option else "A_B"
+    assert both.ours("p.q.A") == both.headers.size(name.format("A")) == 6
+    assert both.ours("p.q.A.B") == both.headers.size(name.format(inner)) == 15
+    assert [finding.span.line for finding in both.findings] == [3]
+
+
+_REFUSED = [
+    'syntax = "proto3"; message M { string a = 1 [(nanopb).type = FT_STATIC]; }',
+    'syntax = "proto3"; message M { repeated int32 a = 1 [(nanopb).type = FT_STATIC]; }',
+    'syntax = "proto3"; message M { bytes a = 1 [(nanopb).type = FT_INLINE]; }',
+    'syntax = "proto3"; message M { bytes a = 1 [(nanopb).fixed_length = true]; }',
+    'syntax = "proto3"; message M { bytes a = 1 [(nanopb).fixed_length = true, (nanopb).max_length = 3]; }',
+    'syntax = "proto3"; message M { repeated int32 a = 1 [(nanopb).fixed_count = true]; }',
+    'syntax = "proto3"; message M { int32 a = 1 [(nanopb).fixed_count = true]; }',
+    'syntax = "proto3"; message M { string a = 1 [(nanopb).fallback_type = FT_STATIC]; }',
+    'syntax = "proto3"; message M { string a = 1 [(nanopb).fallback_type = FT_IGNORE]; }',
+    'syntax = "proto3"; message M { int32 a = 1 [(nanopb).type_override = TYPE_STRING]; }',
+    'syntax = "proto3"; message M { int32 a = 1 [(nanopb).type_override = TYPE_BYTES]; }',
+    'syntax = "proto3"; message M { int32 a = 1 [(nanopb).type_override = TYPE_MESSAGE]; }',
+    'syntax = "proto3"; message M { int32 a = 1 [(nanopb).type_override = TYPE_ENUM]; }',
+    'syntax = "proto3"; message N {} message M { N a = 1 [(nanopb).type_override = TYPE_ENUM]; }',
+    'syntax = "proto3"; message N {} message M { N a = 1 [(nanopb).type_override = TYPE_GROUP]; }',
+    'syntax = "proto2"; message M { optional group A = 1 { required int32 x = 1; } }',
+    'syntax = "proto2"; message M { oneof o { group A = 1 { required int32 x = 1; } } }',
+]
+
+
+@pytest.mark.parametrize("text", _REFUSED)
+def test_what_nanopb_refuses_has_no_size(tmp_path: Path, text: str) -> None:
+    """A message for which nanopb gives up on the whole file has no size, and the field that is to blame is named."""
+    text = text.replace(";", '; import "nanopb.proto";', 1)
+    compiled = _compiled(_written(tmp_path, {"a.proto": text}), ["a.proto"], "--include_source_info")
+    with pytest.raises((Exception, SystemExit)):  # of various types, for various accidents
+        _nanopb(tmp_path, compiled, ["a.proto"])
+    schema = schema_of(compiled, "")
+    size = largest_size(schema, read_bounds(schema, tmp_path, "", []), "M")
+    assert isinstance(size, Unbounded)
+    assert size.path == "a"
+    assert size.span.line == 1
+
+
+_SCALARS = [
+    *("double", "float", "int32", "int64", "uint32", "uint64", "sint32", "sint64", "fixed32", "fixed64", "bool"),
+    *("string", "bytes", "string", "bytes", "E0", "E1", "p.q.E2"),
+]
+_PATTERNS = [
+    "p.q.M{m}",
+    "p.q.M{m}.*",
+    "p.q.M{m}.f{f}",
+    "*.f{f}",
+    "p.q.M{m}.f[{f}3]",
+    "*",
+    "p.q.M{m}.o",
+    "*Entry*",
+    "?.q.M*",
+]
+
+
+class _Files:
+    """Makes up .proto files, with options inside and beside them."""
+
+    def __init__(self, random: Random) -> None:
+        self._random = random
+
+    def texts(self) -> dict[str, str]:
+        proto3 = self._random.random() < 0.7
+        first, second = self._file(proto3, range(6), ""), self._file(proto3, range(6, 13), 'import "a.proto";')
+        return {"a.proto": first, "a.options": self._lines(), "b.proto": second, "b.options": self._lines()}
+
+    def _maybe(self, chance: float) -> bool:
+        return self._random.random() < chance
+
+    def _file(self, proto3: bool, messages: range, imported: str) -> str:
+        syntax = "proto3" if proto3 else "proto2"
+        head = f'syntax = "{syntax}"; package p.q; import "nanopb.proto"; {imported}'
+        level = f"option (nanopb_fileopt).{self._option('={}')};" if self._maybe(0.2) else ""
+        enums = "" if imported else "".join(self._enum(number) for number in range(3))
+        return "\n".join([head, level, enums, *(self._message(proto3, number, messages.stop) for number in messages)])
+
+    def _enum(self, number: int) -> str:
+        values = [0, *{self._random.choice([1, 127, 128, 70000, 2**31 - 1, -1]) for _ in range(2)}]
+        return f"enum E{number} {{ {' '.join(f'V{number}_{i} = {value};' for i, value in enumerate(values))} }}"
+
+    def _message(self, proto3: bool, number: int, stop: int) -> str:
+        fields = [self._field(proto3, index, number, stop) for index in range(1, self._random.randint(2, 6))]
+        if self._maybe(0.3):
+            members = [self._member(index, number, stop) for index in range(6, 6 + self._random.randint(1, 3))]
+            fields.append(f"oneof o {{ {' '.join(members)} }}")
+        if self._maybe(0.15):
+            fields.append(f"option (nanopb_msgopt).{self._option('={}')};")
+        return f"message M{number} {{ {' '.join(fields)} }}"
+
+    def _type(self, number: int, stop: int) -> str:
+        if self._maybe(0.2) and (number + 1 < stop or self._maybe(0.1)):
+            return f"M{self._random.randrange(max(0, number - self._maybe(0.05)), stop)}"
+        return self._random.choice(_SCALARS)
+
+    def _field(self, proto3: bool, index: int, number: int, stop: int) -> str:
+        type = self._type(number, stop)
+        if self._maybe(0.1):
+            return self._member(index, number, stop, f"map<{self._random.choice(['int32', 'string'])}, {type}>")
+        label = self._random.choice(
+            ["", "optional ", "repeated "] if proto3 else ["required ", "optional ", "repeated "]
+        )
+        return label + self._member(index, number, stop, type)
+
+    def _member(self, index: int, number: int, stop: int, type: str = "") -> str:
+        tag = index + self._random.choice([0, 0, 20, 3000])
+        options = [f"(nanopb).{self._option('={}')}" for _ in range(self._random.choice([0, 1, 1, 2, 3]))]
+        options = list({option.partition("=")[0]: option for option in options}.values())
+        given = f" [{', '.join(options)}]" if options else ""
+        return f"{type or self._type(number, stop)} f{index} = {tag}{given};"
+
+    def _option(self, form: str) -> str:
+        name, values = self._random.choice(
+            [
+                *[("max_size", [0, 1, 5, 127, 128, 129, 300])] * 5,
+                *[("max_count", [0, 1, 2, 3])] * 5,
+                ("max_length", [0, 4, 127, 128]),
+                ("int_size", ["IS_8", "IS_16", "IS_32", "IS_64", "IS_DEFAULT"]),
+                ("type", ["FT_IGNORE", "FT_IGNORE", "FT_POINTER", "FT_CALLBACK", "FT_DEFAULT"]),
+                ("fallback_type", ["FT_POINTER", "FT_CALLBACK"]),
+                *[(name, ["true", "false"]) for name in ("no_unions", "packed_struct", "anonymous_oneof")],
+                ("descriptorsize", ["DS_4", "DS_8"]),
+            ]
+        )
+        return name + form.format(self._random.choice(values))
+
+    def _lines(self) -> str:
+        lines = []
+        for _ in range(self._random.randint(0, 14)):
+            pattern = self._random.choice(_PATTERNS).format(m=self._random.randrange(13), f=self._random.randint(1, 8))
+            options = " ".join(self._option(":{}") for _ in range(self._random.randint(1, 3)))
+            lines.append(f"{pattern} {options}{self._random.choice(['', ' // more', ' # more', '/* more */'])}")
+        return "\n".join(lines)
+
+
+@_EXAMPLES
+@given(st.randoms(use_true_random=False))
+def test_random_messages_have_the_sizes_that_nanopb_says(
+    tmp_path_factory: pytest.TempPathFactory, random: Random
+) -> None:
+    """So have messages made up at random, with random options; and lines for nothing are so for nanopb as well."""
+    root = tmp_path_factory.getbasetemp()
+    texts = _Files(Random(random.getrandbits(64))).texts()  # noqa: S311  # one draw: hypothesis takes long over many
+    files = ["a.proto", "b.proto"]
+    compiled, findings = _compiled(_written(root, texts), files), list[Finding]()
+    schema = schema_of(FileDescriptorSet(file=compiled.file[-2:]), "proto")  # not all that nanopb.proto imports
+    bounds = read_bounds(schema, root, "proto", findings)
+    try:
+        both = _Both(schema, bounds, findings, _nanopb(root, compiled, files))
+    except RecursionError:  # nanopb itself goes round in circles for some messages inside themselves
+        reasons = [getattr(largest_size(schema, bounds, name), "reason", "") for name in schema.messages]
+        assert any("inside itself" in reason for reason in reasons)
+        return
+    both.compare(files)
+    complained = re.findall(r"/(\w+\.options) did not match any fields: (.*)", both.headers.complaints)
+    theirs = {(file, pattern) for file, patterns in complained for pattern in patterns.split(", ")}
+    for finding in both.findings:
+        file = finding.span.file.removeprefix("proto/")
+        assert (file, texts[file].split("\n")[finding.span.line - 1].split()[0]) in theirs
+
+
+# --- why there is none ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("message", "path", "reason", "line"),
+    [
+        ("lengths.Free", "a", "a string without max_size or max_length", 8),
+        ("lengths.FreeBytes", "a", "bytes without max_size", 12),
+        ("lengths.FreeCount", "a", "repeated without max_count", 99),
+        ("lengths.FreeMap", "a", "a map without max_count", 119),
+        ("lengths.FreeMapValue", "a.value", "a string without max_size or max_length", 122),
+        ("importing.AroundFreeMember", "b.b.a", "a string without max_size or max_length", 8),
+        ("storage.Pointer", "a", "its type is FT_POINTER", 11),
+        ("storage.Self", "b", "a message inside itself: storage.Self > storage.Self", 66),
+        (
+            *("storage.AroundRing", "b.a.b.a"),
+            *("a message inside itself: storage.Ring2 > storage.Ring3 > storage.Ring > storage.Ring2", 91),
+        ),
+        ("storage.Skipped", "", "nanopb leaves storage.Skipped out", 117),
+        ("storage.AroundSkipped", "a.b", "nanopb leaves storage.Skipped out", 135),
+    ],
+)
+def test_the_first_field_without_a_bound_is_named(
+    everything: _Both, message: str, path: str, reason: str, line: int
+) -> None:
+    """A message without a size names the way to a field that is why, and where that stands."""
+    size = everything.ours(message)
+    assert isinstance(size, Unbounded)
+    assert (size.path, size.reason, size.span.line) == (path, reason, line)
+
+
+def test_what_a_message_consists_of_is_told_by_field(everything: _Both) -> None:
+    """The fields of a message come with their sizes, the largest first; all but those that have none."""
+    assert field_sizes(everything.schema, everything.bounds, "oneofs.Plain") == [
+        *(("c", 203), ("a", 11), ("d", 11), ("e", 11), ("f", 9), ("g", 7), ("b", 2)),
+    ]
+    assert field_sizes(everything.schema, everything.bounds, "lengths.FreeBytes") == [("first", 11)]
+
+
+def test_the_place_where_a_bound_was_given_is_known(everything: _Both) -> None:
+    """Every option of a field knows the line that it comes from, of the .options file or of the .proto file."""
+    of_field = everything.bounds.of_field("levels.LinesInTurn", "bb")
+    assert (of_field.max_size, of_field.max_length, of_field.max_count) == (46, 47, 2)
+    assert of_field.said == {
+        "max_size": Span("proto/levels.options", 9, 1),
+        "max_length": Span("proto/levels.options", 10, 1),
+        "max_count": Span("proto/levels.proto"),
+    }
+    here = everything.bounds.of_field("levels.OfField", "a").said["max_size"]
+    assert (here.file, here.line) == ("proto/levels.proto", 29)
+
+
+def test_a_long_chain_of_messages_is_no_trouble(tmp_path: Path) -> None:
+    """Sizes come from the innermost message on, so no number of messages in messages is too many."""
+    chain = "".join(f"message M{i} {{ M{i + 1} a = 1; }}" for i in range(2000)) + "message M2000 { TYPE a = 1; }"
+    for type, expected in (("bool", int), ("string", Unbounded), ("M0", Unbounded)):
+        _written(tmp_path, {"a.proto": f'syntax = "proto3"; {chain.replace("TYPE", type)}'})
+        schema = schema_of(_compiled(tmp_path, ["a.proto"]), "proto")
+        assert isinstance(largest_size(schema, read_bounds(schema, tmp_path, "proto", []), "M0"), expected)
+
+
+# --- options that cannot be read ------------------------------------------------------------------------------------
+
+_HOST = 'syntax = "proto3"; package p.q; message M { string s = 1; repeated int32 r = 2; }'
+_LINES = [
+    *("# x", "// x", "  // x", "/* p.q.M.s max_size:5 */", "/**/", "//*", "", " \t", "/*/ x */p.q.M.* max_size:5"),
+    *("p.q.M.s max_size:5 # c", "p.q.M.s max_size:5 // c", "p.q.M.s max_size:/* a */5", "p.q.M/**/.s max_size:5"),
+    *("p.q.M.s max_size: 5", "p.q.M.s max_size :5", "p.q.M.s max_size:5, max_count:3", "p.q.M.s max_size:5; type:2"),
+    *("\tp.q.M.s\tmax_size:5", "p.q.M.s\xa0max_size:5", "p.q.M.s\x0bmax_size:5", "\ufeffp.q.M.s max_size:5"),
+    *("p.q.M.* max_size:5 max_size:6", "p.q.M.s max_size:0x10", "p.q.M.s max_size:010", "p.q.M.s max_size:+5"),
+    *("p.q.M.* max_size:5 max_count:3", "*.r max_count:4", "p.q.M.* max_size:5\rp.q.M.r max_count:3"),
+    *("p.q.M.r fixed_count:t max_count:2", "p.q.M.r fixed_count:1 max_count:2", 'p.q.M.s callback_datatype:"int *"'),
+    *(
+        'p.q.M.s include:"a" include:"b"',
+        "p.q.M.s include:['a', 'b'] max_size:3",
+        "p.q.M.s int_size:8",
+        "bogus max_size:3",
+    ),
+    *("p.q.M.[ max_size:5", "p.q.M.[s max_size:5", "p.q.M.*/max_size:5 max_count:2", "M.s max_size:5", "*/ max_size:4"),
+    *(
+        "p.q.M.s max_size:5 /* # */ max_count:2",
+        "q.M.s max_size:5",
+        ".p.q.M.s max_size:5",
+        "a max_size:5",
+        "p.q max_size:3",
+    ),
+    *("a.proto max_size:3 max_count:2", "*.proto max_size:3", "p.q.m.s max_size:3", "p.q.M.s max_size:5\u2028"),
+    *(
+        "p.q.M.s",
+        "p.q.M.s max_size",
+        "p.q.M.s max_size:",
+        "p.q.M.s max_size:x",
+        "p.q.M.s max_size=5",
+        "p.q.M.s max_sise:5",
+    ),
+    *(
+        "p.q.M.s max_size:99999999999",
+        "p.q.M.s max_size:5.0",
+        "p.q.M.s type:FT_BOGUS",
+        "p.q.M.s type:77",
+        "p.q.M.s [x]:5",
+    ),
+    *(
+        "p.q.M.r fixed_count:TRUE",
+        "/* x",
+        "/*",
+        "p.q.M.s max_size:5 \\",
+        "p.q.M.s {max_size:5}",
+        "p.q.M.s max_size:5 }",
+    ),
+    *(
+        "p.q.M.s callback_datatype:int",
+        'p.q.M.s callback_datatype:"http://x"',
+        "p.q.M.s max_size:5max_count:3",
+        "x # a",
+    ),
+    *(
+        "p.q.M.s max_size:5,,max_count:3",
+        "p.q.M.s 1:5",
+        "p.q.M.s max_size:5 foo",
+        "p.q.M.*// max_size:5",
+        "p.q.M.s max_size:- 5",
+    ),
+]
+
+
+@pytest.mark.parametrize("line", _LINES, ids=ascii)
+def test_lines_are_read_as_nanopb_reads_them(tmp_path: Path, line: str) -> None:
+    """A line that nanopb takes says the same to us; one that it stops at is an error, one without a match a warning."""
+    _written(tmp_path, {"a.proto": _HOST, "a.options": line})
+    compiled, findings = _compiled(tmp_path, ["a.proto"]), list[Finding]()
+    schema = schema_of(compiled, "proto")
+    bounds = read_bounds(schema, tmp_path, "proto", findings)
+    with contextlib.redirect_stderr(io.StringIO()) as complaints:
+        try:
+            headers = _nanopb(tmp_path, compiled, ["a.proto"])
+        except SystemExit:
+            assert [finding.rule.id for finding in findings] == ["NPB101"]
+            return
+    assert [finding.rule.id for finding in findings] == ["NPB102"] * ("did not match" in headers.complaints)
+    _Both(schema, bounds, findings, headers).compare(["a.proto"])
+    assert not complaints.getvalue()
+
+
+def _found(root: Path, files: Mapping[str, str]) -> list[str]:
+    findings: list[Finding] = []
+    schema = schema_of(_compiled(_written(root, files), ["a.proto"]), "proto")
+    read_bounds(schema, root, "proto", findings)
+    return [finding.render() for finding in findings]
+
+
+def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
+    """Each line has a finding of its own, at what is wrong in it; the lines around it are read all the same."""
+    lines = [
+        "p.q.M.s",
+        "p.q.M.s max_size:5 max_sise:4",
+        "*.r /* n */ max_count:-1",
+        " p.q.M.x max_size:1",
+        "*.r max_count:x",
+    ]
+    assert _found(tmp_path, {"a.proto": _HOST, "a.options": "\n".join(lines)}) == [
+        "proto/a.options:1:1: error[NPB101] p.q.M.s has no options\n  help: write p.q.M.s max_size:16, for example",
+        "proto/a.options:2:20: error[NPB101] nanopb has no option 'max_sise'\n  help: did you mean max_size?",
+        "proto/a.options:3:1: error[NPB101] max_count cannot be -1",
+        "proto/a.options:5:15: error[NPB101] Couldn't parse integer: x",
+        "proto/a.options:4:2: warning[NPB102] nothing in a.proto has a name that matches p.q.M.x\n"
+        "  help: a name is that of a message, then the field's, package included: pkg.Message.field",
+    ]
+
+
+def test_a_file_that_cannot_be_read_is_a_finding(tmp_path: Path) -> None:
+    """Bytes that are no UTF-8, and a folder in a file's place, are findings at the file."""
+    _written(tmp_path, {"a.proto": _HOST})
+    (tmp_path / "a.options").write_bytes(b"*.s max_size:5 # \xff\n")
+    assert _found(tmp_path, {}) == [
+        "proto/a.options: error[NPB101] the file cannot be read: it is not UTF-8: invalid start byte"
+    ]
+    (tmp_path / "a.options").unlink()
+    (tmp_path / "a.options").mkdir()
+    assert _found(tmp_path, {}) == ["proto/a.options: error[NPB101] the file cannot be read: Is a directory"]
+
+
+def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:
+    """What is read of a schema whose field ``s`` has some bytes for its options."""
+    message = schema.messages["p.q.M"]
+    fields = tuple(replace(field, options=options) if field.name == "s" else field for field in message.fields)
+    changed = replace(schema, messages={"p.q.M": replace(message, fields=fields)})
+    findings: list[Finding] = []
+    bounds = read_bounds(changed, Path("nowhere"), "", findings)
+    largest_size(changed, bounds, "p.q.M")
+    return bounds, [f"{finding.rule.id} {finding.span} {finding.message}" for finding in findings]
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> Schema:
+    """One message with a string and numbers."""
+    root = _written(tmp_path_factory.mktemp("host"), {"a.proto": _HOST})
+    return schema_of(_compiled(root, ["a.proto"], "--include_source_info"), "")
+
+
+@pytest.mark.parametrize(
+    ("options", "max_size", "said"),
+    [
+        (b"", None, ""),
+        (b"\x18\x01", None, ""),  # deprecated, and nothing of nanopb's
+        (b"\x92\x3f\x02\x08\x05", 5, ""),
+        (b"\x92\x3f\x02\x08\x05\x18\x01\x92\x3f\x02\x08\x06", 6, ""),  # in two parts
+        (b"\x92\x3f\x02\x08", None, "the options are no protobuf message"),
+        (b"\x90\x3f\x05", None, "nanopb's options are no message"),
+        (b"\x92\x3f\x05\x08\x05\x98\x06\x07", 5, "nanopb's option number 99 is not known"),
+        (b"\x92\x3f\x04\x08\x05\x18\x4d", 5, "type cannot be 77"),
+        (b"\x92\x3f\x05\x08\x05\x0a\x01x", 5, "max_size cannot be b'x'"),
+        (b"\x92\x3f\x0b\x08" + b"\xff" * 9 + b"\x01", None, "max_size cannot be -1"),
+    ],
+)
+def test_options_inside_are_read_or_found_fault_with(
+    host: Schema, options: bytes, max_size: int | None, said: str
+) -> None:
+    """Of options in a .proto file, what can be read holds, and what cannot is a finding at the field's options."""
+    bounds, findings = _with_options(host, options)
+    place = host.messages["p.q.M"].fields[0].span
+    assert bounds.of_field("p.q.M", "s").max_size == max_size
+    assert findings == ([f"NPB101 {place} {said}"] if said else [])
+
+
+@_EXAMPLES
+@given(st.binary(max_size=20), st.booleans())
+def test_any_bytes_for_options_do_no_harm(host: Schema, garbage: bytes, wrapped: bool) -> None:
+    """Bytes that nobody would write give bounds or findings, and no accident."""
+    _, findings = _with_options(host, b"\x92\x3f" + bytes([len(garbage)]) + garbage if wrapped else garbage)
+    assert all(finding.startswith("NPB101 a.proto:1:") for finding in findings)

@@ -1,0 +1,383 @@
+"""What became of a schema, where buf has nothing to say: meanings, units, the ledger; and what holds for any schema."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from comparing import TABLE, changes_found, compiled, found
+from hypothesis import given
+from hypothesis import strategies as st
+from mutations import BASE, MUTATIONS
+
+from generator import ir, rules
+from generator.changes import Breaks
+from generator.changes.cardinality import EXPLICIT, IMPLICIT, MAP, REPEATED, REQUIRED, broken_by_cardinality
+from generator.changes.ranges import covers, missing, spelled
+from generator.changes.renames import derived_json_name
+from generator.changes.spelling import from_within
+from generator.changes.types import broken_by_kind
+from generator.changes.units import disagree, factor, measure
+from generator.changes.words import share_a_word, words
+from generator.declarations import parse
+from generator.findings import Finding, Severity, Span
+from generator.ledger import Ledger, Number, Owner
+from generator.protos import ProtoField, ProtoMessage, Schema
+from generator.subject import Change, Subject
+
+# name: (before, after, the findings as "ID number")
+CASES = {
+    # --- what a new name says ---
+    "another_thing": ("message A { float voltage = 1; }", "message A { float temperature = 1; }", "WIR114 1"),
+    "a_word_in_common": ("message A { float heading = 1; }", "message A { float heading_angle = 1; }", "JSN104 1"),
+    "a_word_cut_short": ("message A { float temp = 1; }", "message A { float temperature = 1; }", "JSN104 1"),
+    "only_a_number_in_common": ("message A { float wheel_1 = 1; }", "message A { float arm_1 = 1; }", "WIR114 1"),
+    "only_a_unit_in_common": ("message A { float reach_mm = 1; }", "message A { float width_mm = 1; }", "WIR114 1"),
+    "json_name_kept": (
+        "message A { float voltage = 1; }",
+        'message A { float supply = 1 [json_name = "voltage"]; }',
+        "SRC104 1",
+    ),
+    "names_swapped": (
+        "message A { float accel_x = 1; float accel_y = 2; }",
+        "message A { float accel_y = 1; float accel_x = 2; }",
+        "WIR114 1, WIR114 2",
+    ),
+    "another_type_as_well": ("message A { float volts = 1; }", "message A { string title = 1; }", "JSN104 1, WIR101 1"),
+    # --- units ---
+    "unit": ("message A { int32 reach_mm = 1; }", "message A { int32 reach_m = 1; }", "WIR115 1"),
+    "unit_in_camel_case": ("message A { int32 reachMm = 1; }", "message A { int32 reachCm = 1; }", "WIR115 1"),
+    "scale": ("message A { int32 angle_x100 = 1; }", "message A { int32 angle_x10 = 1; }", "WIR115 1"),
+    "relative": ("message A { float position = 1; }", "message A { float delta_position = 1; }", "WIR115 1"),
+    "rate": ("message A { float angle_deg = 1; }", "message A { float angle_deg_per_s = 1; }", "WIR115 1"),
+    "unit_added": ("message A { float angle = 1; }", "message A { float angle_deg = 1; }", "JSN104 1"),
+    "unit_of_a_text": ("message A { string size_mm = 1; }", "message A { string size_m = 1; }", "JSN104 1"),
+    # --- whole messages ---
+    "content_replaced": (
+        "message A { float voltage = 1; float current = 2; int32 load = 3; }",
+        "message A { string text = 1; bytes blob = 2; A inner = 3; }",
+        "JSN104 1, JSN104 2, JSN104 3, WIR101 1, WIR101 2, WIR101 3, WIR113 None",
+    ),
+    "a_third_left": (
+        "message A { float voltage = 1; float current = 2; int32 load = 3; }",
+        "message A { float voltage = 1; bytes blob = 2; A inner = 3; }",
+        "JSN104 2, JSN104 3, WIR101 2, WIR101 3",
+    ),
+    "retyped_only": (
+        "message A { float voltage = 1; float current = 2; int32 load = 3; }",
+        "message A { double voltage = 1; double current = 2; sint32 load = 3; }",
+        "WIR101 1, WIR101 2, WIR101 3",
+    ),
+    "emptied": (
+        "message A { float voltage = 1; float current = 2; int32 load = 3; }",
+        "message A { int32 state = 4; }",
+        "WIR102 1, WIR102 2, WIR102 3",
+    ),
+    # --- types of other names ---
+    "message_renamed": (
+        "message A { float x = 1; } message C { A a = 1; }",
+        "message B { float x = 1; } message C { B a = 1; }",
+        "SRC101 1, SRC107 None",
+    ),
+    "message_of_other_names": (
+        "message A { float x = 1; } message B { float y = 1; } message C { A a = 1; }",
+        "message A { float x = 1; } message B { float y = 1; } message C { B a = 1; }",
+        "JSN101 1",
+    ),
+    "message_that_lacks_a_field": (
+        "message A { float x = 1; float y = 2; } message B { float x = 1; } message C { A a = 1; }",
+        "message A { float x = 1; float y = 2; } message B { float x = 1; } message C { B a = 1; }",
+        "WIR101 1",
+    ),
+    "message_with_itself_inside": (
+        "message A { A a = 1; } message C { A a = 1; }",
+        "message B { B a = 1; } message C { B a = 1; }",
+        "SRC101 1, SRC107 None",
+    ),
+    "map_renamed": (
+        "message A { map<string, int32> item_counts = 1; }",
+        "message A { map<string, int32> counts = 1; }",
+        "JSN104 1",
+    ),
+    "integer_to_enum": (
+        "enum E { E_NO = 0; } message A { uint32 mode = 1; }",
+        "enum E { E_NO = 0; } message A { E mode = 1; }",
+        "JSN101 1",
+    ),
+    # --- oneofs ---
+    "into_a_oneof_alone": ("message A { int32 x = 1; }", "message A { oneof o { int32 x = 1; } }", "SRC106 1"),
+    "into_a_oneof_with_new_ones": (
+        "message A { int32 x = 1; }",
+        "message A { oneof o { int32 x = 1; int32 y = 2; } }",
+        "SRC106 1",
+    ),
+    "into_a_oneof_together": (
+        "message A { int32 x = 1; int32 y = 2; }",
+        "message A { oneof o { int32 x = 1; int32 y = 2; } }",
+        "WIR105 1, WIR105 2",
+    ),
+    # --- enums ---
+    "values_swapped": ("enum E { A = 0; B = 1; C = 2; }", "enum E { A = 0; C = 1; B = 2; }", "WIR110 1, WIR110 2"),
+    "value_renumbered": ("enum E { A = 0; B = 1; }", "enum E { A = 0; B = 2; }", "WIR107 1"),
+    # --- required fields ---
+    "edition_requires": (
+        'edition = "2023"; message A { int32 x = 1; }',
+        'edition = "2023"; message A { int32 x = 1; int32 y = 2 [features.field_presence = LEGACY_REQUIRED]; }',
+        "WIR104 2",
+    ),
+}
+
+
+def _state(name: str, body: str) -> str:
+    head, _, rest = body.partition(";") if body.startswith("edition") else ('syntax = "proto3"', ";", body)
+    return f"{head};\npackage {name};\n{rest}\n"
+
+
+@pytest.fixture(scope="module")
+def found_in_cases(tmp_path_factory: pytest.TempPathFactory) -> list[Finding]:
+    """What is found in all cases, each of which has a file and a package of its name."""
+    states = [{f"{name}.proto": _state(name, case[side]) for name, case in CASES.items()} for side in (0, 1)]
+    before, after = (compiled(state, tmp_path_factory.mktemp("state")) for state in states)
+    return changes_found(before, after)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_case(name: str, found_in_cases: list[Finding]) -> None:
+    """Each case has the findings that it says, and no others."""
+    ours = [finding for finding in found_in_cases if finding.type.startswith(f"{name}.")]
+    assert sorted(f"{finding.rule.id} {finding.number}" for finding in ours) == CASES[name][2].split(", ")
+
+
+def test_what_is_said_of_units(found_in_cases: list[Finding]) -> None:
+    """Where the factor is known, the message says by how much a receiver is off."""
+    said = {finding.type.split(".")[0]: finding.message for finding in found_in_cases if finding.rule.id == "WIR115"}
+    assert said["unit"] == "reach_mm = 1 is reach_m now: mm is read as m, 1000 times too large"
+    assert said["scale"] == "angle_x100 = 1 is angle_x10 now: times 100 is read as times 10, 10 times too large"
+    assert said["relative"] == "position = 1 is delta_position now: as it is is read as relative"
+
+
+# --- the ledger ---
+
+
+def _as_ledger(schema: Schema) -> Schema:
+    """A schema as the ledger knows it."""
+    return dataclasses.replace(
+        schema,
+        files=(),
+        extensions=(),
+        messages={name: _message_of_ledger(message) for name, message in schema.messages.items()},
+        enums={
+            name: dataclasses.replace(enum, file="", facets={}, places={}, span=Span("mapping.lock", 9))
+            for name, enum in schema.enums.items()
+        },
+    )
+
+
+def _message_of_ledger(message: ProtoMessage) -> ProtoMessage:
+    fields = tuple(map(_field_of_ledger, message.fields))
+    known = dataclasses.replace(message, file="", fields=fields, map_entry=False, extension_ranges=(), facets={})
+    return dataclasses.replace(known, places={}, span=Span("mapping.lock", 9))
+
+
+def _field_of_ledger(field: ProtoField) -> ProtoField:
+    type = "message" if field.type == "group" else field.type
+    known = dataclasses.replace(field, type=type, declared_optional=False, json_name="", facets={})
+    return dataclasses.replace(known, places={}, span=Span("mapping.lock", 9))
+
+
+@pytest.fixture(scope="module")
+def base(tmp_path_factory: pytest.TempPathFactory) -> Schema:
+    """The states' schema."""
+    return compiled(BASE, tmp_path_factory.mktemp("base"))
+
+
+def test_a_schema_is_like_itself(base: Schema) -> None:
+    """Nothing is found against the very same, nor against what the ledger knows of it."""
+    assert changes_found(base, base) == []
+    assert changes_found([Change(_as_ledger(base), base, "mapping.lock", of_ledger=True)], base) == []
+
+
+def test_the_ledger_reports_no_deleted_types(base: Schema) -> None:
+    """What the ledger has and the schema has no more is none of these rules' business."""
+    nothing = Schema((), {}, {})
+    assert changes_found([Change(_as_ledger(base), nothing, "mapping.lock", of_ledger=True)], nothing) == []
+
+
+def test_order_does_not_matter(base: Schema) -> None:
+    """Nothing is found where fields, values and types stand in another order."""
+    turned = dataclasses.replace(
+        base,
+        messages={name: _turned(message) for name, message in reversed(base.messages.items())},
+        enums=dict(reversed(base.enums.items())),
+        extensions=base.extensions[::-1],
+    )
+    assert changes_found(base, turned) == []
+
+
+def _turned(message: ProtoMessage) -> ProtoMessage:
+    return dataclasses.replace(message, fields=message.fields[::-1], reserved=message.reserved[::-1])
+
+
+def test_a_fault_against_two_states_comes_once(tmp_path: Path) -> None:
+    """What the ledger and another state both know is said once, with that state's place."""
+    chosen = ("int32_to_string", "field_deleted", "value_deleted", "singular_to_repeated", "moved_between_oneofs")
+    for mutation in (one for one in MUTATIONS if one.name in chosen):
+        before = compiled(mutation.before, tmp_path / mutation.name / "before", "earlier")
+        after = compiled(mutation.after, tmp_path / mutation.name / "after")
+        ledger = Change(_as_ledger(before), after, "mapping.lock", of_ledger=True)
+        [finding] = changes_found([ledger, Change(before, after, "earlier")], after)
+        assert finding.also[0][0].file.startswith("earlier/")
+        [alone] = changes_found([ledger], after)
+        assert alone == dataclasses.replace(finding, also=())
+
+
+def _published(*facts: tuple[ir.WireField | ir.WireValue, bool]) -> Owner:
+    numbers = [Number(fact, gone, Span("mapping.lock", line, 5)) for line, (fact, gone) in enumerate(facts, 7)]
+    return Owner(isinstance(facts[0][0], ir.WireField), Span("mapping.lock", 6, 3), numbers)
+
+
+_FIELD = ir.WireField(2, "level", "int32", "", "")
+
+
+@pytest.mark.parametrize(
+    ("facts", "field", "reused"),
+    [
+        ([(_FIELD, True)], "float volume = 2;", True),
+        ([(_FIELD, True)], "string level = 2;", True),
+        ([(_FIELD, True)], "int32 level = 2;", False),
+        ([(_FIELD, True)], "int64 level = 2;", False),
+        ([(_FIELD, True)], "float volume = 3;", False),
+        ([(_FIELD, False)], "float volume = 2;", False),  # never gone: the change itself is found
+        ([(_FIELD, True), (ir.WireField(2, "volume", "float", "", ""), False)], "float volume = 2;", False),
+    ],
+)
+def test_reuse_after_a_gap(facts: list[tuple[ir.WireField, bool]], field: str, reused: bool, tmp_path: Path) -> None:
+    """A number that is gone in the ledger is not given to another field."""
+    schema = compiled({"a.proto": f'syntax = "proto3"; message A {{ {field} }}'}, tmp_path)
+    ids = [finding.rule.id for finding in found(Subject(TABLE, schema, Ledger((), {"A": _published(*facts)}, {})))]
+    assert ids == ["WIR111"] * reused
+
+
+def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
+    """The same holds for the numbers of an enum, whatever names they have beside."""
+    text = 'syntax = "proto3"; enum E { A = 0; B = 1; C = 2; D = 3; }'
+    schema = compiled({"a.proto": text}, tmp_path)
+    values = [ir.WireValue(1, "OLD"), ir.WireValue(2, "C"), ir.WireValue(3, "OLDER")]
+    owner = _published((values[0], True), (values[1], True), (values[2], False))
+    [finding] = found(Subject(TABLE, schema, Ledger((), {}, {"E": owner})))
+    assert (finding.rule.id, finding.number) == ("WIR112", 1)
+    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: the next free number is 4'
+
+
+def test_the_next_free_number(tmp_path: Path) -> None:
+    """It is above what is declared, reserved, in a comment, or known to the ledger."""
+    text = 'syntax = "proto3";\nmessage A {\n  string speed = 1;\n  // int32 later = 7;\n  reserved 9 to 11;\n}\n'
+    before = compiled({"a.proto": text.replace("string", "int32")}, tmp_path / "before")
+    after = compiled({"a.proto": text}, tmp_path / "after")
+    subject = Subject(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(Change(before, after, "before"),))
+    [finding] = found(subject)
+    assert finding.help == (
+        "put back `int32 speed = 1;`; or give it a new number, the next free one is 8: `string speed = 8; reserved 1;`"
+    )
+    owner = _published((ir.WireField(8, "gone", "int32", "", ""), True))
+    [finding] = found(dataclasses.replace(subject, ledger=Ledger((), {"A": owner}, {})))
+    assert "the next free one is 12" in finding.help
+
+
+# --- severities ---
+
+
+def test_severity_by_what_breaks() -> None:
+    """The family says how grave a fault is, but for what does no harm and for what only seems to be one."""
+    grave = {"WIR": Severity.ERROR, "JSN": Severity.WARNING, "SRC": Severity.WARNING}
+    others = {
+        id: module.RULE.severity
+        for id, module in rules.modules().items()
+        if id[:3] in grave and module.RULE.severity is not grave[id[:3]]
+    }
+    assert others == {"WIR115": Severity.WARNING, "SRC102": Severity.HINT, "SRC113": Severity.HINT}
+
+
+# --- what holds for any ---
+
+_KINDS = "double float int32 int64 uint32 uint64 sint32 sint64 fixed32 fixed64 sfixed32 sfixed64 bool string bytes enum"
+_CARDINALITIES = (IMPLICIT, EXPLICIT, REQUIRED, REPEATED, MAP)
+
+
+@given(st.sampled_from(_KINDS.split()), st.sampled_from(_KINDS.split()))
+def test_types_break_both_ways(one: str, other: str) -> None:
+    """A type does not break itself, and what one breaks the way back breaks; but a string's bytes are always bytes."""
+    assert (broken_by_kind(one, other) is Breaks.NOTHING) == (one == other)
+    if {one, other} != {"string", "bytes"}:
+        assert broken_by_kind(one, other) is broken_by_kind(other, one)
+
+
+@given(st.sampled_from(_CARDINALITIES), st.sampled_from(_CARDINALITIES))
+def test_cardinalities_break_both_ways(one: str, other: str) -> None:
+    """A cardinality does not break itself, and what one breaks the way back breaks."""
+    assert (broken_by_cardinality(one, other) is Breaks.NOTHING) == (one == other)
+    assert broken_by_cardinality(one, other) is broken_by_cardinality(other, one)
+
+
+_RANGE = st.tuples(st.integers(1, 30), st.integers(0, 9)).map(lambda pair: (pair[0], pair[0] + pair[1]))
+
+
+@given(_RANGE, st.lists(_RANGE))
+def test_missing_numbers(wanted: tuple[int, int], ranges: list[tuple[int, int]]) -> None:
+    """What is missing of a range are its numbers that no range covers, in ranges that do not touch."""
+    left = list(missing(wanted, ranges))
+    numbers = [number for first, last in left for number in range(first, last + 1)]
+    assert numbers == [number for number in range(wanted[0], wanted[1] + 1) if not covers(ranges, number)]
+    assert all(one[1] + 1 < other[0] for one, other in itertools.pairwise(left))
+
+
+def test_ranges_as_they_are_written() -> None:
+    """One number stands alone, and the largest is `max`."""
+    assert spelled([(3, 3), (5, 9), (1000, 2**29 - 1)]) == "3, 5 to 9, 1000 to max"
+
+
+_WORDS = ["arm", "speed", "mm", "m", "deg", "rad", "x100", "delta", "per", "s", "2", "left"]
+_NAME = st.lists(st.sampled_from(_WORDS), min_size=1, max_size=5)
+
+
+@given(_NAME, _NAME)
+def test_units_and_words(one: list[str], other: list[str]) -> None:
+    """A name agrees with itself, words are shared both ways, and the way back has the inverse factor."""
+    measures = [measure(words("_".join(name))) for name in (one, other)]
+    assert not disagree(measures[0], measures[0])
+    assert measures[0].words
+    assert share_a_word(["_".join(one)], ["_".join(one)])
+    assert share_a_word(["_".join(one)], ["_".join(other)]) == share_a_word(["_".join(other)], ["_".join(one)])
+    there, back = factor(*measures), factor(*measures[::-1])
+    assert (there is None) == (back is None)
+    assert there is None or back is None or math.isclose(there * back, 1)
+
+
+def _spellings() -> Iterator[tuple[str, list[str]]]:
+    yield "accel_x", ["accel", "x"]
+    yield "accelX", ["accel", "x"]
+    yield "GPSInfo", ["gps", "info"]
+    yield "angleX100", ["angle", "x100"]
+    yield "angle_x100", ["angle", "x100"]
+    yield "accel_mps2", ["accel", "mps2"]
+    yield "max10", ["max", "10"]
+
+
+@pytest.mark.parametrize(("name", "expected"), [*_spellings()])
+def test_words(name: str, expected: list[str]) -> None:
+    """Names fall into words, be they in snake or in camel case."""
+    assert words(name) == expected
+
+
+def test_names_that_follow() -> None:
+    """JSON's name follows from a field's, and inside a message a type's full name is cut short."""
+    assert [derived_json_name(name) for name in ("label", "stamp_fixed", "_a_", "fooBar")] == [
+        *("label", "stampFixed", "A", "fooBar"),
+    ]
+    assert from_within("rover.Telemetry", "rover.Vector") == "Vector"
+    assert from_within("rover.Telemetry", "rover.Telemetry.Wheel") == "Wheel"
+    assert from_within("rover.Telemetry", "google.protobuf.Timestamp") == "google.protobuf.Timestamp"
