@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, generation, linting
+from bench import bridging, generation, history, linting
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -19,6 +19,7 @@ SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
     "generation": generation.measure,
     "linting": linting.measure,
+    "history": history.measure,
 }
 
 SECONDS, QUICK_SECONDS, SHORTEST_SECONDS = 1.0, 0.3, 0.1

@@ -12,9 +12,10 @@ from google.protobuf.descriptor_pb2 import (
     FieldOptions,
     FileDescriptorProto,
     FileDescriptorSet,
+    MessageOptions,
 )
 
-from generator.features import Features, features_of_file, label_of, overridden
+from generator.features import Features, features_of_file, label_of, overridden, syntax_of_file
 from generator.findings import Span
 from generator.places import Path, Places
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema
@@ -36,6 +37,11 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
         enums={enum.full_name: enum for reader in readers for enum in reader.enums},
         extensions=tuple(extension for reader in readers for extension in reader.extensions),
         file_options={file.name: file.options.SerializeToString() for file in compiled.file},
+        packages={file.name: file.package for file in compiled.file},
+        syntaxes={file.name: syntax_of_file(file) for file in compiled.file},
+        public_imports={
+            file.name: tuple(file.dependency[index] for index in file.public_dependency) for file in compiled.file
+        },
     )
 
 
@@ -60,9 +66,22 @@ class _FileReader:
     ) -> None:
         """Read a message; ``place`` is where it stands if nobody wrote it, which is a map's entry."""
         full_name, features = prefix + message.name, overridden(inherited, message.options.features)
-        reserved = tuple((range.start, range.end - 1) for range in message.reserved_range)
+        declared = self._itself(message, full_name, path, features, place)
+        self.messages.append(declared)
+        maps = {field.type_name: field.at("type_name") for field in declared.fields}
+        for index, nested in enumerate(message.nested_type):
+            of_map = maps.get(f"{full_name}.{nested.name}") if nested.options.map_entry else None
+            self._message(nested, f"{full_name}.", (*path, _MESSAGE_NESTED, index), features, of_map)
+        for index, enum in enumerate(message.enum_type):
+            self._enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index), features)
+        self._extensions(message.extension, full_name, (*path, _MESSAGE_EXTENSION), features)
+
+    def _itself(
+        self, message: DescriptorProto, full_name: str, path: Path, features: Features, place: Span | None
+    ) -> ProtoMessage:
+        """A message without what is declared inside, but for its fields."""
         real_oneofs = {field.oneof_index for field in message.field if _in_oneof(field)}
-        declared = ProtoMessage(
+        return ProtoMessage(
             span=place or self._places.span(path),
             places=self._places.of_message(path, message),
             comment=self._places.comment(path),
@@ -76,22 +95,10 @@ class _FileReader:
             oneofs=tuple(one.name for index, one in enumerate(message.oneof_decl) if index in real_oneofs),
             map_entry=message.options.map_entry,
             extension_ranges=tuple((range.start, range.end - 1) for range in message.extension_range),
-            reserved=reserved,
+            reserved=tuple((range.start, range.end - 1) for range in message.reserved_range),
             reserved_names=tuple(message.reserved_name),
-            facets=_facets(
-                message_set_wire_format=message.options.message_set_wire_format,
-                no_standard_descriptor_accessor=message.options.no_standard_descriptor_accessor,
-                json_format=features["json_format"],
-            ),
+            facets=_facets_of_message(message.options, features),
         )
-        self.messages.append(declared)
-        maps = {field.type_name: field.at("type_name") for field in declared.fields}
-        for index, nested in enumerate(message.nested_type):
-            of_map = maps.get(f"{full_name}.{nested.name}") if nested.options.map_entry else None
-            self._message(nested, f"{full_name}.", (*path, _MESSAGE_NESTED, index), features, of_map)
-        for index, enum in enumerate(message.enum_type):
-            self._enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index), features)
-        self._extensions(message.extension, full_name, (*path, _MESSAGE_EXTENSION), features)
 
     def _extensions(self, fields: Iterable[FieldDescriptorProto], scope: str, path: Path, inherited: Features) -> None:
         for index, field in enumerate(fields):
@@ -110,9 +117,6 @@ class _FileReader:
         if _in_oneof(field):
             inherited = overridden(inherited, message.oneof_decl[field.oneof_index].options.features)
         features = overridden(inherited, field.options.features)
-        type = _SCALARS[field.type]
-        repeated = field.label == FieldDescriptorProto.LABEL_REPEATED
-        packed = field.options.packed if field.options.HasField("packed") else _packs(features)
         return ProtoField(
             span=place or self._places.span(path),
             places=self._places.of_field(path),
@@ -120,22 +124,13 @@ class _FileReader:
             options=field.options.SerializeToString(),
             number=field.number,
             name=field.name,
-            type=type,
+            type=_SCALARS[field.type],
             type_name=field.type_name.removeprefix("."),
             label=label_of(field, features),
             declared_optional=field.proto3_optional,
             oneof=message.oneof_decl[field.oneof_index].name if _in_oneof(field) else "",
             json_name=field.json_name,
-            facets=_facets(
-                default=field.default_value,
-                packed=repeated and type in _PACKABLE and packed,
-                delimited=features["message_encoding"] == "DELIMITED" and _may_be_delimited(field, message),
-                utf8_validation=features["utf8_validation"] if type == "string" else "",
-                java_utf8_validation=_java_utf8_validation(features) if type == "string" else "",
-                cpp_string_type=_cpp_string_type(field, features),
-                ctype=_ctype(field.options),
-                jstype=_jstype(field.options),
-            ),
+            facets=_facets_of_field(field, message, features),
         )
 
     def _enum(self, enum: EnumDescriptorProto, prefix: str, path: Path, inherited: Features) -> None:
@@ -172,8 +167,32 @@ def _in_oneof(field: FieldDescriptorProto) -> bool:
     return field.HasField("oneof_index") and not field.proto3_optional
 
 
-def _packs(features: Features) -> bool:
-    return features["repeated_field_encoding"] == "PACKED"
+def _facets_of_message(options: MessageOptions, features: Features) -> dict[str, str]:
+    return _facets(
+        message_set_wire_format=options.message_set_wire_format,
+        no_standard_descriptor_accessor=options.no_standard_descriptor_accessor,
+        json_format=features["json_format"],
+    )
+
+
+def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, features: Features) -> dict[str, str]:
+    is_text = field.type == FieldDescriptorProto.TYPE_STRING
+    return _facets(
+        default=field.default_value,
+        packed=_packed(field, features),
+        delimited=features["message_encoding"] == "DELIMITED" and _may_be_delimited(field, message),
+        utf8_validation=features["utf8_validation"] if is_text else "",
+        java_utf8_validation=_java_utf8_validation(features) if is_text else "",
+        cpp_string_type=_cpp_string_type(field, features),
+        ctype=_ctype(field.options),
+        jstype=_jstype(field.options),
+    )
+
+
+def _packed(field: FieldDescriptorProto, features: Features) -> bool:
+    if field.label != FieldDescriptorProto.LABEL_REPEATED or _SCALARS[field.type] not in _PACKABLE:
+        return False
+    return field.options.packed if field.options.HasField("packed") else features["repeated_field_encoding"] == "PACKED"
 
 
 def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:

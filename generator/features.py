@@ -14,6 +14,8 @@ from google.protobuf.descriptor_pb2 import Edition, FeatureSet, FieldDescriptorP
 from google.protobuf.empty_pb2 import Empty
 from google.protobuf.unknown_fields import UnknownFieldSet
 
+from generator.protos import Syntax
+
 Features = Mapping[str, str]
 """The value of each feature, by its name."""
 
@@ -54,6 +56,15 @@ def features_of_file(file: FileDescriptorProto) -> Features:
     if file.options.java_string_check_utf8:
         syntax = {**syntax, "java_utf8_validation": "VERIFY"}
     return overridden(syntax, file.options.features)
+
+
+def syntax_of_file(file: FileDescriptorProto) -> Syntax:
+    """How a file is written."""
+    if file.syntax != "editions":
+        return Syntax(file.syntax or "proto2")
+    features = features_of_file(file)
+    year = Edition.Name(file.edition).removeprefix("EDITION_")
+    return Syntax(year, features["field_presence"], features["message_encoding"])
 
 
 def overridden(inherited: Features, own: FeatureSet) -> Features:

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from generator.git import Commit
+
 
 class Severity(str, Enum):
     """What a finding does to a run."""
@@ -60,13 +62,26 @@ class Rule:
         *,
         type: str = "",
         number: int | None = None,
+        uses: Sequence[Use] = (),
     ) -> Finding:
         """A finding of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
-        about, ``number`` that of the field, of the enum value, or of the payload in the envelope.
+        about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
+        the number stood for in history.
         """
-        return Finding(self, span, message, help, tuple(also), type, number, self.severity)
+        return Finding(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses))
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """What a number stood for in some part of history."""
+
+    type: str
+    name: str
+    came: Commit
+    went: Commit | None
+    """Where it went last; None while some branch has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +99,8 @@ class Finding:
     """Of the field or of the enum value that it is about."""
     severity: Severity = Severity.ERROR
     """The rule's, or what the table has lowered that to."""
+    uses: tuple[Use, ...] = ()
+    """Of a finding of history: what the number stood for, the earliest first."""
 
     def render(self) -> str:
         """The finding as text: the place, what is wrong, the other places, the cure."""

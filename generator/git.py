@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
-_LINK = "120000"  # the mode of a symbolic link in a tree
+_FILES = ("100644", "100755")  # the modes of files in a tree; there are links and submodules, too
 
 
 class GitError(Exception):
@@ -38,14 +38,22 @@ class Repository:
         """The commit that a ref names. Raises `GitError` where it names none."""
         return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
 
-    def files(self, commit: str) -> list[str]:
-        """The files below the folder in a commit, relative to it; links and submodules are not among them."""
+    def commit(self, ref: str) -> Commit:
+        """The commit that a ref names. Raises `GitError` where it names none."""
+        said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
+        id, seconds, subject = said.split("\0")
+        return Commit(id, _date(int(seconds)), subject)
+
+    def entries(self, commit: str) -> list[tuple[str, str, str]]:
+        """Mode, object and path of all that stands below the folder in a commit; paths are relative to the folder."""
         listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
         prefix = self._run("rev-parse", "--show-prefix").strip()
-        entries = [entry.split("\t", 1) for entry in listed if entry]
-        return [
-            path.removeprefix(prefix) for about, path in entries if about.split()[1] == "blob" and _LINK not in about
-        ]
+        entries = (entry.split("\t", 1) for entry in listed if entry)
+        return [(about.split()[0], about.split()[2], path.removeprefix(prefix)) for about, path in entries]
+
+    def files(self, commit: str) -> list[str]:
+        """The files below the folder in a commit, relative to it; links and submodules are not among them."""
+        return [path for mode, _, path in self.entries(commit) if mode in _FILES]
 
     def contents(self, commit: str, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
         """The bytes of files in a commit. Raises `GitError` where the clone does not have them."""
@@ -71,8 +79,7 @@ class Repository:
         id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
         if not id.strip("0") or "summary" not in facts:
             return None
-        when = datetime.fromtimestamp(int(facts["author-time"]), timezone.utc)
-        return Commit(id, when.date().isoformat(), facts["summary"])
+        return Commit(id, _date(int(facts["author-time"])), facts["summary"])
 
     def _run(self, *arguments: str) -> str:
         return self._run_bytes(*arguments).decode("utf-8", errors="replace")
@@ -86,3 +93,7 @@ class Repository:
         if done.returncode:
             raise GitError(done.stderr.decode("utf-8", errors="replace").strip())
         return done.stdout
+
+
+def _date(seconds: int) -> str:
+    return datetime.fromtimestamp(seconds, timezone.utc).date().isoformat()

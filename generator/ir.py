@@ -31,6 +31,15 @@ class Retired:
 
 
 @dataclass(frozen=True, slots=True)
+class Burned:
+    """A number that stood for several payloads in the past, and will for none any more."""
+
+    number: int
+    uses: tuple[str, ...]
+    """Their protos."""
+
+
+@dataclass(frozen=True, slots=True)
 class Envelope:
     """The message that carries every payload."""
 
@@ -41,6 +50,7 @@ class Envelope:
     """Whether its file is written from the table."""
     members: tuple[Member, ...]
     retired: tuple[Retired, ...]
+    burned: tuple[Burned, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,11 @@ from pathlib import Path
 from generator import ledger, read, tree
 from generator.declarations import File, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
-from generator.git import Commit, Repository
+from generator.git import Commit, GitError, Repository
+from generator.history import read_history
 from generator.nanopb import read_bounds
+from generator.past import Past, read_pinned
+from generator.pins import read_pins
 from generator.proto_files import DeclarationIndex, proto_files, read_proto
 from generator.protoc import compile_tree
 from generator.protos import Schema
@@ -21,6 +24,29 @@ from generator.subject import Change, Subject
 from generator.table import Table
 
 NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
+UNREADABLE_HISTORY = Rule("STA105", "unreadable-history", Severity.FATAL)
+LIMITED_HISTORY = Rule("STA106", "limited-history", Severity.WARNING)
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is looked at beside the present."""
+
+    against: str | None = None
+    """Another state: a folder, a descriptor set, or a git ref."""
+    history: bool = False
+    """Whether every number's past is judged."""
+    branches: bool = False
+    """Whether open branches are compared with each other."""
+    pins: tuple[Path, ...] = ()
+    """Files and repositories that say which commit a consumer is pinned to."""
+    report: Callable[[int, int], None] | None = None
+    """Told how much of the history is read, and of how much."""
+
+    @property
+    def of_the_past(self) -> bool:
+        """Whether git's history has to be read."""
+        return self.history or self.branches or bool(self.pins)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,46 +58,80 @@ class Linted:
     """The folder from which the files of findings are named."""
     commit_of: Callable[[Span], Commit | None]
     """The commit from which a line is; None where it is not committed, or not known."""
+    subject: Subject
+    """What the rules looked at."""
 
 
-def lint_project(table_path: Path, against: str | None) -> Linted:
+def lint_project(table_path: Path, question: Question) -> Linted:
     """Lint the project of a table. Raises `FindingsError` where nothing can be looked at."""
     project = table_path.resolve().parent
     findings: list[Finding] = []
     table = read.read(table_path, findings, table_path.name)
     published = ledger.read(project / ledger.NAME, findings)
-    return _lint(project, table, published, against, findings)
+    return _lint(project, table, published, question, findings)
 
 
-def lint_tree(root: Path, envelope: tree.EnvelopeName, against: str | None) -> Linted:
+def lint_tree(root: Path, envelope: tree.EnvelopeName, question: Question) -> Linted:
     """Lint a folder of .proto files, without a table. Raises `FindingsError` where nothing can be looked at."""
     findings: list[Finding] = []
-    return _lint(root.resolve(), tree.table_of_tree(envelope), ledger.Ledger(), against, findings)
+    return _lint(root.resolve(), tree.table_of_tree(envelope), ledger.Ledger(), question, findings)
 
 
-def _lint(
-    project: Path, table: Table, published: ledger.Ledger, against: str | None, findings: list[Finding]
-) -> Linted:
-    root = project / table.proto.root
+def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
+    root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
         raise FindingsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
-    shown_root = table.proto.root
+    past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
     files = proto_files(root, shown_root, findings)
-    if not files:
+    if not files and not (past and past.history.messages):
         raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
     declared = {file: parse(read_proto(root, file, shown_root, findings)) for file in files}
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
+    left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
     findings += errors
-    left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     if table.proto.root:
         locate(table, DeclarationIndex(_by_name(kept), _by_name(left_out)), findings)
-    table = tree.with_members(table, schema)
+    table = tree.with_members(table, schema, known=past is not None)
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
-    state = open_state(against, project, layout, findings) if against else None
-    findings += lint(_subject(table, schema, published, state, kept, left_out, findings, root))
-    return Linted(tuple(in_order(findings)), project, _blame(project, state))
+    state = open_state(question.against, project, layout, findings) if question.against else None
+    subject = Subject(
+        table=table,
+        schema=schema,
+        ledger=published,
+        files=kept,
+        excluded_files=left_out,
+        changes=_changes(schema, state, published),
+        earlier_entries=state.entries if state else (),
+        bounds=read_bounds(schema, root, table.proto.root, findings),
+        past=past,
+    )
+    findings += lint(subject)
+    return Linted(tuple(in_order(findings)), project, _blame(project, state), subject)
+
+
+def _past(root: Path, envelope: str, question: Question, findings: list[Finding]) -> Past:
+    """The past, as far as it is asked for. Raises `FindingsError` where there is no repository."""
+    try:
+        history = read_history(root, question.report)
+    except GitError as error:
+        message = "the history cannot be read"
+        raise FindingsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
+    if history.shallow:
+        message = f"this is a shallow clone: its history goes back {history.depth} commits, and no further"
+        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
+    for path in history.unread:
+        findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or not there"))
+    pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
+    return Past(history, question.history, question.branches, tuple(pins))
+
+
+def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:
+    changes = [Change(state.schema, schema, state.name, bounds_before=state.bounds)] if state else []
+    if published.entries:
+        changes.append(Change(ledger.as_schema(published), schema, ledger.NAME, of_ledger=True))
+    return tuple(changes)
 
 
 def _by_name(files: Mapping[str, File]) -> dict[str, list[str]]:
@@ -81,31 +141,6 @@ def _by_name(files: Mapping[str, File]) -> dict[str, list[str]]:
         for message in file.all_messages():
             found.setdefault(message.full_name, []).append(path)
     return found
-
-
-def _subject(
-    table: Table,
-    schema: Schema,
-    published: ledger.Ledger,
-    state: State | None,
-    files: dict[str, File],
-    excluded: dict[str, File],
-    findings: list[Finding],
-    root: Path,
-) -> Subject:
-    changes = [Change(state.schema, schema, state.name, bounds_before=state.bounds)] if state else []
-    if published.entries:
-        changes.append(Change(ledger.as_schema(published), schema, ledger.NAME, of_ledger=True))
-    return Subject(
-        table=table,
-        schema=schema,
-        ledger=published,
-        files=files,
-        excluded_files=excluded,
-        changes=tuple(changes),
-        earlier_entries=state.entries if state else (),
-        bounds=read_bounds(schema, root, table.proto.root, findings),
-    )
 
 
 def _blame(project: Path, state: State | None) -> Callable[[Span], Commit | None]:

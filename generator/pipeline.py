@@ -59,14 +59,19 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
     return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
 
 
-def _compiled(table_path: Path, text: str) -> Compiled:
+def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:
+    """What a table compiles to after another ledger than the one on disk; raises as `compile_table`."""
+    return _compiled(table_path, read_text(table_path, table_path.name), published)
+
+
+def _compiled(table_path: Path, text: str, published: ledger.Ledger | None = None) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Finding] = []
     table = read.parse(text, table_path.name, findings)
-    published = ledger.read(project / ledger.NAME, findings)
+    published = published or ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
     files = {} if index is None else resolve.locate(table, index, findings)
-    envelope = resolve.resolve_envelope(table, files)
+    envelope = resolve.resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope)) if named else None
     schema = compilation.schema if compilation else None

@@ -147,6 +147,28 @@ class ProtoExtension:
 
 
 @dataclass(frozen=True, slots=True)
+class Syntax:
+    """How a file is written, and what an edition's file says for all of its fields."""
+
+    name: str
+    """``proto2``, ``proto3``, or an edition, which is a year; empty where that is not known."""
+    presence: str = ""
+    """An edition's feature `field_presence`."""
+    encoding: str = ""
+    """An edition's feature `message_encoding`."""
+
+    @property
+    def is_edition(self) -> bool:
+        """Whether it has features that can be set."""
+        return self.name.isdigit()
+
+    @property
+    def statement(self) -> str:
+        """The line in which a file says it."""
+        return f'edition = "{self.name}";' if self.is_edition else f'syntax = "{self.name}";'
+
+
+@dataclass(frozen=True, slots=True)
 class Schema:
     """What some files declare, and all that they import."""
 
@@ -157,6 +179,25 @@ class Schema:
     extensions: tuple[ProtoExtension, ...] = ()
     file_options: Mapping[str, bytes] = field(default_factory=dict)
     """The serialized options of each file."""
+    packages: Mapping[str, str] = field(default_factory=dict)
+    """The package of each file; empty for one without."""
+    syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
+    public_imports: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """What each file hands on to those that import it."""
+
+    def syntax_of(self, file: str) -> Syntax:
+        """How a file is written, as far as that is known."""
+        return self.syntaxes.get(file, Syntax(""))
+
+    def hands_on(self, file: str, other: str) -> bool:
+        """Whether who imports a file has what another one declares as well."""
+        waiting, seen = [file], set[str]()
+        while waiting:
+            one = waiting.pop()
+            if one not in seen:
+                seen.add(one)
+                waiting += self.public_imports.get(one, ())
+        return other in seen
 
     def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
         """The messages and the enums that can travel inside messages, those themselves included."""

@@ -11,6 +11,7 @@ from pathlib import PurePosixPath
 
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
+from generator.ledger import Ledger
 from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
 from generator.protos import Schema
@@ -57,8 +58,9 @@ def _not_located(row: Row, declared: Sequence[str], index: DeclarationIndex) -> 
     return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {row.proto}", help)
 
 
-def resolve_envelope(table: Table, files: Mapping[str, str]) -> ir.Envelope:
+def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
     """The envelope, with a member for every row whose message was located."""
+    burned = published.burned_in(table.envelope.message)
     members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
     return ir.Envelope(
         file=table.envelope.file,
@@ -68,6 +70,11 @@ def resolve_envelope(table: Table, files: Mapping[str, str]) -> ir.Envelope:
         members=tuple(sorted(members, key=lambda member: member.number)),
         retired=tuple(
             ir.Retired(row.number, row.name, row.proto) for row in sorted(table.retired, key=lambda row: row.number)
+        ),
+        burned=tuple(
+            ir.Burned(number, tuple(dict.fromkeys(type for type, _ in one.uses)))
+            for number, one in sorted(burned.items())
+            if number not in table.numbers
         ),
     )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count
 from typing import TYPE_CHECKING
 
 from generator.declarations import Claim, File, Message
@@ -14,6 +15,10 @@ from generator.table import Table
 
 if TYPE_CHECKING:
     from generator.nanopb import Bounds
+    from generator.past import Past
+
+_IMPLEMENTATION = range(19_000, 20_000)  # protobuf keeps them for itself
+_LONGEST_RANGE = 100_000  # numbers; `1000 to max` is half a thousand millions
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +52,8 @@ class Subject:
     """The payloads of the state that this one is compared with."""
     bounds: Bounds | None = None
     """nanopb's bounds; None where they were not read."""
+    past: Past | None = None
+    """All of history; None where nobody asked for it."""
 
     @property
     def published(self) -> tuple[Entry, ...]:
@@ -54,10 +61,36 @@ class Subject:
         return (*self.ledger.entries, *self.earlier_entries)
 
     def next_number(self) -> int:
-        """The smallest number above every one that was ever used or claimed."""
-        used = {0, *self.table.numbers, *(entry.number for entry in self.published)}
-        used |= {claim.number for claim, _ in self.envelope_claims()}
-        return max(used) + 1
+        """The number for the next payload: the smallest above all published ones that nothing ever had or claimed."""
+        taken = self.taken()
+        numbers = (number for number in count(self.largest_number() + 1) if number not in _IMPLEMENTATION)
+        return next(number for number in numbers if number not in taken)
+
+    def largest_number(self) -> int:
+        """The largest number of the table, or that is known to have been published; 0 for none."""
+        return max([0, *self.table.numbers, *(entry.number for entry in self.published)])
+
+    def taken(self) -> dict[int, str]:
+        """Every number of the envelope that cannot be given to a new payload, and why."""
+        table, envelope = self.table, self.table.envelope.message
+        taken: dict[int, str] = {}
+        for name, numbers in self._declared_reserved():
+            taken |= dict.fromkeys(numbers, f"is reserved in {name}")
+        for claim, span in self.envelope_claims():
+            taken[claim.number] = f"stands in a comment, for {claim.name} ({span})"
+        if self.past is not None:
+            taken |= self.past.taken(envelope)
+        for number, burned in self.ledger.burned_in(envelope).items():
+            taken[number] = f"stood for {' and for '.join(type for type, _ in burned.uses)}"
+        taken |= {entry.number: f"was published for {entry.name} ({entry.proto})" for entry in self.published}
+        taken |= dict.fromkeys(table.numbers, f"stands in {table.file}")
+        taken |= {row.number: f"is retired, of {row.name} ({row.proto})" for row in table.retired}
+        return taken | {row.number: f"is that of {row.name} ({row.proto})" for row in table.rows}
+
+    def _declared_reserved(self) -> Iterator[tuple[str, Iterable[int]]]:
+        for path, message in self.declared(self.table.envelope.message):
+            for first, last in message.reserved:
+                yield path, range(first, min(last, first + _LONGEST_RANGE) + 1)
 
     def place(self, file: str, line: int, column: int) -> Span:
         """A place in a .proto file."""

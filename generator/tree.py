@@ -46,14 +46,16 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
     )
 
 
-def with_members(table: Table, schema: Schema) -> Table:
+def with_members(table: Table, schema: Schema, *, known: bool = False) -> Table:
     """The table of a tree with a row for each member of its envelope; any other table as it is.
 
-    Raises `FindingsError` where there is no such envelope.
+    Raises `FindingsError` where there is no such envelope, unless it is ``known`` from elsewhere.
     """
     if table.proto.root or not table.envelope.message:
         return table
     envelope = schema.messages.get(table.envelope.message)
+    if envelope is None and known:
+        return table
     if envelope is None:
         message = f"no message {table.envelope.message} is declared in a file that compiles"
         raise FindingsError([NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])

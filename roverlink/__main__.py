@@ -14,7 +14,20 @@ from roverlink.console import OK, UNABLE, complain
 from runtime import ros_args
 from runtime.errors import RoverlinkError
 
-_COMMANDS = ("generate", "lint", "explain", "retire", "run", "send", "listen", "echo", "pub", "demo")
+_COMMANDS = (
+    "generate",
+    "lint",
+    "explain",
+    "retire",
+    "next-number",
+    "history",
+    "run",
+    "send",
+    "listen",
+    "echo",
+    "pub",
+    "demo",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -72,7 +85,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
     called = [name for name in _COMMANDS if name in arguments[:1]]
     for name in called or _COMMANDS:
-        importlib.import_module(f"roverlink.commands.{name}").add(commands)
+        importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)
     return parser
 
 

@@ -52,6 +52,11 @@ def broken_by_cardinality(old: str, new: str) -> Breaks:
     return Breaks.JSON if _IN_JSON.get(old, old) != _IN_JSON.get(new, new) else Breaks.CODE
 
 
+def only_required(old: str, new: str) -> bool:
+    """Whether it holds one value on both sides, without which a message is refused on one of them."""
+    return REQUIRED in (old, new) and {old, new} <= {REQUIRED, IMPLICIT, EXPLICIT}
+
+
 def shown(cardinality: str) -> str:
     """A cardinality where it does not matter whether absence can be told from zero."""
     return "singular" if cardinality in (IMPLICIT, EXPLICIT) else cardinality

@@ -2,61 +2,125 @@
 
 from __future__ import annotations
 
-from generator.changes.numbers import next_enum_number, next_field_number
-from generator.changes.pairing import EnumPair, FieldPair, MessagePair
+from collections.abc import Iterable, Sequence
+
+from generator.changes.cardinality import is_map
+from generator.changes.pairing import EnumPair, FieldPair, MessagePair, written
+from generator.changes.ranges import Range, covers, missing, spelled
+from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import declaration
-from generator.protos import ProtoField, ProtoMessage
-from generator.subject import Subject
+from generator.changes.types import kind
+from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Syntax
+from generator.subject import Change
 
 
-def written(pair: FieldPair) -> tuple[str, ProtoField, ProtoField]:
-    """A field before and after as somebody wrote it, and its message: of a map's key or value, the map."""
-    if pair.messages is None or not pair.in_map_entry:
-        return pair.owner, pair.old, pair.new
-    owner = pair.owner.rpartition(".")[0]
-    old, new = (_map_of(schema.messages.get(owner), pair.owner) for schema in (pair.change.before, pair.change.after))
-    return (owner, old, new) if old and new else (pair.owner, pair.old, pair.new)
-
-
-def _map_of(message: ProtoMessage | None, entry: str) -> ProtoField | None:
-    return next((field for field in message.fields if field.type_name == entry), None) if message else None
-
-
-def before_and_after(pair: FieldPair) -> tuple[str, str]:
-    """How a field was declared and is declared."""
-    owner, old, new = written(pair)
-    return declaration(old, pair.change.before, owner), declaration(new, pair.change.after, owner)
+def was(pair: FieldPair) -> str:
+    """How a field was declared."""
+    owner, old, _ = written(pair)
+    return declaration(old, pair.change.before, owner, pair.old_syntax)
 
 
 def back(pair: FieldPair) -> str:
     """How to undo what became of a field."""
-    return f"put back `{before_and_after(pair)[0]}`"
+    owner, old, _ = written(pair)
+    declared = declaration(old, pair.change.before, owner, pair.syntax)
+    return f"put back `{declared}`{_with_type(pair.change, old, kind(pair.new) == 'group')}"
 
 
-def back_or_renumber(subject: Subject, pair: FieldPair) -> str:
+def _with_type(change: Change, old: ProtoField, declares_type: bool = False) -> str:
+    """What else has to be done so that a field can have its type again; a map and a group declare it themselves."""
+    now = change.after.messages.get(old.type_name)
+    if old.type == "group" or is_map(old, change.before):
+        in_the_way = now is not None and not now.map_entry and not declares_type
+        return f" in place of message {old.type_name.rpartition('.')[2]}" if in_the_way else ""
+    gone = old.type_name and now is None and old.type_name not in change.after.enums and not change.of_ledger
+    return " with its type" if gone else ""
+
+
+def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> str:
     """How to undo what became of a field, or else to keep its number out of it."""
     owner, old, new = written(pair)
-    number = None if pair.extension else next_field_number(subject, owner)
-    if number is None:
-        return f"{back(pair)}, or give the new one a number of its own"
-    moved = declaration(new, pair.change.after, owner, number)
-    return f"{back(pair)}; or give it a new number, the next free one is {number}: `{moved} reserved {old.number};`"
+    undo = undo or back(pair)
+    message = pair.change.after.messages.get(owner)
+    number = None if pair.extension else numbers.of(owner, new.number)
+    if number is None or message is None:
+        return f"{undo}, or give the new one a number of its own"
+    moved = declaration(new, pair.change.after, owner, pair.syntax, number)
+    freed = reserve(message, pair.syntax, [(old.number, old.number)], [old.name])
+    return f"{undo}; or give it a new number, {number} is free: `{moved} {freed}`"
 
 
-def back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
+def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:
+    """The statements that reserve numbers and names, without what is reserved already, and names that are in use."""
+    left = [part for one in numbers for part in missing(one, new.reserved)]
+    free = [name for name in names if name not in new.reserved_names and name not in names_in_use(new)]
+    of_numbers = f"reserved {spelled(left)};" if left else ""
+    return " ".join(filter(None, (of_numbers, reserve_names(free, syntax) if free else "")))
+
+
+def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
+    """The statement that reserves names; in an edition, they are no strings."""
+    quote = "" if syntax.is_edition else '"'
+    return f"reserved {', '.join(f'{quote}{name}{quote}' for name in names)};"
+
+
+def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
+    """The names of a message's fields or of an enum's values, with their numbers."""
+    return {one.name: one.number for one in (new.fields if isinstance(new, ProtoMessage) else new.values)}
+
+
+def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
     """What to write where a field was."""
-    was = declaration(field, pair.change.before, pair.old.full_name)
-    return f'put back `{was}`, or write `reserved {field.number}; reserved "{field.name}";`'
+    put = put_back(pair, field)
+    if field.label == "required":
+        return put
+    return _or_reserve(pair, put, field.number, [field.name])
 
 
-def value_back_or_reserve(number: int, names: tuple[str, ...]) -> str:
+def put_back(pair: MessagePair, field: ProtoField) -> str:
+    """How to put back a field that is gone."""
+    declared = declaration(field, pair.change.before, pair.old.full_name, pair.syntax)
+    return f"put back `{declared}`{_with_type(pair.change, field)}{_in_place_of(pair.new, field.number, [field.name])}"
+
+
+def value_back_or_reserve(pair: EnumPair, number: int, names: Sequence[str]) -> str:
     """What to write where an enum's value was."""
-    values = " ".join(f"{name} = {number};" for name in names)
-    quoted = ", ".join(f'"{name}"' for name in names)
-    return f"put back `{values}`, or write `reserved {number}; reserved {quoted};`"
+    return _or_reserve(pair, put_values_back(pair, number, names), number, names)
 
 
-def new_enum_number(subject: Subject, pair: EnumPair) -> str:
-    """The number for something new in an enum."""
-    number = next_enum_number(subject, pair.new.full_name)
-    return "a number of its own" if number is None else f"a new number, the next free one is {number}"
+def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
+    """How to put back values that are gone, with the option that this takes."""
+    numbers = [value.number for value in pair.new.values]
+    shared, allowed = len(names) + numbers.count(number) > 1, len(set(numbers)) < len(numbers)
+    option = "option allow_alias = true; " if shared and not allowed else ""
+    return f"put back `{option}{values(names, number)}`{_in_place_of(pair.new, number, names)}"
+
+
+def values(names: Iterable[str], number: int) -> str:
+    """An enum's values as they are declared."""
+    return " ".join(f"{name} = {number};" for name in names)
+
+
+def _or_reserve(pair: MessagePair | EnumPair, put: str, number: int, names: Sequence[str]) -> str:
+    statements = reserve(pair.new, pair.syntax, [(number, number)], names)
+    if covers(pair.new.reserved, number) or not set(names).isdisjoint(pair.new.reserved_names):
+        return f"write `{statements}` as well, or {put}"
+    return f"{put}, or write `{statements}`"
+
+
+def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str]) -> str:
+    """What has to go where something is put back: what has its name now, or what reserves it."""
+    used = names_in_use(new)
+    moved = [f"{name} = {used[name]}" for name in names if name in used]
+    held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]
+    found = moved + [f"what reserves {' and '.join(held)}"] * bool(held)
+    return f" in place of {', and '.join(found)}" if found else ""
+
+
+def type_feature(pair: MessagePair | EnumPair, feature: str, value: str) -> str:
+    """How to give a message or an enum a feature that it had, where that can be written, or else by its syntax."""
+    of_map = isinstance(pair, MessagePair) and pair.new.map_entry
+    owner = pair.new.full_name.rpartition(".")[0] if of_map else pair.new.full_name
+    if pair.syntax.is_edition:
+        return f"write `option features.{feature} = {value};` in {owner}"
+    return f"put back `{pair.change.before.syntax_of(pair.old.file).statement}`"

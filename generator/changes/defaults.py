@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import struct
 
-from google.protobuf.text_encoding import CUnescape
+from google.protobuf.text_encoding import CEscape, CUnescape
 
 from generator.changes.pairing import FieldPair
 from generator.protos import ProtoField, Schema
@@ -38,7 +38,9 @@ def shown(field: ProtoField, schema: Schema) -> str:
     if field.type == "enum" and not text:
         enum = schema.enums.get(field.type_name)
         return enum.values[0].name if enum and enum.values else "0"
-    if field.type in ("string", "bytes"):
+    if field.type == "string":
+        return f'"{CEscape(text.encode(), as_utf8=True)}"'
+    if field.type == "bytes":
         return f'"{text}"'
     return text or ("false" if field.type == "bool" else "0")
 

@@ -12,9 +12,12 @@ from generator.subject import Subject
 _IMPLEMENTATION = (19_000, 19_999)
 
 
-def next_field_number(subject: Subject, full_name: str) -> int | None:
-    """The number for the next field of a message: above every one that is known; None where there is none left."""
-    known = {number for schema in _schemas(subject) for number in _fields(schema, full_name)}
+def next_field_number(subject: Subject, full_name: str, taken: Iterable[int] = ()) -> int | None:
+    """The number for the next field of a message: above every one that is known; None where there is none left.
+
+    ``taken`` are those that others were offered already.
+    """
+    known = {*taken} | {number for schema in _schemas(subject) for number in _fields(schema, full_name)}
     if owner := subject.ledger.messages.get(full_name):
         known |= {number.fact.number for number in owner.numbers}
     for _, message in subject.declared(full_name):
@@ -26,9 +29,9 @@ def next_field_number(subject: Subject, full_name: str) -> int | None:
     return _above(known, closed, LARGEST_FIELD_NUMBER)
 
 
-def next_enum_number(subject: Subject, full_name: str) -> int | None:
+def next_enum_number(subject: Subject, full_name: str, taken: Iterable[int] = ()) -> int | None:
     """The number for the next value of an enum: above every one that is known; None where there is none left."""
-    known, closed = {-1}, list[Range]()
+    known, closed = {-1, *taken}, list[Range]()
     for enum in (schema.enums[full_name] for schema in _schemas(subject) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
         closed += enum.reserved

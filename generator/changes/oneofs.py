@@ -22,6 +22,12 @@ def broken_by_oneof(pair: FieldPair) -> Breaks:
     return Breaks.CODE if alike else Breaks.WIRE
 
 
+def said_of_the_oneof(pair: FieldPair) -> bool:
+    """Whether the oneof that a field was in is gone, which is said once for all of its fields, and nothing else is."""
+    gone = pair.messages is not None and pair.old.oneof not in ("", *pair.messages.new.oneofs)
+    return gone and broken_by_oneof(pair) is Breaks.CODE
+
+
 def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
     """The numbers of the other fields in a field's oneof."""
     if not field.oneof:
@@ -37,3 +43,10 @@ def moved_text(pair: FieldPair) -> str:
     if not pair.new.oneof:
         return f"{what} is no longer in the oneof {pair.old.oneof}"
     return f"{what} was in the oneof {pair.old.oneof} and is in {pair.new.oneof} now"
+
+
+def moved_back(pair: FieldPair) -> str:
+    """How to undo that."""
+    if pair.old.oneof:
+        return f"put it back into `oneof {pair.old.oneof}`"
+    return f"take it out of the oneof {pair.new.oneof}"

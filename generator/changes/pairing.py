@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema
+from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema, Syntax
 from generator.subject import Change
 
 
@@ -17,6 +18,11 @@ class MessagePair:
     old: ProtoMessage
     new: ProtoMessage
 
+    @property
+    def syntax(self) -> Syntax:
+        """How it is to be written now."""
+        return self.change.after.syntax_of(self.new.file)
+
 
 @dataclass(frozen=True, slots=True)
 class EnumPair:
@@ -25,6 +31,11 @@ class EnumPair:
     change: Change
     old: ProtoEnum
     new: ProtoEnum
+
+    @property
+    def syntax(self) -> Syntax:
+        """How it is to be written now."""
+        return self.change.after.syntax_of(self.new.file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +49,20 @@ class FieldPair:
     new: ProtoField
     messages: MessagePair | None
     """The messages that it is declared in; None for an extension."""
+    files: tuple[str, str]
+    """Where it was and is declared."""
     moved: bool = False
     """Whether it is an extension that is declared in another scope than before, which is part of its name."""
+
+    @property
+    def old_syntax(self) -> Syntax:
+        """How it was written."""
+        return self.change.before.syntax_of(self.files[0])
+
+    @property
+    def syntax(self) -> Syntax:
+        """How it is to be written now."""
+        return self.change.after.syntax_of(self.files[1])
 
     @property
     def extension(self) -> bool:
@@ -67,22 +90,51 @@ def enums(change: Change) -> Iterator[EnumPair]:
 
 
 def fields(change: Change) -> Iterator[FieldPair]:
-    """The fields and the extensions that are there on both sides."""
+    """The fields and the extensions that are there on both sides; what is in a map, if the map's number is the same."""
     for pair in messages(change):
-        yield from fields_of_messages(pair)
+        for one in fields_of_messages(pair):
+            by_hand = written(one)
+            if by_hand.old.number == by_hand.new.number:
+                yield one
     before = extensions_by_number(change.before)
-    for key, extension in extensions_by_number(change.after).items():
+    for key, new in extensions_by_number(change.after).items():
         if key in before:
-            moved = before[key].scope != extension.scope
-            yield FieldPair(change, extension.extendee, before[key].field, extension.field, None, moved)
+            old = before[key]
+            files, moved = (old.file, new.file), old.scope != new.scope
+            yield FieldPair(change, new.extendee, old.field, new.field, None, files, moved)
 
 
 def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
     """The fields of a message that are there on both sides."""
     before = {field.number: field for field in pair.old.fields}
+    files = pair.old.file, pair.new.file
     for field in pair.new.fields:
         if field.number in before:
-            yield FieldPair(pair.change, pair.new.full_name, before[field.number], field, pair)
+            yield FieldPair(pair.change, pair.new.full_name, before[field.number], field, pair, files)
+
+
+class Written(NamedTuple):
+    """A field before and after as somebody wrote it, and its message: of a map's key or value, the map."""
+
+    owner: str
+    old: ProtoField
+    new: ProtoField
+
+
+def written(pair: FieldPair) -> Written:
+    """What somebody wrote of a field."""
+    if pair.in_map_entry:
+        owner = pair.owner.rpartition(".")[0]
+        old, new = (
+            _map_of(schema.messages.get(owner), pair.owner) for schema in (pair.change.before, pair.change.after)
+        )
+        if old and new:
+            return Written(owner, old, new)
+    return Written(pair.owner, pair.old, pair.new)
+
+
+def _map_of(message: ProtoMessage | None, entry: str) -> ProtoField | None:
+    return next((field for field in message.fields if field.type_name == entry), None) if message else None
 
 
 def extensions_by_number(schema: Schema) -> dict[tuple[str, int], ProtoExtension]:

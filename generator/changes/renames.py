@@ -25,14 +25,17 @@ class Rename(Enum):
     WORDING = "another word for the same thing"
     UNIT = "the same thing in another unit, scale or reference"
     MEANING = "another thing"
+    RETYPED = "another thing, as its type says already"
 
 
 def rename(pair: FieldPair) -> Rename:
     """What the new name says."""
     if pair.old.name == pair.new.name:
         return Rename.WORDING if pair.moved else Rename.NONE
-    if pair.in_map_entry or broken_by_type(pair) is Breaks.WIRE:
-        return Rename.WORDING  # that the number was given away is said by the type
+    if pair.in_map_entry:
+        return Rename.WORDING
+    if broken_by_type(pair) is Breaks.WIRE:
+        return Rename.RETYPED
     if names_another_field(pair) or not share_a_word(_names(pair.old), _names(pair.new)):
         return Rename.MEANING
     measurable = pair.new.type not in _WITHOUT_UNIT and disagree(*measures(pair))
@@ -67,6 +70,13 @@ def json_name_changed(pair: FieldPair) -> bool:
     # The ledger does not know JSON's names. Who chose one for the new name mostly kept the old one with it.
     chosen = pair.new.json_name != derived_json_name(pair.new.name)
     return not chosen and derived_json_name(pair.old.name) != derived_json_name(pair.new.name)
+
+
+def old_json_name(pair: FieldPair) -> str:
+    """What JSON called a field, if nothing else is called that now."""
+    name = pair.old.json_name or derived_json_name(pair.old.name)
+    fields = pair.messages.new.fields if pair.messages else ()
+    return "" if any(name in (field.json_name, field.name) for field in fields if field != pair.new) else name
 
 
 def derived_json_name(name: str) -> str:

@@ -2,21 +2,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from generator.changes import defaults
 from generator.changes.breaks import Breaks
 from generator.changes.cardinality import is_map
-from generator.changes.pairing import FieldPair
+from generator.changes.pairing import FieldPair, MessagePair, written
 from generator.changes.types import kind
 from generator.findings import Span
-from generator.protos import ProtoEnum, ProtoField, Schema
+from generator.protos import ProtoEnum, ProtoField, Schema, Syntax
+
+_PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}
 
 
-def declaration(field: ProtoField, schema: Schema, owner: str, number: int | None = None) -> str:
-    """A field as it is declared in a message; with another number where one is given."""
-    label = {"repeated": "repeated ", "required": "required "}.get(field.label, "optional " if field.optional else "")
+def declaration(
+    field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None, json_name: str = ""
+) -> str:
+    """A field as it is declared in a message, in a file of a syntax, with the number and JSON's name that are given."""
+    is_group = field.type == "group" and not syntax.is_edition
+    name = field.type_name.rpartition(".")[2] if is_group else field.name
+    type = "group" if is_group else type_of(field, schema, owner)
+    options = ", ".join(_options(field, schema, syntax, json_name))
+    options = f" [{options}]" if options else ""
+    end = " { ... }" if is_group else ";"
+    return f"{_label(field, schema, syntax)}{type} {name} = {number or field.number}{options}{end}"
+
+
+def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
+    """A field of a message as it was declared."""
+    before = pair.change.before
+    return declaration(field, before, pair.old.full_name, before.syntax_of(pair.old.file))
+
+
+def _label(field: ProtoField, schema: Schema, syntax: Syntax) -> str:
     if is_map(field, schema):
-        label = ""
-    end = " { ... }" if field.type == "group" else ";"
-    return f"{label}{type_of(field, schema, owner)} {field.name} = {number or field.number}{end}"
+        return ""
+    if field.repeated:
+        return "repeated "
+    if field.oneof or syntax.is_edition:
+        return ""
+    if field.label == "required":
+        return "required "
+    return "optional " if field.optional or syntax.name == "proto2" else ""
+
+
+def _options(field: ProtoField, schema: Schema, syntax: Syntax, json_name: str) -> Iterator[str]:
+    if "default" in field.facets and syntax.name != "proto3":
+        yield f"default = {defaults.shown(field, schema)}"
+    if json_name:
+        yield f'json_name = "{json_name}"'
+    if not syntax.is_edition:
+        return
+    holds_message = field.type in ("message", "group")
+    presence = "" if field.repeated or field.oneof else _PRESENCE[field.label]
+    if presence and presence != syntax.presence and (not holds_message or field.label == "required"):
+        yield f"features.field_presence = {presence}"
+    encoding = "DELIMITED" if kind(field) == "group" else "LENGTH_PREFIXED"
+    if holds_message and encoding != syntax.encoding and not is_map(field, schema):
+        yield f"features.message_encoding = {encoding}"
 
 
 def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
@@ -25,8 +68,6 @@ def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
     if entry is not None and is_map(field, schema):
         key, value = sorted(entry.fields, key=lambda one: one.number)
         return f"map<{key.type}, {type_of(value, schema, owner)}>"
-    if field.type == "group":
-        return "group"
     return from_within(owner, field.type_name) if field.type_name else field.type
 
 
@@ -45,11 +86,14 @@ def retyping(pair: FieldPair, breaks: Breaks) -> str:
     old, new = pair.old, pair.new
     old_type = type_text(old, pair.change.before, pair.owner)
     new_type = type_text(new, pair.change.after, pair.owner)
-    if pair.in_map_entry:
-        return f"the {new.name} of {pair.owner} was {old_type} and is {new_type} now: {consequence(old, new, breaks)}"
-    if old.name != new.name:
+    if old.name != new.name and not pair.in_map_entry:
         return f"number {new.number} was {old.name} ({old_type}) and is {new.name} ({new_type}) now"
-    return f"{new.name} = {new.number} was {old_type} and is {new_type} now: {consequence(old, new, breaks)}"
+    what = f"{new.name} = {new.number}"
+    if pair.in_map_entry:
+        of_map = written(pair).new
+        what = f"the {new.name} of the map {of_map.name} = {of_map.number}"
+    comma = "," if kind(old) == "group" else ""
+    return f"{what} was {old_type}{comma} and is {new_type} now: {consequence(old, new, breaks)}"
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:

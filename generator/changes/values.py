@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.changes.numbers import next_enum_number
 from generator.changes.pairing import EnumPair, enums, values_by_number
 from generator.protos import ProtoEnumValue
-from generator.subject import Change
+from generator.subject import Change, Subject
 
 
 def renamed_values(change: Change) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
@@ -24,3 +25,27 @@ def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
     """The value before, of another number, whose name the number has now."""
     names = {value.name for value in pair.new.values if value.number == number}
     return next((value for value in pair.old.values if value.name in names and value.number != number), None)
+
+
+def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
+    """The value now, of another number, whose name the number had, if it kept none of the names that it had."""
+    names = {value.name for value in pair.old.values if value.number == number}
+    if any(value.name in names and value.number == number for value in pair.new.values):
+        return None
+    return next((value for value in pair.new.values if value.name in names), None)
+
+
+def stands_for_another(pair: EnumPair, number: int) -> bool:
+    """Whether a number and another one are taken for each other, and not only called something else."""
+    return bool(moved_here(pair, number) or moved_away(pair, number))
+
+
+def new_numbers(subject: Subject, pair: EnumPair) -> dict[str, int]:
+    """A number of its own for each value that is new and took the number of another one."""
+    known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
+    numbers: dict[str, int] = {}
+    for value in pair.new.values:
+        if value.name not in known and value.number in taken:
+            number = next_enum_number(subject, pair.new.full_name, numbers.values())
+            numbers |= {} if number is None else {value.name: number}
+    return numbers

@@ -36,6 +36,19 @@ class Number:
     span: Span
 
 
+@dataclass(frozen=True, slots=True)
+class Burned:
+    """A number of a message or an enum that had several meanings in the past, which was accepted."""
+
+    owner: str
+    """Full name of the message or enum."""
+    number: int
+    uses: tuple[tuple[str, str], ...]
+    """Type and name of everything that it stood for; the type of an enum value is empty."""
+    now: tuple[str, str] | None
+    """What it stood for when that was accepted, and may go on standing for; None where nothing had it any more."""
+
+
 @dataclass(slots=True)
 class Owner:
     """A message or an enum of the ledger."""
@@ -56,6 +69,12 @@ class Ledger:
     entries: tuple[Entry, ...] = ()
     messages: dict[str, Owner] = field(default_factory=dict)
     enums: dict[str, Owner] = field(default_factory=dict)
+    burned: tuple[Burned, ...] = ()
+    """By owner and number."""
+
+    def burned_in(self, owner: str) -> dict[int, Burned]:
+        """The burned numbers of a message or enum."""
+        return {burned.number: burned for burned in self.burned if burned.owner == owner}
 
 
 def checksum(text: str) -> str:

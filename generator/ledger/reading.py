@@ -8,7 +8,7 @@ from pathlib import Path
 
 from generator import ir
 from generator.findings import Finding, Rule, Severity, Span
-from generator.ledger.model import NAME, Entry, Ledger, Number, Owner, checksum
+from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
 
 UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
 BROKEN_LEDGER = Rule("LED102", "broken-ledger")
@@ -29,7 +29,9 @@ _FIELD = re.compile(
 _VALUE = re.compile(r"    (?P<number>-?[0-9]{1,10}) (?P<name>\w+)(?P<gone> gone)?")
 _RESERVED = re.compile(r'    reserved (?:(?P<first>-?[0-9]{1,10})(?: to (?P<last>-?[0-9]{1,10}))?|"(?P<name>[^"]+)")')
 _CHECKSUM = re.compile(r"checksum: (?P<digest>[0-9a-f]+)")
-_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:)?")
+_BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<uses>\S.*)")
+_NOW = " now"
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 
 
 def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
@@ -65,6 +67,7 @@ class _Reader:
         self._entries: dict[tuple[int, str, str], Entry] = {}
         self._owners: dict[str, dict[str, Owner]] = {"message": {}, "enum": {}}
         self._owner: Owner | None = None
+        self._burned: dict[tuple[str, int], Burned] = {}
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
         self.merged = False
@@ -75,7 +78,8 @@ class _Reader:
     def ledger(self) -> Ledger:
         """What was read."""
         entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
-        return Ledger(tuple(entries), self._owners["message"], self._owners["enum"])
+        burned = tuple(burned for _, burned in sorted(self._burned.items()))
+        return Ledger(tuple(entries), self._owners["message"], self._owners["enum"], burned)
 
     def line(self, line: str, span: Span) -> None:
         """Take one line, in whatever section: a conflict may reach over both."""
@@ -86,6 +90,9 @@ class _Reader:
         elif match := _OWNER.fullmatch(line):
             of_message = match["kind"] == "message"
             self._owner = self._owners[match["kind"]].setdefault(match["name"], Owner(of_message, span))
+        elif match := _BURNED.fullmatch(line):
+            burned = _burned(match)
+            self._burned[burned.owner, burned.number] = burned
         elif match := _CHECKSUM.fullmatch(line):
             self.checksum = match["digest"]
         elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
@@ -124,6 +131,18 @@ class _Reader:
         seen_before = (id(owner), line) in self._one_sided
         self._one_sided.add((id(owner), line))
         return seen_before
+
+
+def _burned(match: re.Match[str]) -> Burned:
+    texts = match["uses"].split(" | ")
+    uses = [_use(text.removesuffix(_NOW)) for text in texts]
+    now = next((_use(text.removesuffix(_NOW)) for text in texts if text.endswith(_NOW)), None)
+    return Burned(match["owner"], int(match["number"]), tuple(uses), now)
+
+
+def _use(text: str) -> tuple[str, str]:
+    type, _, name = text.rpartition(" ")
+    return type, name
 
 
 def _add(owner: Owner, match: re.Match[str], span: Span) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from generator import ir
-from generator.ledger.model import Ledger, Owner, checksum
+from generator.ledger.model import Burned, Ledger, Owner, checksum
 
 _HEADER = """\
 # The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
@@ -23,8 +23,15 @@ def render(bridge: ir.Bridge, published: Ledger) -> str:
         for name in sorted({*now, *before}):
             lines += [f"  {kind} {name}:", *now.get(name, [])]
             lines += [f"{line} gone" for line in _gone(before.get(name), now.get(name, []))]
+    if published.burned:
+        lines += ["", "burned:", *(_burned_line(burned) for burned in published.burned)]
     text = "\n".join(lines) + "\n\n"
     return f"{text}checksum: {checksum(text)}\n"
+
+
+def _burned_line(burned: Burned) -> str:
+    uses = (f"{type} {name}".strip() + (" now" if (type, name) == burned.now else "") for type, name in burned.uses)
+    return f"  {burned.owner} {burned.number}: {' | '.join(uses)}"
 
 
 def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:

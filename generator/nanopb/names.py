@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Iterator
 
 from generator.protos import ProtoMessage
 
@@ -27,12 +27,6 @@ class PatternNames:
 
 def _initials(package: str) -> str:
     return "".join(part[0] for part in package.split(".") if part)
-
-
-def package_of(declared: Iterable[str], messages: Container[str]) -> str:
-    """The package of a file, by the full names of what it declares; empty for one that declares nothing."""
-    parents = (name.rpartition(".")[0] for name in declared)
-    return next((parent for parent in parents if parent not in messages), "")
 
 
 def further_names(message: ProtoMessage) -> Iterator[str]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from generator.findings import Finding, Span, shown
 from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from generator.nanopb.faults import PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
-from generator.nanopb.names import PatternNames, further_names, package_of
+from generator.nanopb.names import PatternNames, further_names
 from generator.nanopb.options import Decoded, decode_options
 from generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
 from generator.nanopb.settings import Settings
@@ -50,11 +50,6 @@ class _Contents:
     enums: list[ProtoEnum] = field(default_factory=list)
     extensions: list[ProtoExtension] = field(default_factory=list)
 
-    @property
-    def names(self) -> list[str]:
-        """The full names of its types."""
-        return [message.full_name for message in self.messages] + [enum.full_name for enum in self.enums]
-
 
 def _by_file(schema: Schema, shown_root: str) -> Iterator[_Contents]:
     files = {file: _Contents(file, Span(shown(shown_root, file))) for file in schema.files}
@@ -77,7 +72,7 @@ class _FileReader:
         self._used: set[int] = set()
         decoded = self._decoded(schema.file_options.get(contents.file, b""), contents.span)
         self._of_file = self._settings(Settings(), contents.file, decoded, contents.span)
-        self._package = package_of(contents.names, schema.messages)
+        self._package = schema.packages[contents.file]
         self._names = PatternNames(self._package, self._of_file.text("package"), self._of_file.text("mangle_names"))
 
     def unused(self) -> list[OptionsLine]:

@@ -18,7 +18,6 @@ from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 from generator.table import Lowered
 
-
 _OF_THE_ENVELOPE = "ENV"
 _OF_CHANGES = ("WIR", "JSN", "SRC")
 

@@ -88,7 +88,7 @@ def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
     envelope = schema.messages.get(name)
     if envelope is not None:
         yield from _compare(table, _compiled_members(envelope))
-    elif not any(subject.declared(name)):  # else its file does not compile, and protoc says why
+    elif table.whole and not any(subject.declared(name)):  # else its file does not compile, and protoc says why
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, gone_values
-from generator.changes.cures import value_back_or_reserve
+from generator.changes.cures import names_in_use, value_back_or_reserve
 from generator.changes.ranges import covers
 from generator.changes.spelling import value_place
 from generator.findings import Finding, Rule, Severity
@@ -28,18 +28,19 @@ RULE = Rule("JSN108", "enum-value-name-freed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Values that are gone and whose number is reserved, but not every name that they had."""
+    """Values that are gone and whose number is reserved, with a name that neither is nor belongs to another value."""
     return each_once(subject, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair, number, names in gone_values(change):
-        free = [name for name in names if name not in pair.new.reserved_names]
+        kept = {*pair.new.reserved_names, *names_in_use(pair.new)}
+        free = [name for name in names if name not in kept]
         if covers(pair.new.reserved, number) and free:
             yield RULE.at(
                 pair.new.span,
                 f"{', '.join(free)} = {number} is gone from {pair.new.full_name}, and the name is not reserved",
-                value_back_or_reserve(number, names),
+                value_back_or_reserve(pair, number, names),
                 earlier(change, value_place(pair.old, number), "it was here"),
                 type=pair.new.full_name,
                 number=number,

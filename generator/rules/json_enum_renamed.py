@@ -16,10 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier
+from generator.changes import EnumPair, each_once, earlier
+from generator.changes.cures import put_values_back
 from generator.changes.spelling import value_place
-from generator.changes.values import moved_here, renamed_values
+from generator.changes.values import renamed_values, stands_for_another
 from generator.findings import Finding, Rule, Severity
+from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN107", "enum-value-renamed", Severity.WARNING)
@@ -32,14 +34,26 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair, number, gone, values in renamed_values(change):
-        if moved_here(pair, number) is None:
-            names = ", ".join(value.name for value in values)
+        if not stands_for_another(pair, number):
             for value in values:
                 yield RULE.at(
                     value.at("number"),
-                    f"{', '.join(gone)} = {number} is called {names} now",
-                    f"put back {', '.join(f'`{name} = {number};`' for name in gone)}, as an alias if need be",
+                    _message(pair, number, gone, values),
+                    _help(pair, number, gone, values),
                     earlier(change, value_place(pair.old, number), f"it was {', '.join(gone)} here"),
                     type=pair.new.full_name,
                     number=number,
                 )
+
+
+def _message(pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+    what, names = f"{', '.join(gone)} = {number}", ", ".join(value.name for value in values)
+    known = {value.name for value in pair.old.values}
+    if all(value.name in known for value in values):
+        return f"{what} is gone, which was another name of {names}"
+    return f"{what} is called {names} now"
+
+
+def _help(pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+    names = ", ".join(value.name for value in values)
+    return f"{put_values_back(pair, number, gone)} beside {names}"

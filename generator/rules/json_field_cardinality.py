@@ -20,8 +20,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.cardinality import broken_by_cardinality, cardinalities
-from generator.changes.cures import back, before_and_after
+from generator.changes.cardinality import MAP, broken_by_cardinality, cardinalities
+from generator.changes.cures import back, was
 from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
@@ -39,12 +39,12 @@ def _findings(change: Change) -> Iterator[Finding]:
         old, new = cardinalities(pair)
         of_json = broken_by_cardinality(old, new) is Breaks.JSON
         if of_json and broken_by_type(pair) is not Breaks.WIRE:
-            was, _ = before_and_after(pair)
+            form = "an object where it had an array" if new == MAP else "an array where it had an object"
             yield RULE.at(
                 pair.new.span,
-                f"{pair.new.name} = {pair.new.number} was {old} and is {new} now: JSON has another form",
+                f"{pair.new.name} = {pair.new.number} was {old} and is {new} now: JSON has {form}",
                 back(pair),
-                earlier(change, pair.old.span, f"it was `{was}` here"),
+                earlier(change, pair.old.span, f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

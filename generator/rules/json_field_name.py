@@ -17,9 +17,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, gone_fields
-from generator.changes.cures import back_or_reserve
+from generator.changes.cures import names_in_use, put_back_or_reserve
 from generator.changes.ranges import covers
-from generator.changes.spelling import declaration
+from generator.changes.spelling import declaration_of_old
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
@@ -27,19 +27,19 @@ RULE = Rule("JSN102", "field-name-freed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Fields that are gone and whose number is reserved, but not their name."""
+    """Fields that are gone and whose number is reserved, but not their name, which no other field has either."""
     return each_once(subject, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair, field in gone_fields(change):
-        if covers(pair.new.reserved, field.number) and field.name not in pair.new.reserved_names:
-            was = declaration(field, change.before, pair.old.full_name)
+        free = field.name not in pair.new.reserved_names and field.name not in names_in_use(pair.new)
+        if covers(pair.new.reserved, field.number) and free:
             yield RULE.at(
                 pair.new.span,
-                f"`{was}` is gone from {pair.new.full_name}, and its name is not reserved",
-                back_or_reserve(pair, field),
-                earlier(change, field.span, "it was here"),
+                f"{field.name} = {field.number} is gone from {pair.new.full_name}, and its name is not reserved",
+                put_back_or_reserve(pair, field),
+                earlier(change, field.span, f"it was `{declaration_of_old(pair, field)}` here"),
                 type=pair.new.full_name,
                 number=field.number,
             )

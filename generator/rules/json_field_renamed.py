@@ -17,9 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
-from generator.changes.cures import back, before_and_after
-from generator.changes.renames import Rename, json_name_changed, rename, renamed
+from generator.changes import FieldPair, each_once, earlier, fields
+from generator.changes.cures import back, was
+from generator.changes.renames import Rename, json_name_changed, old_json_name, rename, renamed
+from generator.changes.spelling import declaration
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
@@ -34,12 +35,21 @@ def check(subject: Subject) -> Iterator[Finding]:
 def _findings(change: Change) -> Iterator[Finding]:
     for pair in fields(change):
         if rename(pair) is Rename.WORDING and json_name_changed(pair):
-            was, _ = before_and_after(pair)
             yield RULE.at(
                 pair.new.at("name"),
                 f"{renamed(pair)}, in JSON too",
-                back(pair),
-                earlier(change, pair.old.at("name"), f"it was `{was}` here"),
+                _help(pair),
+                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
+
+
+def _help(pair: FieldPair) -> str:
+    if pair.moved:
+        return "put it back where it was"
+    name = "" if pair.extension or pair.in_map_entry else old_json_name(pair)
+    if not name:
+        return back(pair)
+    kept = declaration(pair.new, pair.change.after, pair.owner, pair.syntax, json_name=name)
+    return f"{back(pair)}, or keep its name in JSON: `{kept}`"

@@ -18,7 +18,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes.cures import back_or_renumber, was
+from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import retyping, type_place
 from generator.changes.types import retyped
 from generator.findings import Finding, Rule, Severity
@@ -33,13 +34,13 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    numbers = NewNumbers(subject, change)
     for pair in retyped(change, fields(change), Breaks.JSON):
-        was, _ = before_and_after(pair)
         yield RULE.at(
             type_place(pair.new),
             retyping(pair, Breaks.JSON),
-            back_or_renumber(subject, pair),
-            earlier(change, type_place(pair.old), f"it was `{was}` here"),
+            back_or_renumber(numbers, pair),
+            earlier(change, type_place(pair.old), f"it was `{was(pair)}` here"),
             type=pair.owner,
             number=pair.new.number,
         )

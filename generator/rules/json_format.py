@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.changes.cures import type_feature
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
@@ -38,7 +39,7 @@ def _findings(change: Change) -> Iterator[Finding]:
             yield RULE.at(
                 pair.new.at("json_format"),
                 f"json_format of {pair.new.full_name} was {old} and is {new or 'unknown'} now",
-                f"put back `features.json_format = {_FULL}`",
+                type_feature(pair, "json_format", _FULL),
                 earlier(change, pair.old.at("json_format"), f"it was {old} here"),
                 type=pair.new.full_name,
             )

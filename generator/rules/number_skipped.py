@@ -35,8 +35,9 @@ def check(subject: Subject) -> Iterator[Finding]:
     table = subject.table
     new = {row.number: row for row in reversed(table.rows) if row.number not in published}
     # Only what lies above every old number is known to have never been used.
-    old = published | (table.numbers - new.keys()) | {claim.number for claim, _ in subject.envelope_claims()}
-    wanted = (number for number in count(max(old) + 1) if number not in _IMPLEMENTATION)
+    old = published | (table.numbers - new.keys())
+    taken = subject.taken().keys() - new.keys()
+    wanted = (number for number in count(max(old) + 1) if number not in taken and number not in _IMPLEMENTATION)
     above = sorted(number for number in new if number > max(old))
     for number, smallest in zip(above, wanted):
         if number > smallest:

@@ -19,10 +19,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import values_by_number
+from generator.changes.cures import reserve
+from generator.changes.cures import values as declared
 from generator.changes.numbers import next_enum_number
 from generator.findings import Finding, Rule
 from generator.ledger import Number
-from generator.protos import ProtoEnum, ProtoEnumValue
+from generator.protos import ProtoEnum, ProtoEnumValue, Schema
 from generator.subject import Subject
 
 RULE = Rule("WIR112", "enum-number-reuse")
@@ -33,21 +35,27 @@ def check(subject: Subject) -> Iterator[Finding]:
     if subject.schema is None:
         return
     for name, owner in subject.ledger.enums.items():
-        enum = subject.schema.enums.get(name)
+        enum, offered = subject.schema.enums.get(name), set[int]()
         for number, values in values_by_number(enum).items() if enum else ():
             published = [one for one in owner.numbers if one.fact.number == number]
             known = any(one.fact.name == value.name for one in published for value in values)
-            if enum and not known:
-                yield from (_finding(subject, enum, values[0], one) for one in published if one.gone)
+            gone = [one for one in published if one.gone]
+            if enum and gone and not known:
+                free = next_enum_number(subject, name, offered)
+                offered |= {free} if free else set()
+                yield from (_finding(subject.schema, enum, values, one, free) for one in gone)
 
 
-def _finding(subject: Subject, enum: ProtoEnum, value: ProtoEnumValue, number: Number) -> Finding:
-    was, free = number.fact.name, next_enum_number(subject, enum.full_name)
+def _finding(
+    schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], number: Number, free: int | None
+) -> Finding:
+    names, was = [value.name for value in values], number.fact.name
+    freed = reserve(enum, schema.syntax_of(enum.file), [(number.fact.number, number.fact.number)], [was])
     return RULE.at(
-        value.at("number"),
-        f"number {value.number} of {enum.full_name} was {was} once, and is given to {value.name}",
-        f'write `{value.name} = {free}; reserved {value.number}; reserved "{was}";`: the next free number is {free}',
+        values[0].at("number"),
+        f"number {values[0].number} of {enum.full_name} was {was} once, and is given to {names[0]}",
+        f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"find another place for {names[0]}",
         [(number.span, "published here")],
         type=enum.full_name,
-        number=value.number,
+        number=values[0].number,
     )

@@ -17,32 +17,54 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier
-from generator.changes.cures import new_enum_number
+from generator.changes import EnumPair, each_once, earlier
+from generator.changes.cures import values as declared
 from generator.changes.spelling import value_place
-from generator.changes.values import moved_here, renamed_values
+from generator.changes.values import moved_away, moved_here, new_numbers, renamed_values, stands_for_another
 from generator.findings import Finding, Rule
+from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR110", "enum-value-meaning-replaced")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Values whose name belonged to another number."""
+    """Values whose name belonged to another number, or whose number had a name that another one has now."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     for pair, number, gone, values in renamed_values(change):
-        moved = moved_here(pair, number)
-        if moved is not None:
-            help = f"put back `{gone[0]} = {number};`, and give what is new {new_enum_number(subject, pair)}"
+        if stands_for_another(pair, number):
+            help = _help(subject, pair, number, gone, values)
             for value in values:
                 yield RULE.at(
                     value.at("number"),
-                    f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number}",
+                    _message(pair, number, gone, value),
                     help,
                     earlier(change, value_place(pair.old, number), f"it was {', '.join(gone)} here"),
                     type=pair.new.full_name,
                     number=number,
                 )
+
+
+def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
+    moved = moved_here(pair, number)
+    if moved is not None:
+        return f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number}"
+    message = f"{number} was {', '.join(gone)} and is {value.name} now"
+    away = moved_away(pair, number)
+    return f"{message}, while {away.name} is {away.number}" if away else message
+
+
+def _help(subject: Subject, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+    before = {value.name: value.number for value in pair.old.values}
+    moved = [declared([value.name], before[value.name]) for value in values if before.get(value.name, number) != number]
+    back = f"put back `{' '.join([declared(gone, number), *moved])}`"
+    new, numbers = [value.name for value in values if value.name not in before], new_numbers(subject, pair)
+    if not new:
+        return back
+    if not numbers.keys() >= set(new):
+        return f"{back}, and give {', '.join(new)} a number of its own"
+    given = " ".join(declared([name], numbers[name]) for name in new)
+    return f"{back}, and give {', '.join(new)} a new number: `{given}`"

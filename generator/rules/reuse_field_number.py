@@ -20,6 +20,7 @@ from collections.abc import Iterator
 
 from generator import ir
 from generator.changes import Breaks
+from generator.changes.cures import reserve
 from generator.changes.numbers import next_field_number
 from generator.changes.spelling import declaration
 from generator.changes.types import broken_by_kind
@@ -36,12 +37,14 @@ def check(subject: Subject) -> Iterator[Finding]:
     if subject.schema is None:
         return
     for name, owner in subject.ledger.messages.items():
-        message = subject.schema.messages.get(name)
+        message, offered = subject.schema.messages.get(name), set[int]()
         for field in message.fields if message else ():
             published = [number for number in owner.numbers if number.fact.number == field.number]
-            if message and not any(_is_the_same(number, field) for number in published):
-                gone = [number for number in published if number.gone]
-                yield from (_finding(subject, subject.schema, message, field, number) for number in gone)
+            gone = [number for number in published if number.gone]
+            if message and gone and not any(_is_the_same(number, field) for number in published):
+                free = next_field_number(subject, name, offered)
+                offered |= {free} if free else set()
+                yield from (_finding(subject.schema, message, field, number, free) for number in gone)
 
 
 def _is_the_same(number: Number, field: ProtoField) -> bool:
@@ -52,16 +55,21 @@ def _is_the_same(number: Number, field: ProtoField) -> bool:
     return fact.type == field.wire_type or broken_by_kind(fact.type, field.wire_type) is not Breaks.WIRE
 
 
-def _finding(subject: Subject, schema: Schema, message: ProtoMessage, field: ProtoField, number: Number) -> Finding:
+def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, number: Number, free: int | None) -> Finding:
     fact = number.fact
     was = f"{fact.name} ({fact.type})" if isinstance(fact, ir.WireField) else fact.name
-    free = next_field_number(subject, message.full_name)
-    moved = declaration(field, schema, message.full_name, free)
     return RULE.at(
         field.at("number"),
         f"number {field.number} of {message.full_name} was {was} once, and is given to {field.name}",
-        f'write `{moved} reserved {field.number}; reserved "{fact.name}";`: the next free number is {free}',
+        _help(schema, message, field, fact.name, free) if free else f"find another place for {field.name}",
         [(number.span, "published here")],
         type=message.full_name,
         number=field.number,
     )
+
+
+def _help(schema: Schema, message: ProtoMessage, field: ProtoField, was: str, free: int) -> str:
+    syntax = schema.syntax_of(message.file)
+    moved = declaration(field, schema, message.full_name, syntax, free)
+    freed = reserve(message, syntax, [(field.number, field.number)], [was])
+    return f"write `{moved} {freed}`: {free} is free"

@@ -18,8 +18,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import FieldPair, each_once, earlier, fields
-from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes.cures import back_or_renumber, was
 from generator.changes.renames import Rename, measures, rename
+from generator.changes.renumbering import NewNumbers
 from generator.changes.units import factor
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
@@ -33,14 +34,14 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if rename(pair) is Rename.UNIT:
-            was, _ = before_and_after(pair)
             yield RULE.at(
                 pair.new.at("name"),
                 _message(pair),
-                back_or_renumber(subject, pair),
-                earlier(change, pair.old.at("name"), f"it was `{was}` here"),
+                back_or_renumber(numbers, pair),
+                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

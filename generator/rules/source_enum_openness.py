@@ -18,10 +18,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, enums
+from generator.changes.cures import type_feature
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC112", "enum-openness-changed", Severity.WARNING)
+_CONSEQUENCE = {
+    "OPEN": "code is given numbers that no value has",
+    "CLOSED": "what is sent with a number that no value has is read as the first value",
+}
 
 
 def check(subject: Subject) -> Iterator[Finding]:
@@ -35,8 +40,8 @@ def _findings(change: Change) -> Iterator[Finding]:
         if old != new and not change.of_ledger:
             yield RULE.at(
                 pair.new.at("enum_type"),
-                f"{pair.new.full_name} was {old} and is {new} now",
-                f"put back `features.enum_type = {old}`",
-                earlier(change, pair.old.at("enum_type"), f"it was {old} here"),
+                f"{pair.new.full_name} was {old.lower()} and is {new.lower()} now: {_CONSEQUENCE[new]}",
+                type_feature(pair, "enum_type", old),
+                earlier(change, pair.old.at("enum_type"), f"it was {old.lower()} here"),
                 type=pair.new.full_name,
             )

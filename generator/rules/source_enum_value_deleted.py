@@ -1,4 +1,4 @@
-"""An enum value was deleted, as it should be: its number and its name are reserved.
+"""An enum value was deleted, as it should be: its number is reserved, and so is its name, or another value has it now.
 
 Nothing that travels is misread. Code that uses the value does not compile any more.
 
@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, gone_values
+from generator.changes import EnumPair, each_once, earlier, gone_values
+from generator.changes.cures import names_in_use
 from generator.changes.ranges import covers
 from generator.changes.spelling import value_place
 from generator.findings import Finding, Rule, Severity
@@ -26,18 +27,35 @@ RULE = Rule("SRC113", "enum-value-deleted", Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Values that are gone, and whose number and names are reserved."""
+    """Values that are gone with their numbers reserved, and whose names are as well, or moved to other numbers."""
     return each_once(subject, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair, number, names in gone_values(change):
-        if covers(pair.new.reserved, number) and set(names) <= set(pair.new.reserved_names):
+        kept = {*pair.new.reserved_names, *names_in_use(pair.new)}
+        if covers(pair.new.reserved, number) and kept.issuperset(names):
+            message, help = _told(pair, number, names)
             yield RULE.at(
                 pair.new.span,
-                f"`{', '.join(names)} = {number};` is gone from {pair.new.full_name}",
-                "change the code that uses it; its number and its name are reserved, as they should be",
+                message,
+                help,
                 earlier(change, value_place(pair.old, number), "it was here"),
                 type=pair.new.full_name,
                 number=number,
             )
+
+
+def _told(pair: EnumPair, number: int, names: tuple[str, ...]) -> tuple[str, str]:
+    """The message and the help."""
+    used = names_in_use(pair.new)
+    moved = [name for name in names if name in used]
+    if not moved:
+        return (
+            f"`{', '.join(names)} = {number};` is gone from {pair.new.full_name}",
+            "change the code that uses it; its number and its name are reserved, as they should be",
+        )
+    return (
+        f"{moved[0]} moved from number {number} to {used[moved[0]]}: JSON takes the one for the other",
+        "nothing, if it is the same thing; else call the new one something else, and reserve the name",
+    )

@@ -28,19 +28,19 @@ RULE = Rule("SRC109", "extension-deleted", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Extensions whose number of their message nothing has any more, or something in another file."""
+    """Extensions whose number of their message nothing has any more, or something in a file out of reach."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     for old, new, missed in absent_extensions(subject, change):
-        was = declaration(old.field, change.before, old.extendee)
+        was = declaration(old.field, change.before, old.extendee, change.before.syntax_of(old.file))
         what, span = _became(old, new, missed, change.after)
         yield RULE.at(
             span,
             f"`extend {old.extendee} {{ {was} }}` {what}",
             "put it back, or change the code that uses it on every side",
-            earlier(change, old.field.span, "it was here"),
+            [] if span == old.field.span else earlier(change, old.field.span, "it was here"),
             type=old.extendee,
             number=old.field.number,
         )

@@ -19,8 +19,8 @@ from collections.abc import Iterator
 
 from generator.changes import Breaks, FieldPair, each_once, earlier, fields
 from generator.changes.cardinality import IMPLICIT, broken_by_cardinality, cardinalities
-from generator.changes.cures import back, before_and_after
-from generator.changes.oneofs import broken_by_oneof
+from generator.changes.cures import back, was
+from generator.changes.oneofs import broken_by_oneof, said_of_the_oneof
 from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
@@ -39,12 +39,11 @@ def _findings(change: Change) -> Iterator[Finding]:
     for pair in fields(change):
         old, new = cardinalities(pair)
         if broken_by_cardinality(old, new) is Breaks.CODE and not _follows_from_another_fault(pair):
-            was, _ = before_and_after(pair)
             yield RULE.at(
                 pair.new.span,
                 f"{pair.new.name} = {pair.new.number} {_TOLD if new == IMPLICIT else _TELLS}",
-                back(pair),
-                earlier(change, pair.old.span, f"it was `{was}` here"),
+                _help(pair),
+                earlier(change, pair.old.span, f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
@@ -52,4 +51,14 @@ def _findings(change: Change) -> Iterator[Finding]:
 
 def _follows_from_another_fault(pair: FieldPair) -> bool:
     """Whether its type or its oneof changed, which is said already."""
-    return broken_by_type(pair) is Breaks.WIRE or broken_by_oneof(pair) is not Breaks.NOTHING
+    of_oneof = broken_by_oneof(pair) is not Breaks.NOTHING and not said_of_the_oneof(pair)
+    return broken_by_type(pair) is Breaks.WIRE or of_oneof
+
+
+def _help(pair: FieldPair) -> str:
+    old, new = pair.old_syntax, pair.syntax
+    if old.is_edition and new.is_edition and old.presence != new.presence:
+        return f"{back(pair)}, or `option features.field_presence = {old.presence};` for the whole file"
+    if new.name == "proto2":  # where no field but a list is without
+        return f"put back `{old.statement}`"
+    return back(pair)

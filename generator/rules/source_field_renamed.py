@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, fields
-from generator.changes.cures import back, before_and_after
+from generator.changes.cures import back, was
 from generator.changes.renames import Rename, json_name_changed, rename, renamed
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
@@ -34,12 +34,11 @@ def check(subject: Subject) -> Iterator[Finding]:
 def _findings(change: Change) -> Iterator[Finding]:
     for pair in fields(change):
         if rename(pair) is Rename.WORDING and not json_name_changed(pair):
-            was, _ = before_and_after(pair)
             yield RULE.at(
                 pair.new.at("name"),
                 renamed(pair),
                 f"{back(pair)}, or change the code that uses it on every side",
-                earlier(change, pair.old.at("name"), f"it was `{was}` here"),
+                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

@@ -18,7 +18,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.cures import back, before_and_after
+from generator.changes.cardinality import broken_by_cardinality, cardinalities
+from generator.changes.cures import back, was
 from generator.changes.spelling import retyping, type_place
 from generator.changes.types import retyped
 from generator.findings import Finding, Rule, Severity
@@ -28,18 +29,19 @@ RULE = Rule("SRC101", "field-type-changed-in-code", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Fields whose old and new type can read each other's bytes and JSON."""
+    """Fields whose old and new type can read each other's bytes and JSON; of a list that became a map, JSON says it."""
     return each_once(subject, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair in retyped(change, fields(change), Breaks.CODE):
-        was, _ = before_and_after(pair)
+        if broken_by_cardinality(*cardinalities(pair)) is Breaks.JSON:
+            continue
         yield RULE.at(
             type_place(pair.new),
             retyping(pair, Breaks.CODE),
             f"{back(pair)}, or change the code that uses it on every side",
-            earlier(change, type_place(pair.old), f"it was `{was}` here"),
+            earlier(change, type_place(pair.old), f"it was `{was(pair)}` here"),
             type=pair.owner,
             number=pair.new.number,
         )

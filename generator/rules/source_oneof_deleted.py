@@ -1,7 +1,7 @@
 """A oneof is gone, or is called something else.
 
-Its name never travels. Code that asks which of its fields is set does not compile any more; what became of its fields
-is said at them.
+Its name never travels. Code that asks which of its fields is set does not compile any more. What of its fields is read
+differently is said at them.
 
 Bad::
 
@@ -19,6 +19,7 @@ from collections.abc import Iterator
 
 from generator.changes import MessagePair, each_once, earlier, messages
 from generator.findings import Finding, Rule, Severity
+from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC105", "oneof-deleted", Severity.WARNING)
@@ -36,14 +37,31 @@ def _findings(change: Change) -> Iterator[Finding]:
                 yield RULE.at(
                     pair.new.span,
                     _message(pair, name),
-                    f"put back `oneof {name}`, or change the code that uses it on every side",
+                    f"{_cure(pair, name)}, or change the code that uses it on every side",
                     earlier(change, pair.old.at(f"oneof {name}"), "it was here"),
                     type=pair.new.full_name,
                 )
 
 
 def _message(pair: MessagePair, name: str) -> str:
+    left = _left(pair, name)
+    now = ", ".join(sorted({field.oneof for field in left if field.oneof}))
+    alone = ", ".join(field.name for field in left if not field.oneof)
+    where = [f"its fields are in {now} now"] * bool(now) + [f"no oneof has {alone} any more"] * bool(alone)
+    return "; ".join([f"the oneof {name} is gone from {pair.new.full_name}", *where])
+
+
+def _cure(pair: MessagePair, name: str) -> str:
+    left = _left(pair, name)
+    if not left:
+        return "put it back with its fields"
+    [now, *others] = sorted({field.oneof for field in left})
+    if now and not others and now not in pair.old.oneofs:
+        return f"rename the oneof {now} back to {name}"
+    return f"put {', '.join(field.name for field in left)} back into `oneof {name}`"
+
+
+def _left(pair: MessagePair, name: str) -> list[ProtoField]:
+    """The fields that were in the oneof and are still there."""
     members = {field.number for field in pair.old.fields if field.oneof == name}
-    now = sorted({field.oneof for field in pair.new.fields if field.number in members and field.oneof})
-    where = f"; its fields are in {', '.join(now)} now" if now else ""
-    return f"the oneof {name} is gone from {pair.new.full_name}{where}"
+    return [field for field in pair.new.fields if field.number in members]

@@ -17,11 +17,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier
-from generator.changes.absences import absent_types
+from generator.changes.absences import absent_types, heir
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC107", "type-deleted", Severity.WARNING)
+_OR_CHANGE = "or change the code that uses it on every side"
 
 
 def check(subject: Subject) -> Iterator[Finding]:
@@ -32,12 +33,13 @@ def check(subject: Subject) -> Iterator[Finding]:
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     for absence in absent_types(subject, change):
         if absence.new is None:
-            old = absence.old
+            old, now = absence.old, heir(change, absence.old)
             file = "" if old.file in change.after.files else ", and so is that file"
+            alike = f"; {now} is new and has the same contents" if now else ""
             yield RULE.at(
                 absence.span,
-                f"{old.full_name} is gone from {old.file}{file}",
-                "put it back, or change the code that uses it on every side",
-                earlier(change, old.span, "it was here"),
+                f"{old.full_name} is gone from {old.file}{file}{alike}",
+                f"{f'rename {now} back to {old.full_name}' if now else 'put it back'}, {_OR_CHANGE}",
+                [] if absence.span == old.span else earlier(change, old.span, "it was here"),
                 type=old.full_name,
             )

@@ -26,7 +26,7 @@ RULE = Rule("SRC108", "type-moved", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Messages and enums that another file declares than before."""
+    """Messages and enums that another file declares than before, which the old one does not hand on."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
@@ -34,10 +34,11 @@ def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     for absence in absent_types(subject, change):
         if absence.new is not None:
             old, new = absence.old, absence.new
+            was = [] if absence.span == old.span else earlier(change, old.span, "it was here")
             yield RULE.at(
                 absence.span,
                 f"{old.full_name} moved from {old.file} to {new.file}",
                 f'put it back; or let {old.file} stay with `import public "{new.file}";`',
-                [(new.span, "it is here now"), *earlier(change, old.span, "it was here")],
+                [(new.span, "it is here now"), *was],
                 type=old.full_name,
             )

@@ -15,10 +15,13 @@ Good::
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.defaults import default_changed, shown
+from generator.changes import Breaks, FieldPair, each_once, earlier, fields
+from generator.changes.cures import back
+from generator.changes.defaults import default, default_changed, shown
+from generator.changes.spelling import declaration
 from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
@@ -38,8 +41,35 @@ def _findings(change: Change) -> Iterator[Finding]:
             yield RULE.at(
                 pair.new.at("default"),
                 f"{pair.new.name} = {pair.new.number} was {old} where it is absent, and is {new} now",
-                f"put back the default {old}, and send {new} where that is meant",
+                f"{_cure(pair)}, and send {new} where that is meant",
                 earlier(change, pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
+
+
+def _cure(pair: FieldPair) -> str:
+    if (pair.old.type, pair.old.type_name) != (pair.new.type, pair.new.type_name):
+        return back(pair)
+    if "default" in pair.new.facets and "default" not in pair.old.facets:
+        return "take the default out again"
+    value = _old_value(pair)
+    declared = _with_default(pair, value) if value and pair.syntax.name != "proto3" else ""
+    if "default" in pair.old.facets:
+        return f"put back `{declared}`" if declared else back(pair)
+    first = f"put {value or shown(pair.old, pair.change.before)} first in {pair.new.type_name} again"
+    return f"write `{declared}`, or {first}" if declared else first
+
+
+def _old_value(pair: FieldPair) -> str:
+    """What the default was, as it is called now; empty for a value of an enum that is gone."""
+    if pair.new.type != "enum":
+        return pair.old.facets["default"]
+    number = default(pair.old, pair.change.before)
+    values = pair.change.after.enums[pair.new.type_name].values
+    return next((value.name for value in values if value.number == number), "")
+
+
+def _with_default(pair: FieldPair, value: str) -> str:
+    field = dataclasses.replace(pair.new, facets={**pair.new.facets, "default": value})
+    return declaration(field, pair.change.after, pair.owner, pair.syntax)

@@ -38,7 +38,7 @@ def _findings(change: Change) -> Iterator[Finding]:
             yield RULE.at(
                 pair.new.span,
                 _message(pair, number, names),
-                value_back_or_reserve(number, names),
+                value_back_or_reserve(pair, number, names),
                 earlier(change, value_place(pair.old, number), "it was here"),
                 type=pair.new.full_name,
                 number=number,

@@ -1,7 +1,6 @@
-"""A field holds many values now where it held one, or one where it held many, or it became required.
+"""A field holds many values now where it held one, or one where it held many.
 
-A list of numbers is packed into one value, which is no number; of several values a singular field keeps the last. A
-required field makes whoever lacks it refuse the whole message.
+A list of numbers is packed into one value, which is no number; of several values a singular field keeps the last.
 
 Bad::
 
@@ -17,30 +16,39 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.cardinality import broken_by_cardinality, cardinalities, shown
-from generator.changes.cures import back_or_renumber, before_and_after
+from generator.changes import Breaks, FieldPair, each_once, earlier, fields
+from generator.changes.cardinality import broken_by_cardinality, cardinalities, only_required, shown
+from generator.changes.cures import back_or_renumber, was
+from generator.changes.renumbering import NewNumbers
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire")
+_WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Fields that hold another number of values, as bytes show."""
+    """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    numbers = NewNumbers(subject, change)
     for pair in fields(change):
         old, new = cardinalities(pair)
-        if broken_by_cardinality(old, new) is Breaks.WIRE:
-            was, _ = before_and_after(pair)
+        if broken_by_cardinality(old, new) is Breaks.WIRE and not only_required(old, new):
             yield RULE.at(
                 pair.new.span,
-                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now",
-                back_or_renumber(subject, pair),
-                earlier(change, pair.old.span, f"it was `{was}` here"),
+                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}",
+                back_or_renumber(numbers, pair),
+                earlier(change, pair.old.span, f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
+
+
+def _consequence(pair: FieldPair) -> str:
+    lost = "who expects one value keeps the last of several"
+    if {pair.old.type, pair.new.type} <= _WITHOUT_PACKED_LISTS:
+        return lost
+    return f"{lost}, and none of a packed list"

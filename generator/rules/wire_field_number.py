@@ -18,9 +18,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import MessagePair, each_once, earlier, gone_fields
-from generator.changes.cures import back_or_reserve
+from generator.changes.cures import names_in_use, put_back_or_reserve
 from generator.changes.ranges import covers
-from generator.changes.spelling import declaration
+from generator.changes.spelling import declaration_of_old
 from generator.findings import Finding, Rule
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
@@ -39,16 +39,15 @@ def _findings(change: Change) -> Iterator[Finding]:
             yield RULE.at(
                 pair.new.span,
                 _message(pair, field),
-                back_or_reserve(pair, field),
-                earlier(change, field.span, "it was here"),
+                put_back_or_reserve(pair, field),
+                earlier(change, field.span, f"it was `{declaration_of_old(pair, field)}` here"),
                 type=pair.new.full_name,
                 number=field.number,
             )
 
 
 def _message(pair: MessagePair, field: ProtoField) -> str:
-    was = declaration(field, pair.change.before, pair.old.full_name)
-    moved = next((one.number for one in pair.new.fields if one.name == field.name), None)
+    moved = names_in_use(pair.new).get(field.name)
     if moved is not None:
         return f"{field.name} moved from number {field.number} to {moved}, and {field.number} is not reserved"
-    return f"`{was}` is gone from {pair.new.full_name}, and its number is not reserved"
+    return f"{field.name} = {field.number} is gone from {pair.new.full_name}, and its number is not reserved"

@@ -36,8 +36,8 @@ def _findings(change: Change) -> Iterator[Finding]:
         if old != new and not change.of_ledger:
             yield RULE.at(
                 pair.new.span,
-                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now",
-                f"put back `option {_OPTION} = {old};`",
+                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither form can read the other",
+                f"put back `option {_OPTION} = true;`" if old == "true" else f"remove `option {_OPTION} = true;`",
                 earlier(change, pair.old.span, f"it was {old} here"),
                 type=pair.new.full_name,
             )

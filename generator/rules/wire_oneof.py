@@ -19,7 +19,8 @@ from collections.abc import Iterator
 
 from generator.changes import Breaks, each_once, earlier, fields
 from generator.changes.cures import back_or_renumber
-from generator.changes.oneofs import broken_by_oneof, moved_text
+from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text
+from generator.changes.renumbering import NewNumbers
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
@@ -32,12 +33,13 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if broken_by_oneof(pair) is Breaks.WIRE:
             yield RULE.at(
                 pair.new.span,
                 f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",
-                back_or_renumber(subject, pair),
+                back_or_renumber(numbers, pair, moved_back(pair)),
                 earlier(change, pair.old.span, "it was here"),
                 type=pair.owner,
                 number=pair.new.number,

@@ -15,10 +15,12 @@ Good::
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
 from generator.changes import MessagePair, each_once, earlier, messages
-from generator.changes.spelling import declaration
+from generator.changes.cures import put_back
+from generator.changes.spelling import declaration, declaration_of_old
 from generator.findings import Finding, Rule
 from generator.protos import ProtoField, ProtoMessage
 from generator.subject import Change, Subject
@@ -27,31 +29,60 @@ RULE = Rule("WIR104", "required-field-changed")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
-    """Numbers that are required on one side alone."""
+    """Numbers that are required on one side alone, and hold no list on the other."""
     return each_once(subject, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair in messages(change):
-        before, after = _required(pair.old), _required(pair.new)
-        yield from (_gone(pair, field) for number, field in before.items() if number not in after)
-        yield from (_added(pair, field) for number, field in after.items() if number not in before)
+        before, after = _fields(pair.old), _fields(pair.new)
+        for number in sorted(before.keys() | after.keys()):
+            old, new = before.get(number), after.get(number)
+            if (old and old.repeated) or (new and new.repeated):
+                continue
+            if old and _required(old) and not (new and _required(new)):
+                yield _not_any_more(pair, old, new)
+            if new and _required(new) and not (old and _required(old)):
+                yield _added(pair, old, new)
 
 
-def _required(message: ProtoMessage) -> dict[int, ProtoField]:
-    return {field.number: field for field in message.fields if field.label == "required"}
+def _fields(message: ProtoMessage) -> dict[int, ProtoField]:
+    return {field.number: field for field in message.fields}
 
 
-def _gone(pair: MessagePair, field: ProtoField) -> Finding:
-    was = declaration(field, pair.change.before, pair.old.full_name)
-    message = f"`{was}` is not required any more: older receivers refuse messages without it"
-    also = earlier(pair.change, field.span, "it was here")
+def _required(field: ProtoField) -> bool:
+    return field.label == "required"
+
+
+def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Finding:
+    became, help = f"is gone from {pair.new.full_name}", put_back(pair, old)
+    if new is not None:
+        declared = declaration(old, pair.change.before, pair.old.full_name, pair.syntax)
+        became, help = "is not any more", f"put back `{declared}`"
     return RULE.at(
-        pair.new.span, message, f"put back `{was}`", also, type=pair.new.full_name, number=field.number
-    )  # fmt: skip
+        new.span if new else pair.new.span,
+        f"{old.name} = {old.number} was required and {became}: older receivers refuse messages without it",
+        help,
+        earlier(pair.change, old.span, f"it was `{declaration_of_old(pair, old)}` here"),
+        type=pair.new.full_name,
+        number=old.number,
+    )
 
 
-def _added(pair: MessagePair, field: ProtoField) -> Finding:
-    message = f"{field.name} = {field.number} is required now: messages of older senders are refused"
-    kept = declaration(field, pair.change.after, pair.new.full_name).replace("required ", "optional ", 1)
-    return RULE.at(field.span, message, f"write `{kept}`", type=pair.new.full_name, number=field.number)
+def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Finding:
+    became, place, known = "is new and required", pair.old.span, "the message was here, without it"
+    if old is not None:
+        became, place, known = (
+            "is required now, and was not",
+            old.span,
+            f"it was `{declaration_of_old(pair, old)}` here",
+        )
+    optional = dataclasses.replace(new, label="optional")
+    return RULE.at(
+        new.span,
+        f"{new.name} = {new.number} {became}: messages of older senders are refused",
+        f"write `{declaration(optional, pair.change.after, pair.new.full_name, pair.syntax)}`",
+        earlier(pair.change, place, known),
+        type=pair.new.full_name,
+        number=new.number,
+    )

@@ -16,43 +16,96 @@ Good::
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.changes.numbers import next_enum_number
 from generator.changes.ranges import Range, covers, missing, spelled
-from generator.findings import Finding, Rule
+from generator.changes.renumbering import NewNumbers
+from generator.changes.spelling import declaration
+from generator.findings import Finding, Rule, Span
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR106", "reserved-number-freed")
 
 
+@dataclass(frozen=True, slots=True)
+class _User:
+    """What a number that was reserved is used for."""
+
+    name: str
+    number: int
+    span: Span
+    moved: str
+    """How it is to be declared, with another number; empty where there is none left."""
+
+
 def check(subject: Subject) -> Iterator[Finding]:
     """Reserved ranges of messages and enums of which something is not reserved any more."""
-    return each_once(subject, _findings)
+    return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+    numbers = NewNumbers(subject, change)
     for pair in messages(change):
-        taken = {field.number: field.name for field in pair.new.fields}
-        yield from _freed(pair, taken)
+        for place, freed in _freed(pair):
+            yield _finding(pair, place, freed, _fields(pair, numbers, freed))
     for of_enum in enums(change):
-        yield from _freed(of_enum, {value.number: value.name for value in of_enum.new.values})
+        for place, freed in _freed(of_enum):
+            yield _finding(of_enum, place, freed, _values(of_enum, subject, freed))
 
 
-def _freed(pair: MessagePair | EnumPair, taken: dict[int, str]) -> Iterator[Finding]:
+def _freed(pair: MessagePair | EnumPair) -> Iterator[tuple[Span, list[Range]]]:
+    """What is not reserved any more of each range, with the range's place."""
     for was in dict.fromkeys(pair.old.reserved):
-        freed = list(missing(was, pair.new.reserved))
-        if freed:
-            place = pair.old.at(f"reserved {was[0]} to {was[1]}")
-            yield RULE.at(
-                pair.new.span,
-                f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(freed, taken)}",
-                f"put back `reserved {spelled(freed)};`",
-                earlier(pair.change, place, "reserved here"),
-                type=pair.new.full_name,
-                number=freed[0][0] if freed[0][0] == freed[-1][1] else None,
+        if freed := list(missing(was, pair.new.reserved)):
+            yield pair.old.at(f"reserved {was[0]} to {was[1]}"), freed
+
+
+def _fields(pair: MessagePair, numbers: NewNumbers, freed: list[Range]) -> list[_User]:
+    users, name = [], pair.new.full_name
+    for field in sorted(pair.new.fields, key=lambda field: field.number):
+        if covers(freed, field.number):
+            number = numbers.of(name, field.number)
+            moved = declaration(field, pair.change.after, name, pair.syntax, number) if number else ""
+            users.append(_User(field.name, field.number, field.at("number"), moved))
+    return users
+
+
+def _values(pair: EnumPair, subject: Subject, freed: list[Range]) -> list[_User]:
+    users, offered = [], dict[int, int | None]()
+    for value in sorted(pair.new.values, key=lambda value: value.number):
+        if covers(freed, value.number):
+            if value.number not in offered:
+                offered[value.number] = next_enum_number(subject, pair.new.full_name, filter(None, offered.values()))
+            number = offered[value.number]
+            users.append(
+                _User(value.name, value.number, value.at("number"), f"{value.name} = {number};" if number else "")
             )
+    return users
 
 
-def _use(freed: list[Range], taken: dict[int, str]) -> str:
-    users = [f"{name} = {number}" for number, name in sorted(taken.items()) if covers(freed, number)]
-    return f", and uses it for {', '.join(users)}" if users else ""
+def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Finding:
+    return RULE.at(
+        pair.new.span,
+        f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",
+        _help(f"reserved {spelled(freed)};", users),
+        [*earlier(pair.change, place, "reserved here"), *((user.span, "used here") for user in users)],
+        type=pair.new.full_name,
+        number=freed[0][0] if freed[0][0] == freed[-1][1] else None,
+    )
+
+
+def _use(users: list[_User]) -> str:
+    shown = ", ".join(f"{user.name} = {user.number}" for user in users)
+    return f", and uses it for {shown}" if users else ""
+
+
+def _help(reserved: str, users: list[_User]) -> str:
+    if not users:
+        return f"put back `{reserved}`"
+    names = ", ".join(user.name for user in users)
+    if not all(user.moved for user in users):
+        return f"find another place for {names}, and put back what was reserved"
+    declared = " ".join(user.moved for user in users)
+    return f"give {names} a new number, and put back what was reserved: `{declared} {reserved}`"

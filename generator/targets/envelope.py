@@ -19,4 +19,5 @@ def text(envelope: ir.Envelope, table: str) -> str:
         imports=sorted({member.file for member in envelope.members}),
         members=envelope.members,
         retired=envelope.retired,
+        burned=envelope.burned,
     )

@@ -1,4 +1,4 @@
-"""``roverlink lint``: what is wrong with numbers, names and sizes, now and against another state."""
+"""``roverlink lint``: what is wrong with numbers, names and sizes: now, against another state, in all of history."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import argparse
 import sys
 from pathlib import Path
 
+from generator.accept import accept
 from generator.findings import FindingsError, Severity
-from generator.linting import Linted, lint_project, lint_tree
-from generator.tree import EnvelopeName
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, table_file
+from generator.linting import Linted, Question
+from generator.write import write
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
+from roverlink.linted import add_subject, linted, progress
 from roverlink.reports import FORMATS
 
 _COUNTED = ("error", "warning", "hint")
@@ -22,16 +24,34 @@ def add(commands: Subparsers) -> None:
         "lint",
         "find reused numbers and everything else that lets two machines misread each other",
         "roverlink lint --against main",
-        "Look at table, protos and ledger, and at every change against another state. Exit code 0: clean;\n"
-        "1: findings; 2: something could not be looked at. `roverlink explain ID` says what a rule is about.",
+        "Look at table, protos and ledger, at every change against another state, and at all of history. Exit code 0:\n"
+        "clean; 1: findings; 2: something could not be looked at. `roverlink explain ID` says what a rule is about.",
     )
     parser.add_argument(
         "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
     )
-    add_table(parser)
+    add_subject(parser)
     parser.add_argument("--against", metavar="STATE", help="a folder, a descriptor set, or a git ref to compare with")
-    parser.add_argument("--envelope", default="", metavar="FILE", help="the envelope's file, in a tree without table")
-    parser.add_argument("--message", default="", metavar="NAME", help="the envelope's message, in a tree without table")
+    parser.add_argument(
+        "--history",
+        nargs="?",
+        type=Path,
+        const=True,
+        metavar="REPO",
+        help="look at every state in git's history, on all branches; REPO is a tree without mapping.yaml",
+    )
+    parser.add_argument("--branches", action="store_true", help="find numbers that two open branches have given away")
+    parser.add_argument(
+        "--pins",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="FILE|REPO",
+        help="compare the commits that consumers are pinned to: submodules, CMake's GIT_TAG, or lines `name commit`",
+    )
+    parser.add_argument(
+        "--accept", action="store_true", help="with --history: take note of what was found, in the ledger, for good"
+    )
     parser.add_argument("--format", choices=FORMATS, default="text", help="how to say it (default: %(default)s)")
     parser.add_argument(
         "--fail-on",
@@ -45,12 +65,14 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Lint, and say what was found."""
     try:
-        linted = _lint(arguments)
+        found = _lint(arguments)
+        if arguments.accept:
+            return _accept(arguments, found)
     except FindingsError as error:
         print(error, file=sys.stderr)
         return UNABLE
-    FORMATS[arguments.format](linted)
-    severities = {finding.severity for finding in linted.findings}
+    FORMATS[arguments.format](found)
+    severities = {finding.severity for finding in found.findings}
     if Severity.FATAL in severities:
         return UNABLE
     limit = Severity(arguments.fail_on).rank
@@ -58,6 +80,23 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(arguments: argparse.Namespace) -> Linted:
-    if arguments.root is None:
-        return lint_project(table_file(arguments.table), arguments.against)
-    return lint_tree(arguments.root, EnvelopeName(arguments.envelope, arguments.message), arguments.against)
+    root = arguments.history if isinstance(arguments.history, Path) else arguments.root
+    with progress("reading history") as report:
+        question = Question(
+            against=arguments.against,
+            history=arguments.history is not None,
+            branches=arguments.branches,
+            pins=tuple(arguments.pins),
+            report=report,
+        )
+        return linted(arguments, root, question)
+
+
+def _accept(arguments: argparse.Namespace, found: Linted) -> int:
+    """Burn the numbers that history found, and generate."""
+    changes, accepted = accept(table_file(arguments.table), found)
+    write(found.folder, changes)
+    for change in changes:
+        print(f"{change.verb:>8} {change.path}")
+    print(f"{accepted} numbers of the past are accepted; only what is new is found from now on")
+    return OK

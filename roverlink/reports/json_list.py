@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from generator.findings import Finding, Span
+from generator.findings import Finding, Span, Use
 from generator.linting import Linted
 
 
@@ -24,7 +24,24 @@ def _finding(finding: Finding, linted: Linted) -> dict[str, Any]:
         **_place(finding.span),
         "message": finding.message,
         "help": finding.help or None,
+        "history": [_use(use) for use in finding.uses],
         "also": [{**_place(span), "text": text, "commit": _commit(span, linted)} for span, text in finding.also],
+    }
+
+
+def _use(use: Use) -> dict[str, Any]:
+    """A stage of a number's life; what some branch still has, has no last commit."""
+    last = (
+        {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
+    )
+    return {
+        "type": use.type,
+        "name": use.name,
+        "first_commit": use.came.id,
+        "first_date": use.came.date,
+        "first_subject": use.came.subject,
+        "last_commit": None,
+        **last,
     }
 
 

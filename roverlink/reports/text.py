@@ -5,14 +5,18 @@ from __future__ import annotations
 import functools
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from rich.box import SIMPLE
 from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 from rich.text import Text
 
 from generator.findings import Finding, Severity, Span
 from generator.linting import Linted
+from generator.past import Pinned
 from roverlink.reports.places import from_here, told
 
 _STYLES = {
@@ -29,7 +33,18 @@ def write(linted: Linted) -> None:
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     for finding in linted.findings:
         console.print(Text("\n").join([*_lines(finding, linted), Text()]))
+    if linted.subject.past is not None and linted.subject.past.pinned:
+        console.print(_matrix(linted.subject.past.pinned))
     console.print(_summary(linted))
+
+
+def _matrix(pinned: Sequence[Pinned]) -> Table:
+    """Which numbers any two consumers disagree about."""
+    table = Table("", *(escape(one.pin.consumer) for one in pinned), box=SIMPLE)
+    for one in pinned:
+        cells = (", ".join(map(str, one.disagreements(other))) or "agree" for other in pinned)
+        table.add_row(escape(one.pin.consumer), *("" if other is one else cell for other, cell in zip(pinned, cells)))
+    return table
 
 
 def _lines(finding: Finding, linted: Linted) -> Iterator[Text]:

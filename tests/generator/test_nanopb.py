@@ -27,7 +27,10 @@ from generator.findings import Finding, Span
 from generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
 from generator.protos import Schema
 
-nanopb = pytest.importorskip("nanopb.generator.nanopb_generator", reason="nanopb writes the sizes to compare with")
+# It would choose protobuf's pure Python implementation for all processes that this one starts.
+with pytest.MonkeyPatch.context() as environment:
+    environment.setenv("PROTOCOL_BUFFERS_PYTHON_IMPLEMENTATION", "upb")
+    nanopb = pytest.importorskip("nanopb.generator.nanopb_generator", reason="nanopb writes the sizes to compare with")
 
 _DATA = ROOT / "tests" / "generator" / "nanopb"
 _NANOPB_PROTO = Path(nanopb.__file__).parent / "proto"

@@ -26,7 +26,7 @@ from generator.protos import ProtoField, Schema
 DOCS = Path(__file__).parents[2] / "docs"
 
 _RENAMES = {"JSN104", "SRC104", "WIR114", "WIR115"}
-_DELETED_FIELDS = {"WIR102", "JSN102", "SRC102"}
+_DELETED_FIELDS = {"WIR102", "WIR104", "JSN102", "SRC102"}
 _TYPES = {"WIR101", "JSN101", "SRC101"}
 
 BUF_TO_OURS = {
@@ -34,15 +34,15 @@ BUF_TO_OURS = {
     "ENUM_SAME_JSON_FORMAT": {"JSN106"},
     "ENUM_SAME_TYPE": {"SRC112"},
     "ENUM_VALUE_NO_DELETE": {"WIR107", "JSN108", "SRC113"},
-    "ENUM_VALUE_NO_DELETE_UNLESS_NAME_RESERVED": {"WIR107", "JSN108"},
+    "ENUM_VALUE_NO_DELETE_UNLESS_NAME_RESERVED": {"WIR107", "JSN108", "SRC113"},
     "ENUM_VALUE_NO_DELETE_UNLESS_NUMBER_RESERVED": {"WIR107"},
     "ENUM_VALUE_SAME_NAME": {"JSN107", "WIR110"},
     "EXTENSION_MESSAGE_NO_DELETE": {"SRC110"},
     "EXTENSION_NO_DELETE": {"SRC109"},
     "FIELD_NO_DELETE": _DELETED_FIELDS,
-    "FIELD_NO_DELETE_UNLESS_NAME_RESERVED": {"WIR102", "JSN102"},
+    "FIELD_NO_DELETE_UNLESS_NAME_RESERVED": {"WIR102", "JSN102", "SRC102"},
     "FIELD_NO_DELETE_UNLESS_NUMBER_RESERVED": {"WIR102"},
-    "FIELD_SAME_CARDINALITY": {"WIR103", "JSN103", "SRC103"},
+    "FIELD_SAME_CARDINALITY": {"WIR103", "WIR104", "JSN103", "SRC103"},
     "FIELD_SAME_CPP_STRING_TYPE": {"SRC115"},
     "FIELD_SAME_DEFAULT": {"WIR108"},
     "FIELD_SAME_JAVA_UTF8_VALIDATION": {"SRC116"},
@@ -52,9 +52,9 @@ BUF_TO_OURS = {
     "FIELD_SAME_ONEOF": {"WIR105", "SRC106"},
     "FIELD_SAME_TYPE": _TYPES,
     "FIELD_SAME_UTF8_VALIDATION": {"SRC116"},
-    "FIELD_WIRE_COMPATIBLE_CARDINALITY": {"WIR103"},
+    "FIELD_WIRE_COMPATIBLE_CARDINALITY": {"WIR103", "WIR104"},
     "FIELD_WIRE_COMPATIBLE_TYPE": _TYPES,
-    "FIELD_WIRE_JSON_COMPATIBLE_CARDINALITY": {"WIR103", "JSN103"},
+    "FIELD_WIRE_JSON_COMPATIBLE_CARDINALITY": {"WIR103", "WIR104", "JSN103"},
     "FIELD_WIRE_JSON_COMPATIBLE_TYPE": _TYPES,
     "FILE_NO_DELETE": {"SRC107", "SRC108"},
     "MESSAGE_NO_DELETE": {"SRC107", "SRC108"},
@@ -68,16 +68,19 @@ BUF_TO_OURS = {
 """For each rule of buf's, those of ours that find the same at the same place."""
 
 OURS_ELSEWHERE = {
-    "EXTENSION_NO_DELETE": _RENAMES,  # an extension of another name is renamed, and not gone
-    "FIELD_SAME_CARDINALITY": {"WIR101", "WIR105", "SRC106"},  # presence follows from the type, and from the oneof
+    "EXTENSION_NO_DELETE": _RENAMES | {"WIR101"},  # an extension of another name is renamed, and not gone
+    "FIELD_SAME_CARDINALITY": {"WIR101", "WIR105", "SRC105", "SRC106"},  # presence follows from type and oneof
     "FIELD_SAME_DEFAULT": {"WIR101"},  # of a field that is another one, the default is too
     "FIELD_SAME_JAVA_UTF8_VALIDATION": {"SRC116"},  # what holds everywhere holds in Java
-    "FIELD_SAME_JSON_NAME": _RENAMES,  # JSON's name follows from the name
-    "FIELD_SAME_TYPE": _RENAMES,  # the name of a map's entry follows from the map's
-    "FIELD_WIRE_COMPATIBLE_TYPE": _RENAMES,
+    "FIELD_SAME_JSON_NAME": _RENAMES | {"WIR101"},  # JSON's name follows from the name
+    "FIELD_SAME_NAME": {"WIR101"},  # of a field that is another one, the name is too
+    "FIELD_SAME_ONEOF": {"SRC105"},  # that the oneof is gone is said once for all of its fields
+    "FIELD_SAME_TYPE": _RENAMES | {"JSN103"},  # a map's entry has its name; a list in place of a map has its type
+    "FIELD_WIRE_COMPATIBLE_TYPE": _RENAMES | {"JSN103"},
     "FIELD_WIRE_JSON_COMPATIBLE_CARDINALITY": {"WIR101"},  # a map has the type of its entry
-    "FIELD_WIRE_JSON_COMPATIBLE_TYPE": _RENAMES,
+    "FIELD_WIRE_JSON_COMPATIBLE_TYPE": _RENAMES | {"JSN103"},
     "MESSAGE_NO_DELETE": _DELETED_FIELDS | _RENAMES | _TYPES,  # the entry of a map goes with the map
+    "MESSAGE_SAME_REQUIRED_FIELDS": {"WIR103", "WIR104"},  # buf has it at the message, where the field is still there
 }
 """For rules of buf's that find a consequence: ours that find its cause, at another part of the same field."""
 
@@ -104,6 +107,9 @@ _ALONE = {"package_changed", "no_package", "well_known_type_not_used_any_more"}
 """Mutations that say what they say only by themselves."""
 _CHUNK = 50
 
+_BEFORE = "before"
+"""How our findings call the earlier state."""
+
 Element = tuple[str, int]
 
 
@@ -116,18 +122,23 @@ class Pair:
         before, after = folder / "before", folder / "after"
         if buf.executable():
             self.theirs = buf.breaking(write(mutation.before, before), write(mutation.after, after))
-        self.before = compiled(mutation.before, before)
+        self.before = compiled(mutation.before, before, _BEFORE)
         self.after = compiled(mutation.after, after)
         self.ours = changes_found(self.before, self.after)
         self._at: dict[tuple[str, int, int], set[str]] = defaultdict(set)
         self._in_line: dict[tuple[str, int], set[str]] = defaultdict(set)
+        self._in_file: dict[str, set[str]] = defaultdict(set)
         self._about: dict[Element, set[str]] = defaultdict(set)
+        self._about_type: dict[str, set[str]] = defaultdict(set)
         for finding in self.ours:
             span = finding.span
             self._at[span.file, span.line or 1, span.column or 1].add(finding.rule.id)
             self._in_line[span.file, span.line or 1].add(finding.rule.id)
+            self._in_file[span.file].add(finding.rule.id)
             if finding.number is not None:
                 self._about[finding.type, finding.number].add(finding.rule.id)
+            else:
+                self._about_type[finding.type].add(finding.rule.id)
         self._elements = _elements(self.after)
 
     def missed(self) -> Iterator[str]:
@@ -155,17 +166,20 @@ class Pair:
 
     def _is_ours(self, finding: BufFinding) -> bool:
         deleted = re.match(r'Previously present file "(.*)" was deleted', finding.message)
-        file = f"{ROOT}/{deleted[1] if deleted else finding.path}"
         if deleted and deleted[1].startswith("google/protobuf/"):
             return True  # what nobody imports any more is not deleted
-        if self._counts_differ(finding):
+        file = f"{ROOT}/{finding.path}"
+        if deleted:
+            at = self._in_file[f"{_BEFORE}/{deleted[1]}"]
+        elif self._counts_differ(finding):
             at = self._in_line[file, finding.line]
         else:
             at = self._at[file, finding.line, finding.column]
         if at & BUF_TO_OURS[finding.rule]:
             return True
         causes = OURS_ELSEWHERE.get(finding.rule, set())
-        return any(self._about[element] & causes for element in self._found_at(finding, file))
+        elements = self._found_at(finding, file)
+        return any((self._about[element] | self._about_type[element[0]]) & causes for element in elements)
 
     def _counts_differ(self, finding: BufFinding) -> bool:
         """Whether buf counts other columns than protoc."""
@@ -180,8 +194,10 @@ class Pair:
         if finding.rule == "EXTENSION_NO_DELETE":
             name = _quoted(finding).rpartition(".")[2]
             return [(e.extendee, e.field.number) for e in self.before.extensions if e.field.name == name]
-        column = 0 if self._counts_differ(finding) else finding.column
-        return self._elements[Span(file, finding.line, column)]
+        place = Span(file, finding.line, 0 if self._counts_differ(finding) else finding.column)
+        if finding.rule == "MESSAGE_SAME_REQUIRED_FIELDS":
+            return {*self._elements[place], *_required_in(self.after, finding, place)}
+        return self._elements[place]
 
 
 def _elements(schema: Schema) -> dict[Span, set[Element]]:
@@ -210,6 +226,14 @@ def _maps_of_entry(before: Schema, finding: BufFinding) -> Iterator[Element]:
             yield from ((owner.full_name, one.number) for one in owner.fields if one.type_name == message.full_name)
 
 
+def _required_in(after: Schema, finding: BufFinding, place: Span) -> Iterator[Element]:
+    """The field that was required, in the message at a place."""
+    number = re.search(r'required field "(\d+)"', finding.message)
+    for message in after.messages.values():
+        if number and message.span == place:
+            yield message.full_name, int(number[1])
+
+
 def _quoted(finding: BufFinding) -> str:
     found = re.search(r'"([^"]*)"', finding.message)
     return found[1] if found else ""
@@ -221,8 +245,9 @@ def pairs(tmp_path_factory: pytest.TempPathFactory) -> list[Pair]:
     many = [mutation for mutation in MUTATIONS if mutation.name not in _ALONE]
     chunks: Sequence[Mutation] = [together(many[start : start + _CHUNK]) for start in range(0, len(many), _CHUNK)]
     chunks = [*chunks, *(mutation for mutation in MUTATIONS if mutation.name in _ALONE)]
+    folders = [tmp_path_factory.mktemp("pair") for _ in chunks]  # which is nothing for threads
     with ThreadPoolExecutor(max_workers=2) as pool:
-        return list(pool.map(lambda mutation: Pair(mutation, tmp_path_factory.mktemp("pair")), chunks))
+        return list(pool.map(Pair, chunks, folders))
 
 
 @needs_buf
@@ -259,7 +284,7 @@ def test_message_sets_which_buf_refuses(tmp_path: Path) -> None:
 
 
 def test_the_table_in_the_docs() -> None:
-    """docs/lint-beside-buf.md has each of our rules about changes, with buf's beside it."""
+    """docs/lint.md has each of our rules about changes, with buf's beside it."""
     ours = {id: module.RULE for id, module in rules.modules().items() if id.startswith(FAMILIES)}
     rows = {row.id: row for row in _documented()}
     assert list(rows) == sorted(ours, key=lambda rule: (FAMILIES.index(rule[:3]), rule))
@@ -298,7 +323,7 @@ class Row:
 
 
 def _documented() -> Iterator[Row]:
-    for line in (DOCS / "lint-beside-buf.md").read_text(encoding="utf-8").splitlines():
+    for line in (DOCS / "lint.md").read_text(encoding="utf-8").splitlines():
         if found := re.match(r"\| `(...\d+)` ([a-z0-9-]+) \((\w+)\) \| [^|]+ \| (?:`(\w+)`|-) \| ([^|]+) \|", line):
             theirs = dict(re.findall(r"`([A-Z0-9_]+)` \(([FJW ]+)\)", found[5]))
             told = {rule: categories.replace(" ", "") for rule, categories in theirs.items()}

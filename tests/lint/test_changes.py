@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from comparing import TABLE, changes_found, compiled, found
+from comparing import FAMILIES, TABLE, changes_found, compiled, found
 from hypothesis import given
 from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
@@ -29,6 +30,8 @@ from generator.ledger import Ledger, Number, Owner
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.subject import Change, Subject
 
+LINT_CASES = Path(__file__).parent / "cases"
+
 # name: (before, after, the findings as "ID number")
 CASES = {
     # --- what a new name says ---
@@ -47,7 +50,7 @@ CASES = {
         "message A { float accel_y = 1; float accel_x = 2; }",
         "WIR114 1, WIR114 2",
     ),
-    "another_type_as_well": ("message A { float volts = 1; }", "message A { string title = 1; }", "JSN104 1, WIR101 1"),
+    "another_type_as_well": ("message A { float volts = 1; }", "message A { string title = 1; }", "WIR101 1"),
     # --- units ---
     "unit": ("message A { int32 reach_mm = 1; }", "message A { int32 reach_m = 1; }", "WIR115 1"),
     "unit_in_camel_case": ("message A { int32 reachMm = 1; }", "message A { int32 reachCm = 1; }", "WIR115 1"),
@@ -60,12 +63,12 @@ CASES = {
     "content_replaced": (
         "message A { float voltage = 1; float current = 2; int32 load = 3; }",
         "message A { string text = 1; bytes blob = 2; A inner = 3; }",
-        "JSN104 1, JSN104 2, JSN104 3, WIR101 1, WIR101 2, WIR101 3, WIR113 None",
+        "WIR101 1, WIR101 2, WIR101 3, WIR113 None",
     ),
     "a_third_left": (
         "message A { float voltage = 1; float current = 2; int32 load = 3; }",
         "message A { float voltage = 1; bytes blob = 2; A inner = 3; }",
-        "JSN104 2, JSN104 3, WIR101 2, WIR101 3",
+        "WIR101 2, WIR101 3",
     ),
     "retyped_only": (
         "message A { float voltage = 1; float current = 2; int32 load = 3; }",
@@ -97,6 +100,11 @@ CASES = {
         "message A { A a = 1; } message C { A a = 1; }",
         "message B { B a = 1; } message C { B a = 1; }",
         "SRC101 1, SRC107 None",
+    ),
+    "map_of_another_type_with_a_number_of_its_own": (
+        "message A { map<string, int32> counts = 1; }",
+        "message A { map<string, float> counts = 2; reserved 1; }",
+        "SRC102 1",
     ),
     "map_renamed": (
         "message A { map<string, int32> item_counts = 1; }",
@@ -270,7 +278,7 @@ def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
     owner = _published((values[0], True), (values[1], True), (values[2], False))
     [finding] = found(Subject(TABLE, schema, Ledger((), {}, {"E": owner})))
     assert (finding.rule.id, finding.number) == ("WIR112", 1)
-    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: the next free number is 4'
+    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: 4 is free'
 
 
 def test_the_next_free_number(tmp_path: Path) -> None:
@@ -281,11 +289,11 @@ def test_the_next_free_number(tmp_path: Path) -> None:
     subject = Subject(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(Change(before, after, "before"),))
     [finding] = found(subject)
     assert finding.help == (
-        "put back `int32 speed = 1;`; or give it a new number, the next free one is 8: `string speed = 8; reserved 1;`"
+        "put back `int32 speed = 1;`; or give it a new number, 8 is free: `string speed = 8; reserved 1;`"
     )
     owner = _published((ir.WireField(8, "gone", "int32", "", ""), True))
     [finding] = found(dataclasses.replace(subject, ledger=Ledger((), {"A": owner}, {})))
-    assert "the next free one is 12" in finding.help
+    assert "12 is free" in finding.help
 
 
 # --- severities ---
@@ -381,3 +389,71 @@ def test_names_that_follow() -> None:
     assert from_within("rover.Telemetry", "rover.Vector") == "Vector"
     assert from_within("rover.Telemetry", "rover.Telemetry.Wheel") == "Wheel"
     assert from_within("rover.Telemetry", "google.protobuf.Timestamp") == "google.protobuf.Timestamp"
+
+
+# --- what is to be written instead ---
+
+_BAD = [folder for folder in sorted(LINT_CASES.glob("*_bad*")) if folder.name.startswith(FAMILIES)]
+_SAID = re.compile(r"(?P<verb>remove )?`(?P<code>[^`]+;)`(?P<rest>[^`]*)")
+_ELSEWHERE = ("import ", "syntax ", "edition ", "extend ")
+_NOT_ALONE = (" for the whole file", " in place of message", " with its type")
+_HARMLESS = {"SRC102", "SRC104", "SRC113"}
+"""What may be found of the same afterwards: deleted with care, or called something else in code alone."""
+_NAMED = re.compile(r"(\w+) = (-?\d+)")
+
+
+def _files_of(folder: Path) -> dict[str, str]:
+    return {str(path.relative_to(folder)): path.read_text(encoding="utf-8") for path in sorted(folder.rglob("*.proto"))}
+
+
+def _cured(files: dict[str, str], schema: Schema, finding: Finding) -> Iterator[dict[str, str]]:
+    """The files with each of the statements that a help says, in the type that it is about."""
+    owner = finding.type.rpartition(".")[0] if _is_entry(schema, finding.type) else finding.type
+    declared = schema.messages.get(owner) or schema.enums.get(owner)
+    help = re.sub(r"`, and give [^`]*`", " ", finding.help)  # the two belong together
+    for said in _SAID.finditer(help):
+        code, rest = said["code"], said["rest"]
+        outside = code.startswith(_ELSEWHERE) or rest.startswith(_NOT_ALONE)
+        if declared and not outside and not said["verb"] and not _of_extension(schema, finding):
+            text = files[declared.file]
+            start = re.search(rf"^ *(message|enum) {owner.rpartition('.')[2]} \{{\n", text, re.MULTILINE)
+            assert start, finding
+            end = text.index("\n}", start.end())
+            inside = _without(text[start.end() : end], code, "in place of" in rest, finding.help)
+            yield files | {declared.file: f"{text[: start.end()]}{inside}\n{code}{text[end:]}"}
+
+
+def _is_entry(schema: Schema, name: str) -> bool:
+    return name in schema.messages and schema.messages[name].map_entry
+
+
+def _of_extension(schema: Schema, finding: Finding) -> bool:
+    return any((one.extendee, one.field.number) == (finding.type, finding.number) for one in schema.extensions)
+
+
+def _without(inside: str, code: str, in_place: bool, help: str) -> str:
+    """The lines of a type, but for those that are moved, replaced or said to go."""
+    names = {name for name, _ in _NAMED.findall(code)}
+    names |= set(re.findall(r"call (\w+) = ", help))
+    numbers = set() if "allow_alias" in code else {number for _, number in _NAMED.findall(code)}
+    kept = []
+    for line in inside.split("\n"):
+        declared = _NAMED.search(line)
+        replaced = declared and (declared[1] in names or declared[2] in numbers)
+        if not (replaced or (in_place and "reserved" in line) or ("features" in code and "features" in line)):
+            kept.append(line)
+    return "\n".join(kept)
+
+
+@pytest.mark.parametrize("case", _BAD, ids=lambda case: case.name)
+def test_what_is_to_be_written(case: Path, tmp_path: Path) -> None:
+    """Each statement that a help says compiles where it is to be written, and cures without doing other harm."""
+    if not (case / "before").is_dir():
+        pytest.skip("compares with the ledger alone")
+    files = _files_of(case / "proto")
+    before, after = (compiled(_files_of(case / state), tmp_path / state) for state in ("before", "proto"))
+    for count, finding in enumerate(changes_found(before, after)):
+        for number, cured in enumerate(_cured(files, after, finding)):
+            left = changes_found(before, compiled(cured, tmp_path / f"{count}_{number}"))
+            harm = {one.rule.id for one in left if (one.type, one.number) == (finding.type, finding.number)}
+            assert harm <= _HARMLESS, f"{finding.help}\n{cured}"

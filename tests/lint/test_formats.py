@@ -79,6 +79,7 @@ def test_json_has_what_scripts_ask_for(project: Path, capsys: pytest.CaptureFixt
             "column": 14,
             "message": "field 1 is already taken by imu (Imu)",
             "help": "the next number never used is 2",
+            "history": [],
             "also": [{"path": "mapping.yaml", "line": 7, "column": 14, "text": "first used here", "commit": None}],
         }
     ]

@@ -1,8 +1,9 @@
 """Golden cases of the lint: a folder each under `cases/`, named after the rule that it is about.
 
 A case is a user's project, or a folder `proto/` without a table, and `expected`, what `roverlink lint` prints of it.
-Where it has a folder `before/`, that is the earlier state (`--against before`). `<ID>_bad_...` has a finding of the rule, `<ID>_good_...` has none. A new case:
-write the project, leave `expected` empty, run `pytest tests/lint/test_lint_cases.py --update-cases`, review.
+Where it has a folder `before/`, that is the earlier state (`--against before`). `<ID>_bad_...` has a finding of it,
+`<ID>_good_...` has none. A new case: write the project, leave `expected` empty, run
+`pytest tests/lint/test_lint_cases.py --update-cases`, review.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from generator.rules import modules
 from roverlink.__main__ import main
 
 CASES = Path(__file__).parent / "cases"
+# A history cannot be a folder: these have their cases in test_past.py, where a test reports each and another does not.
+_OF_HISTORY = {"HIS101", "HIS102", "HIS103", "HIS104", "PIN102"}
 _FOLDERS = sorted(folder for folder in CASES.iterdir() if folder.is_dir())
 
 
@@ -36,7 +39,10 @@ def project(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(
-    ("project", "folder"), [(folder, folder) for folder in _FOLDERS], ids=lambda folder: folder.name, indirect=["project"]
+    ("project", "folder"),
+    [(folder, folder) for folder in _FOLDERS],
+    ids=lambda folder: folder.name,
+    indirect=["project"],
 )
 def test_lint_case(
     project: Path, folder: Path, capsys: pytest.CaptureFixture[str], request: pytest.FixtureRequest
@@ -55,6 +61,7 @@ def test_every_rule_has_a_case_that_fails_and_one_that_passes() -> None:
     """For each rule of the lint there is a bad and a good case."""
     named = {tuple(folder.name.split("_")[:2]) for folder in _FOLDERS}
     missing = [f"{id}_{verdict}" for id in modules() for verdict in ("bad", "good") if (id, verdict) not in named]
+    missing = [name for name in missing if name[:6] not in _OF_HISTORY]
     assert missing == []
 
 

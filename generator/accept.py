@@ -1,0 +1,64 @@
+"""Accepting the past: what history found goes into the ledger as burned numbers, and is not found again."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.ledger import Burned
+from generator.linting import Linted
+from generator.pipeline import recompile
+from generator.subject import Subject
+from generator.write import Change, compare
+
+NOTHING_TO_ACCEPT_INTO = Rule("RET102", "no-ledger-to-accept-into", Severity.FATAL)
+
+_OF_HISTORY = ("HIS101", "HIS103")
+
+
+def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
+    """The changes that burn what history found in a table's project, and how many numbers that are.
+
+    Raises `FindingsError` where there is no table, and where it does not compile.
+    """
+    if not found.subject.table.proto.root or found.subject.past is None:
+        message = "there is no ledger: accepting takes --history in a project with a mapping.yaml"
+        raise FindingsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
+    of_history = [finding for finding in found.findings if finding.rule.id in _OF_HISTORY]
+    burned = {(one.owner, one.number): one for one in found.subject.ledger.burned}
+    for finding in of_history:
+        one = _burned(finding, found.subject)
+        burned[one.owner, one.number] = _joined(burned.get((one.owner, one.number)), one)
+    published = dataclasses.replace(found.subject.ledger, burned=tuple(one for _, one in sorted(burned.items())))
+    compiled = recompile(table_path, published)
+    return compare(table_path.resolve().parent, compiled.files, compiled.folders), len(of_history)
+
+
+def _burned(finding: Finding, subject: Subject) -> Burned:
+    number = finding.number or 0
+    return Burned(
+        finding.type, number, tuple((use.type, use.name) for use in finding.uses), _now(finding.type, number, subject)
+    )
+
+
+def _now(owner: str, number: int, subject: Subject) -> tuple[str, str] | None:
+    """What the number stands for today; None where it is free."""
+    if subject.schema is None:
+        return None
+    if owner in subject.schema.messages:
+        fields = {field.number: (field.wire_type, field.name) for field in subject.schema.messages[owner].fields}
+        return fields.get(number)
+    values = (
+        {value.number: ("", value.name) for value in subject.schema.enums[owner].values}
+        if owner in subject.schema.enums
+        else {}
+    )
+    return values.get(number)
+
+
+def _joined(known: Burned | None, one: Burned) -> Burned:
+    """What was accepted before, and what is now."""
+    if known is None:
+        return one
+    return dataclasses.replace(one, uses=tuple(dict.fromkeys((*known.uses, *one.uses))))

@@ -1,0 +1,37 @@
+"""What .proto files said about numbers, in all of a repository's history.
+
+Tools that compare two states do not see a number that was deleted in one commit and given to something else three
+commits later. Here, all states are read: of all branches, and of both sides of every merge; also those that do not
+compile, for the boards they were flashed to did not ask.
+"""
+
+from __future__ import annotations
+
+from generator.history.history import History, read_history
+from generator.history.model import (
+    Allocation,
+    Collision,
+    Confidence,
+    Content,
+    Fact,
+    Interval,
+    Kind,
+    Life,
+    Relation,
+    Reuse,
+)
+
+__all__ = [
+    "Allocation",
+    "Collision",
+    "Confidence",
+    "Content",
+    "Fact",
+    "History",
+    "Interval",
+    "Kind",
+    "Life",
+    "Relation",
+    "Reuse",
+    "read_history",
+]

@@ -1,0 +1,128 @@
+"""How the rules speak of the past: which numbers, at which place of today, with which commits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence, Set
+from itertools import groupby
+
+from generator.findings import Finding, Rule, Span, Use
+from generator.history import Confidence, History, Kind, Life, Relation, Reuse
+from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+from generator.subject import Subject
+
+_RELATIONS = {
+    Relation.SUCCESSION: "one after the other on one branch",
+    Relation.BRANCHES: "on different branches",
+    Relation.TOGETHER: "in one and the same state",
+}
+_CONFIDENCES = {
+    Confidence.CERTAIN: "",
+    Confidence.LIKELY: "; some of it was read from files with errors",
+    Confidence.DOUBTFUL: "; all of it was read from files with errors",
+}
+
+
+def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
+    """The numbers of messages and enums that had several meanings of some kinds, and were not accepted."""
+    past = subject.past
+    if past is None or not past.of_numbers:
+        return
+    for owner in (*past.history.messages, *past.history.enums):
+        accepted = subject.ledger.burned_in(owner)
+        found = [reuse for reuse in past.history.reuses(owner) if reuse.kind in kinds]
+        for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
+            reuses = list(group)
+            known = set(accepted[number].uses) if number in accepted else set()
+            uses = {(life.type, life.name) for reuse in reuses for life in (reuse.earlier, reuse.later)}
+            if not uses <= known:
+                yield owner, number, reuses
+
+
+def _lives(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Life]:
+    """The lives that are concerned, the earliest first."""
+    concerned = {life for reuse in reuses for life in (reuse.earlier, reuse.later)}
+    return [life for life in history.numbers(owner)[number] if life in concerned]
+
+
+def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Finding:
+    """A finding about one number, with everything that it stood for. There must be a past."""
+    assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
+    lives = _lives(subject.past.history, owner, number, reuses)
+    return rule.at(
+        place_of(subject, owner, number),
+        f"number {number} of {owner} stood for {_told(lives, reuses)}; {_today(subject, owner, number)}"
+        f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
+        _help(subject, owner, number),
+        [(Span(f"{life.came.id[:10]}:{life.path}", life.line), _life(life)) for life in lives],
+        type=owner,
+        number=number,
+        uses=[Use(life.type, life.name, life.came, life.went) for life in lives],
+    )
+
+
+def _told(lives: Sequence[Life], reuses: Sequence[Reuse]) -> str:
+    """What the number stood for, and how that came."""
+    last = reuses[-1]
+    told = " and ".join(dict.fromkeys(_called(life) for life in lives))
+    if len(lives) == 1 and last.old:
+        return f"{told}, whose contents were replaced: {last.survivors} of {len(last.old.facts)} fields are left"
+    at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
+    return f"{told}, {_RELATIONS[last.relation]}{at_once}"
+
+
+def place_of(subject: Subject, owner: str, number: int) -> Span:
+    """Where a number of a message or an enum stands today; else the whole of it; else the envelope."""
+    declared = _declared(subject, owner)
+    if declared is None:
+        return subject.table.envelope.span
+    part = _parts(declared).get(number)
+    return part.at("number") if part else declared.span
+
+
+def _declared(subject: Subject, owner: str) -> ProtoMessage | ProtoEnum | None:
+    schema = subject.schema
+    return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
+
+
+def _parts(declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
+    """The fields or the values by number."""
+    if isinstance(declared, ProtoMessage):
+        return {field.number: field for field in declared.fields}
+    return {value.number: value for value in declared.values}
+
+
+def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
+    return any(first <= number <= last for first, last in declared.reserved)
+
+
+def _today(subject: Subject, owner: str, number: int) -> str:
+    declared = _declared(subject, owner)
+    if declared is None:
+        return f"today there is no {owner}"
+    if part := _parts(declared).get(number):
+        return f"today it is {part.name}"
+    return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
+
+
+def _help(subject: Subject, owner: str, number: int) -> str:
+    accept = "`roverlink lint --history --accept` takes note of it, so that only what is new is found"
+    declared = _declared(subject, owner)
+    if declared is None or _is_reserved(declared, number):
+        return accept
+    if number in _parts(declared):
+        return f"make sure that nothing old is left that means the other thing by it; {accept}"
+    return f"write `reserved {number};` into {owner}; {accept}"
+
+
+def branch(ref: str) -> str:
+    """A branch's name as people say it."""
+    return ref.removeprefix("refs/heads/").removeprefix("refs/remotes/")
+
+
+def _called(life: Life) -> str:
+    return f"{life.type} {life.name}".strip()
+
+
+def _life(life: Life) -> str:
+    end = f"went with {life.went}" if life.went else f"is on {', '.join(branch(ref) for ref in life.live_at[:3])}"
+    return f"{_called(life)} came with {life.came}, {end}"

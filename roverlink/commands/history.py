@@ -1,0 +1,66 @@
+"""``roverlink history``: the life of a number."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from generator.findings import FindingsError
+from generator.history import Life
+from generator.linting import Question
+from generator.retrospect import branch
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, count
+from roverlink.linted import add_subject, linted, progress
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "history",
+        "tell the life of one envelope number: what it stood for, from which commit to which",
+        "roverlink history 18",
+    )
+    parser.add_argument("number", type=count, metavar="NUMBER", help="the number in the envelope")
+    parser.add_argument(
+        "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
+    )
+    add_subject(parser)
+    parser.add_argument(
+        "--of", metavar="MESSAGE", help="the number of a field of this message, or of a value of this enum"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print its life; exit code 1 where it has none."""
+    try:
+        with progress("reading history") as report:
+            subject = linted(arguments, arguments.root, Question(history=True, report=report)).subject
+    except FindingsError as error:
+        print(error, file=sys.stderr)
+        return UNABLE
+    if subject.past is None:
+        return UNABLE
+    owner = arguments.of or subject.table.envelope.message
+    history = subject.past.history
+    lives, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
+    if not lives and not claims:
+        print(f"{owner} never had the number {arguments.number} in {history.commits} commits")
+        return FINDINGS
+    for life in lives:
+        _tell(life, f"{life.type} {life.name}".strip())
+    for life in claims:
+        _tell(life, f"in a comment: {life.type} {life.name}".strip())
+    return OK
+
+
+def _tell(life: Life, what: str) -> None:
+    print(what)
+    for interval in life.intervals:
+        print(f"  came {interval.came} ({interval.path}:{interval.line})")
+        for went in interval.went:
+            print(f"  went {went}")
+    if life.live_at:
+        print(f"  is on {', '.join(branch(ref) for ref in life.live_at)}")

@@ -1,0 +1,40 @@
+"""What the commands of the lint share: which project or tree is meant, and how long work shows that it goes on."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from generator.linting import Linted, Question, lint_project, lint_tree
+from generator.tree import EnvelopeName
+from roverlink.console import add_table, table_file
+
+Report = Callable[[int, int], None]
+
+
+def add_subject(parser: argparse.ArgumentParser) -> None:
+    """The options that say what is looked at: a table, or a tree of .proto files without one."""
+    add_table(parser)
+    parser.add_argument("--envelope", default="", metavar="FILE", help="the envelope's file, in a tree without table")
+    parser.add_argument("--message", default="", metavar="NAME", help="the envelope's message, in a tree without table")
+
+
+def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
+    """The lint of the tree, or of the table's project."""
+    if root is None:
+        return lint_project(table_file(arguments.table), question)
+    return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Report]:
+    """A bar on a terminal, which goes when it is full; nothing elsewhere."""
+    with Progress(console=Console(file=sys.stderr), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

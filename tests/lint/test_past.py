@@ -1,0 +1,359 @@
+"""The lint of all of history, of all branches and of every consumer, as users call it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from repositories import RepositoryBuilder, envelope, git, message
+
+from roverlink.__main__ import main
+
+ROOT = Path(__file__).parents[2]
+_FILE = "components/common/envelope.proto"
+_TREE = ("--envelope", _FILE, "--message", "PBEnvelope")
+_PAYLOADS = {
+    "components/imu.proto": message("Imu", "float accel_x", "float accel_y", "float accel_z"),
+    "components/gps.proto": message("Gps", "double latitude", "double longitude", "uint32 satellites"),
+    "components/wind.proto": message("Wind", "string direction", "bytes raw", "bool gusty"),
+}
+_IMPORTS = "".join(f'import "{path}";\n' for path in _PAYLOADS)
+
+Said = tuple[int, str, str]
+Run = Callable[..., Said]
+
+
+def _envelope(*members: str) -> str:
+    return envelope(*members).replace("\n\n", f"\n\n{_IMPORTS}\n", 1)
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """A command in this process."""
+
+    def call(*arguments: str | Path) -> Said:
+        code = main([str(argument) for argument in arguments])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return call
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> RepositoryBuilder:
+    """A repository of protos whose first commit has two payloads."""
+    built = RepositoryBuilder(tmp_path / "protos")
+    built.commit("Begin", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;"), **_PAYLOADS})
+    return built
+
+
+def _written(repository: RepositoryBuilder) -> Path:
+    root = repository.write()
+    git(root, "checkout", "--quiet", "--force", "main")
+    return root
+
+
+def _found(out: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(out)
+    return found
+
+
+# --- history ----------------------------------------------------------------------------------------------------
+
+
+def test_a_number_that_was_reused_is_found_with_its_whole_life(repository: RepositoryBuilder, run: Run) -> None:
+    """Deleted in one commit and given away two commits later: who held it, and by which commits it came and went."""
+    repository.commit("Take GPS away", {_FILE: _envelope("Imu imu = 1;")})
+    repository.commit("Write about it", {"README.md": "Nothing."})
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    commits = dict(line.split(" ", 1)[::-1] for line in git(root, "log", "--format=%H %s").splitlines())
+    code, out, err = run("lint", "--history", root, *_TREE, "--format", "json")
+    assert (code, err) == (1, "")
+    (found,) = _found(out)
+    assert (found["id"], found["name"], found["severity"]) == ("HIS101", "field-number-reuse", "error")
+    assert (found["message_type"], found["number"], found["path"], found["line"]) == ("PBEnvelope", 2, _FILE, 10)
+    assert [(use["type"], use["name"], use["first_commit"], use["last_commit"]) for use in found["history"]] == [
+        ("Gps", "gps", commits["Begin"], commits["Take GPS away"]),
+        ("Wind", "wind", commits["Measure the wind"], None),
+    ]
+    assert "one after the other on one branch; today it is wind" in found["message"]
+    _, text, _ = run("lint", "--history", root, *_TREE)
+    assert f"Gps gps came with {commits['Begin'][:10]} 2026-02-03 Begin, went with" in text
+
+
+def test_a_merged_side_branch_is_not_overlooked(repository: RepositoryBuilder, run: Run) -> None:
+    """What first parents never had: a side branch gave the number to something else, and its merge took that back."""
+    repository.branch("side")
+    tip = repository.commit("Try the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")}, branch="side")
+    main_tip = repository.commit("Write", {"README.md": "Text."})
+    merged = {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;")}
+    repository.commit("Merge side", merged, parents=[main_tip, tip])
+    repository.delete_branch("side")
+    code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
+    assert code == 1
+    assert [(one["name"], one["number"]) for one in _found(out)] == [("field-number-reuse", 2)]
+
+
+def test_today_that_is_reserved_is_said(repository: RepositoryBuilder, run: Run) -> None:
+    """A number of the past that nobody can take any more is found, and said to be reserved."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    closed = _envelope("Imu imu = 1;").replace("  oneof", "  reserved 2;\n  oneof")
+    repository.commit("Close it", {_FILE: closed})
+    _, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
+    assert [one["message"].endswith("today it is reserved") for one in _found(out)] == [True]
+
+
+def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, run: Run) -> None:
+    """A payload renamed with its fields is a hint; one whose fields were replaced under its name an error."""
+    renamed = _PAYLOADS["components/imu.proto"].replace("message Imu", "message ImuInfo")
+    files = {_FILE: _envelope("ImuInfo imu = 1;", "Gps gps = 2;"), "components/imu.proto": renamed}
+    repository.commit("Rename the IMU", files)
+    gps = message("Gps", "string sentence", "bytes almanac", "bool differential", "sint32 leap")
+    repository.commit("Replace the GPS", {"components/gps.proto": gps})
+    _, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
+    of_envelope = {one["name"]: one for one in _found(out) if one["message_type"] == "PBEnvelope"}
+    assert {name: (one["number"], one["severity"]) for name, one in of_envelope.items()} == {
+        "payload-renamed": (1, "hint"),
+        "payload-content-replaced": (2, "error"),
+    }
+
+
+def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: RepositoryBuilder, run: Run) -> None:
+    """A state with conflict markers counts; the finding says with what confidence it stands."""
+    conflict = _envelope("Imu imu = 1;", "<<<<<<< HEAD", "Gps gps = 2;", "=======", "Wind wind = 2;", ">>>>>>> side")
+    repository.commit("Merge badly", {_FILE: conflict})
+    repository.commit("Mend it", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;")})
+    code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
+    assert code == 1
+    assert ["read from files with errors" in one["message"] for one in _found(out)] == [True]
+
+
+@settings(deadline=None, max_examples=8, suppress_health_check=list(HealthCheck))
+@given(st.lists(st.permutations([3, 4, 5, 6]), min_size=1, max_size=6))
+def test_a_history_without_reuse_gives_nothing(
+    tmp_path_factory: pytest.TempPathFactory, states: list[list[int]]
+) -> None:
+    """Payloads that come and go, each with a number of its own for ever, are no finding."""
+    repository = RepositoryBuilder(tmp_path_factory.mktemp("protos") / "repository")
+    payloads = {f"p{number}.proto": message(f"P{number}", f"float value_{number}") for number in range(3, 7)}
+    imports = "".join(f'import "{path}";\n' for path in payloads)
+    for numbers in [*states, [3, 4, 5, 6]]:
+        text = envelope(*(f"P{number} p_{number} = {number};" for number in sorted(numbers[:3])))
+        repository.commit("Change", {_FILE: text.replace("\n\n", f"\n\n{imports}\n", 1), **payloads})
+    assert main(["lint", "--history", str(_written(repository)), *_TREE]) == 0
+
+
+# --- what limits how deep one can look ---------------------------------------------------------------------------
+
+
+def test_a_shallow_clone_says_how_deep_it_could_look(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """The part that is there is looked at; that it is a part is a warning with its depth and the cure."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    git(tmp_path, "clone", "--quiet", "--depth", "1", f"file://{root}", "shallow")
+    code, out, _ = run("lint", "--history", tmp_path / "shallow", *_TREE, "--format", "json")
+    assert code == 1
+    assert [(one["id"], one["severity"]) for one in _found(out)] == [("STA106", "warning")]
+    assert "its history goes back 1 commits, and no further" in out
+    assert "git fetch --unshallow" in out
+
+
+def test_an_empty_repository_and_none_at_all(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing to look at is exit code 2 with the reason, never a clean bill."""
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "none").mkdir()
+    git(tmp_path / "empty", "init", "--quiet")
+    code, _, err = run("lint", "--history", tmp_path / "empty", *_TREE)
+    assert (code, "STA103" in err) == (2, True)
+    code, _, err = run("lint", "--history", tmp_path / "none", *_TREE)
+    assert (code, "fatal[STA105] the history cannot be read" in err) == (2, True)
+
+
+def test_a_tree_whose_protos_are_gone_still_has_a_history(repository: RepositoryBuilder, run: Run) -> None:
+    """Deleting everything does not hide what was there."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    repository.commit("Away with it", dict.fromkeys((_FILE, *_PAYLOADS)))
+    code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
+    assert code == 1
+    assert [(one["number"], "today there is no PBEnvelope" in one["message"]) for one in _found(out)] == [(2, True)]
+
+
+# --- branches, pins, numbers -------------------------------------------------------------------------------------
+
+
+def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) -> None:
+    """The collision is found before the merge, with both branches, and a number that neither has."""
+    repository.branch("wind")
+    repository.branch("imu")
+    repository.commit("Wind", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;", "Wind wind = 3;")}, branch="wind")
+    repository.commit("IMU", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;", "Imu spare = 3;")}, branch="imu")
+    root = _written(repository)
+    code, out, _ = run("lint", root, "--branches", *_TREE, "--format", "json")
+    assert code == 1
+    (found,) = _found(out)
+    assert (found["id"], found["number"]) == ("HIS104", 3)
+    assert "Imu spare on imu and Wind wind on wind" in found["message"]
+    assert found["help"] == "keep it for one of them; the next number that no branch has is 4"
+    assert run("lint", root, *_TREE)[0] == 0
+
+
+def _consumer(folder: Path, **files: str) -> Path:
+    folder.mkdir()
+    for name, text in files.items():
+        (folder / name.replace("_", ".", 1)).write_text(text)
+    return folder
+
+
+def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """A submodule, CMake's GIT_TAG and a plain list: each pair that disagrees about a number, at its pin."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    new, old = git(root, "rev-parse", "HEAD").strip(), git(root, "rev-parse", "HEAD~1").strip()
+    rover = _consumer(tmp_path / "rover", gitmodules="")
+    (rover / "gitmodules").rename(rover / ".gitmodules")
+    git(rover, "init", "--quiet")
+    git(rover, "update-index", "--add", "--cacheinfo", f"160000,{old},protos")
+    identity = ("-c", "user.name=A", "-c", "user.email=a@example.com")
+    git(rover, *identity, "commit", "--quiet", "--message", "Pin")
+    declared = f"FetchContent_Declare(protos\n  GIT_REPOSITORY x\n  GIT_TAG {new})  # GIT_TAG {old}\n"
+    board = _consumer(tmp_path / "board")
+    (board / "CMakeLists.txt").write_text(f"{declared}FetchContent_Declare(other GIT_TAG v9.9)\n")
+    (tmp_path / "pins.txt").write_text(f"# who uses what\nbasestation {old[:12]}\n")
+    sources = (rover, board, tmp_path / "pins.txt")
+    code, out, _ = run("lint", root, *_TREE, "--format", "json", "--pins", *sources)
+    assert code == 1
+    said = {one["message"] for one in _found(out)}
+    assert said == {
+        "number 2 of PBEnvelope is Wind wind to board/protos and Gps gps to rover/protos",
+        "number 2 of PBEnvelope is Gps gps to basestation and Wind wind to board/protos",
+    }
+    assert [Path(one["path"]).name for one in _found(out)] == ["CMakeLists.txt", "pins.txt"]
+    _, text, _ = run("lint", root, *_TREE, "--pins", *sources)
+    matrix = [line.split() for line in text.splitlines() if line.split()[:1] in (["rover/protos"], ["board/protos"])]
+    assert matrix[-2:] == [["rover/protos", "2", "agree"], ["board/protos", "2", "2"]]
+    assert run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("rover 0123456789abcdef\n", "rover is pinned to 0123456789abcdef, which this repository does not have"),
+        ("one two three four\n", "no `name commit`: 'one two three four'"),
+        ("# nothing\n", "no pin was found"),
+    ],
+)
+def test_pins_that_cannot_be_read(
+    repository: RepositoryBuilder, tmp_path: Path, run: Run, text: str, said: str
+) -> None:
+    """A commit that is not there, a line that is none, a source without a pin: named, with exit code 2."""
+    root = _written(repository)
+    (tmp_path / "pins.txt").write_text(text)
+    code, out, _ = run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")
+    assert code == 2
+    assert f"fatal[PIN101] {said}" in out
+
+
+def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, run: Run) -> None:
+    """No number of the history, of another branch, of a reserved range or a comment is offered; it is said why."""
+    repository.commit("Try 3", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;", "Wind wind = 3;")})
+    repository.branch("side")
+    repository.commit("Take 4", {_FILE: _envelope("Imu imu = 1;", "Imu other = 4;")}, branch="side")
+    text = _envelope("Imu imu = 1;", "Gps gps = 2;", "// Wind later = 5;").replace("  oneof", "  reserved 6;\n  oneof")
+    repository.commit("Go on", {_FILE: text})
+    code, out, err = run("next-number", _written(repository), *_TREE)
+    assert (code, out) == (0, "7\n")
+    lines = err.splitlines()
+    assert [line.split()[0] for line in lines] == ["3", "4", "5", "6"]
+    assert "stood for wind (Wind) until" in lines[0]
+    assert "stood for other (Imu), which side has" in lines[1]
+    assert "comment" in lines[2]
+    assert "is reserved in" in lines[3]
+
+
+def test_the_life_of_one_number(repository: RepositoryBuilder, run: Run) -> None:
+    """What it stood for, from which commit to which; and exit code 1 for a number that never was."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    code, out, _ = run("history", "2", root, *_TREE)
+    assert code == 0
+    assert [line.split(" ", 4)[-1] if line[0] == " " else line for line in out.splitlines()][0::3][:1] == ["Gps gps"]
+    assert "Begin (components/common/envelope.proto:10)" in out
+    assert out.endswith("  is on main\n")
+    code, out, _ = run("history", "9", root, *_TREE)
+    assert (code, out) == (1, "PBEnvelope never had the number 9 in 2 commits\n")
+
+
+# --- accepting ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A repository with the table and the protos of this one, in whose past two numbers were something else."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    for name in ("mapping.yaml", "proto"):
+        source = ROOT / name
+        shutil.copytree(source, folder / name) if source.is_dir() else shutil.copy(source, folder)
+    monkeypatch.chdir(folder)
+    git(folder, "init", "--quiet", "--initial-branch", "main")
+    file = folder / "proto" / _FILE
+    now = file.read_text()
+    file.write_text(
+        now.replace("SensorBoardIMUInfo imu_info = 13", "SensorBoardPHInfo old_ph = 13; SensorBoardPHInfo x = 30")
+    )
+    _commit(folder, "Once")
+    file.write_text(now.replace("  }\n}", "    SensorBoardGPSInfo y = 30;\n  }\n}"))
+    _commit(folder, "Then")
+    file.write_text(now)
+    assert main(["generate"]) == 0
+    _commit(folder, "Now")
+    return folder
+
+
+def _commit(folder: Path, subject: str) -> None:
+    identity = {f"GIT_{who}_{what}": "a@example.com" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
+    for command in (["add", "--all"], ["commit", "--quiet", "--message", subject]):
+        subprocess.run(["git", *command], cwd=folder, check=True, env={**os.environ, **identity})
+
+
+def test_what_is_accepted_is_burned_and_not_found_again(project: Path, run: Run) -> None:
+    """The ledger takes note, the envelope reserves what is free, and from then on only what is new is found."""
+    assert run("lint", "--history")[0] == 1
+    code, out, _ = run("lint", "--history", "--accept")
+    assert code == 0
+    assert "changed mapping.lock" in out
+    ledger = (project / "mapping.lock").read_text()
+    assert "  PBEnvelope 13: SensorBoardPHInfo old_ph | SensorBoardIMUInfo imu_info now\n" in ledger
+    assert "  PBEnvelope 30: SensorBoardPHInfo x | SensorBoardGPSInfo y\n" in ledger
+    assert "  reserved 30;  // SensorBoardPHInfo, SensorBoardGPSInfo\n" in (project / "proto" / _FILE).read_text()
+    assert run("lint", "--history")[0] == 0
+    assert run("generate", "--check")[0] == 0
+    assert run("next-number")[1] == "22\n"
+
+
+def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
+    """A row that takes one is refused; the payload that had it when it was accepted keeps it."""
+    run("lint", "--history", "--accept")
+    table = project / "mapping.yaml"
+    row = "  - {number: 30, name: again, proto: SensorBoardPHInfo, topic: again, direction: hardware_to_ros}\n"
+    table.write_text(table.read_text().replace("\nretired:", f"{row}\nretired:"))
+    code, _, err = run("generate")
+    assert code == 1
+    assert "error[ENV110] field 30 stood for SensorBoardPHInfo and for SensorBoardGPSInfo in the past" in err
+
+
+def test_accepting_needs_a_ledger(repository: RepositoryBuilder, run: Run) -> None:
+    """A tree without a table has nowhere to take note."""
+    code, _, err = run("lint", "--history", _written(repository), *_TREE, "--accept")
+    assert code == 2
+    assert "fatal[RET102] there is no ledger" in err
