@@ -250,12 +250,14 @@ def pairs(tmp_path_factory: pytest.TempPathFactory) -> list[Pair]:
         return list(pool.map(Pair, chunks, folders))
 
 
+@pytest.mark.slow
 @needs_buf
 def test_what_buf_finds_we_find(pairs: list[Pair]) -> None:
     """Each finding of buf's in our scope has one of ours."""
     assert [missed for pair in pairs for missed in pair.missed()] == []
 
 
+@pytest.mark.slow
 @needs_buf
 def test_what_buf_calls_a_fault_of_bytes_is_an_error(pairs: list[Pair]) -> None:
     """Where buf's WIRE finds another type, ours is an error, but for types that read each other's bytes."""
@@ -263,6 +265,7 @@ def test_what_buf_calls_a_fault_of_bytes_is_an_error(pairs: list[Pair]) -> None:
     assert [told for pair in pairs for told in pair.lowered() if set(told[1:]) not in harmless] == []
 
 
+@pytest.mark.slow
 @needs_buf
 def test_no_error_without_a_reason(pairs: list[Pair]) -> None:
     """What is an error to us is one to buf's WIRE, or is what buf cannot see."""
@@ -293,6 +296,7 @@ def test_the_table_in_the_docs() -> None:
         assert row.theirs == {rule for rule, known in BUF_TO_OURS.items() if id in known}, id
 
 
+@pytest.mark.slow
 @needs_buf
 def test_the_examples_in_the_docs(pairs: list[Pair]) -> None:
     """Each example has the finding that it is to show, and buf's rules are in the categories that are told."""

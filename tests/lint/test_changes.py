@@ -445,6 +445,7 @@ def _without(inside: str, code: str, in_place: bool, help: str) -> str:
     return "\n".join(kept)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", _BAD, ids=lambda case: case.name)
 def test_what_is_to_be_written(case: Path, tmp_path: Path) -> None:
     """Each statement that a help says compiles where it is to be written, and cures without doing other harm."""
