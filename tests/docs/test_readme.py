@@ -52,7 +52,7 @@ def test_every_command_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     """The table of commands has those that `roverlink --help` lists, and no other."""
     with pytest.raises(SystemExit):
         main(["--help"])
-    commands = re.findall(r"^    ([\w-]+) ", capsys.readouterr().out, re.MULTILINE)
+    commands = re.findall(r"^    ([\w-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
 
     assert [row.split()[1] for row in _table("| command | what it does |")] == commands
 
