@@ -6,10 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.accept import accept
 from generator.findings import FindingsError, Severity
 from generator.linting import Linted, Question
-from generator.write import write
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.linted import add_subject, linted, progress
 from roverlink.reports import FORMATS
@@ -94,6 +92,10 @@ def _lint(arguments: argparse.Namespace) -> Linted:
 
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:
     """Burn the numbers that history found, and generate."""
+    # Here, since whoever only lints does not need what writes Python.
+    from generator.accept import accept
+    from generator.write import write
+
     changes, accepted = accept(table_file(arguments.table), found)
     write(found.folder, changes)
     for change in changes:

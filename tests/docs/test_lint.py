@@ -35,7 +35,8 @@ def _environment() -> dict[str, str]:
     """An environment in which `roverlink` is this one, and git knows who commits."""
     people = {f"GIT_{who}_{what}": "test@example.com" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    return {**os.environ, **people, "PATH": path}
+    no_settings = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull}
+    return {**os.environ, **people, **no_settings, "PATH": path}
 
 
 def _hooks() -> list[dict[str, Any]]:

@@ -15,7 +15,12 @@ _ABOUT_OTHER_THINGS = {
     *("ledger_one_number_in_two_branches", "only_what_is_needed", "qos_and_peers", "retired"),
     "tab107_topic_changed",
 }
-_CASES = [case for case in passing_cases() if case.folder.name not in _ABOUT_OTHER_THINGS]
+_LESS_LIKELY_TO_BREAK = {"empty_messages", "long_names", "one_message_in_two_rows", "packages"}
+_CASES = [
+    pytest.param(case, marks=[pytest.mark.slow] if case.folder.name in _LESS_LIKELY_TO_BREAK else [])
+    for case in passing_cases()
+    if case.folder.name not in _ABOUT_OTHER_THINGS
+]
 
 
 @pytest.mark.parametrize("case", _CASES, ids=lambda case: case.folder.name)

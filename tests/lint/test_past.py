@@ -323,7 +323,9 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def _commit(folder: Path, subject: str) -> None:
     identity = {f"GIT_{who}_{what}": "a@example.com" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
     for command in (["add", "--all"], ["commit", "--quiet", "--message", subject]):
-        subprocess.run(["git", *command], cwd=folder, check=True, env={**os.environ, **identity})
+        subprocess.run(
+            ["git", *command], cwd=folder, check=True, env={**os.environ, **identity, "GIT_CONFIG_GLOBAL": os.devnull}
+        )
 
 
 def test_what_is_accepted_is_burned_and_not_found_again(project: Path, run: Run) -> None:

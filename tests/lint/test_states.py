@@ -40,6 +40,8 @@ message Gps {
 """
 _TREE = ("--envelope", "envelope.proto", "--message", "Envelope")
 
+_NO_SETTINGS = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull}  # of whoever runs the tests
+
 Said = tuple[int, str, str]
 Lint = Callable[..., Said]
 
@@ -65,7 +67,10 @@ def _git(root: Path, *arguments: str) -> str:
     }
     dates = {"GIT_AUTHOR_DATE": "2026-03-01T12:00:00Z", "GIT_COMMITTER_DATE": "2026-03-01T12:00:00Z"}
     done = subprocess.run(
-        ["git", "-C", str(root), *arguments], env={**os.environ, **identity, **dates}, capture_output=True, text=True
+        ["git", "-C", str(root), *arguments],
+        env={**os.environ, **identity, **dates, **_NO_SETTINGS},
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
