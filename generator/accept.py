@@ -9,6 +9,7 @@ from generator.findings import Finding, FindingsError, Rule, Severity, Span
 from generator.ledger import Burned
 from generator.linting import Linted
 from generator.pipeline import recompile
+from generator.retrospect import stands_today
 from generator.subject import Subject
 from generator.write import Change, compare
 
@@ -36,25 +37,10 @@ def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
 
 
 def _burned(finding: Finding, subject: Subject) -> Burned:
-    number = finding.number or 0
+    owner, number = finding.type, finding.number or 0
     return Burned(
-        finding.type, number, tuple((use.type, use.name) for use in finding.uses), _now(finding.type, number, subject)
+        owner, number, tuple((use.type, use.name) for use in finding.uses), stands_today(subject, owner, number)
     )
-
-
-def _now(owner: str, number: int, subject: Subject) -> tuple[str, str] | None:
-    """What the number stands for today; None where it is free."""
-    if subject.schema is None:
-        return None
-    if owner in subject.schema.messages:
-        fields = {field.number: (field.wire_type, field.name) for field in subject.schema.messages[owner].fields}
-        return fields.get(number)
-    values = (
-        {value.number: ("", value.name) for value in subject.schema.enums[owner].values}
-        if owner in subject.schema.enums
-        else {}
-    )
-    return values.get(number)
 
 
 def _joined(known: Burned | None, one: Burned) -> Burned:

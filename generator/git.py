@@ -5,9 +5,10 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from datetime import datetime, timezone
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _FILES = ("100644", "100755")  # the modes of files in a tree; there are links and submodules, too
 
 
@@ -42,7 +43,7 @@ class Repository:
         """The commit that a ref names. Raises `GitError` where it names none."""
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
-        return Commit(id, _date(int(seconds)), subject)
+        return Commit(id, date_of(seconds), subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Mode, object and path of all that stands below the folder in a commit; paths are relative to the folder."""
@@ -79,7 +80,7 @@ class Repository:
         id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
         if not id.strip("0") or "summary" not in facts:
             return None
-        return Commit(id, _date(int(facts["author-time"])), facts["summary"])
+        return Commit(id, date_of(facts["author-time"]), facts["summary"])
 
     def _run(self, *arguments: str) -> str:
         return self._run_bytes(*arguments).decode("utf-8", errors="replace")
@@ -95,5 +96,9 @@ class Repository:
         return done.stdout
 
 
-def _date(seconds: int) -> str:
-    return datetime.fromtimestamp(seconds, timezone.utc).date().isoformat()
+def date_of(seconds: str) -> str:
+    """The date of a time; empty where somebody's clock made it one that no calendar has."""
+    try:
+        return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()
+    except (ValueError, OverflowError):
+        return ""

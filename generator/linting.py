@@ -20,7 +20,7 @@ from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
 from generator.states import Layout, State, open_state
-from generator.subject import Change, Subject
+from generator.subject import Change, Subject, since_last_generate
 from generator.table import Table
 
 NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
@@ -129,9 +129,7 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Finding]
 
 def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:
     changes = [Change(state.schema, schema, state.name, bounds_before=state.bounds)] if state else []
-    if published.entries:
-        changes.append(Change(ledger.as_schema(published), schema, ledger.NAME, of_ledger=True))
-    return tuple(changes)
+    return (*changes, *since_last_generate(published, schema))
 
 
 def _by_name(files: Mapping[str, File]) -> dict[str, list[str]]:

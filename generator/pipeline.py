@@ -12,10 +12,10 @@ from generator import ir, ledger, naming, read, resolve, subject, targets
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.proto_files import DeclarationIndex, index_declarations
 from generator.protoc import Compilation, compile_protos
-from generator.protos import Schema
 from generator.retire import with_retired
 from generator.rules import lint
 from generator.table import Table
+from generator.table_format import IMPLEMENTATION_NUMBERS
 from generator.targets import envelope as envelope_target
 from generator.write import Change, compare
 from generator.yaml_items import read_text
@@ -75,7 +75,8 @@ def _compiled(table_path: Path, text: str, published: ledger.Ledger | None = Non
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope)) if named else None
     schema = compilation.schema if compilation else None
-    findings += lint(subject.Subject(table, schema, published, changes=_since_last_time(published, schema)))
+    changes = subject.since_last_generate(published, schema) if schema else ()
+    findings += lint(subject.Subject(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bridge = resolve.resolve(table, compilation, envelope, findings)
@@ -83,13 +84,6 @@ def _compiled(table_path: Path, text: str, published: ledger.Ledger | None = Non
         raise FindingsError(in_order(findings))
     folders = (targets.FOLDER, *([table.proto.root] if envelope.ours else []))
     return Compiled(bridge, targets.emit(bridge, table.proto.root, published), folders, tuple(in_order(findings)))
-
-
-def _since_last_time(published: ledger.Ledger, schema: Schema | None) -> tuple[subject.Change, ...]:
-    """What became of the wire schema that the ledger has."""
-    if schema is None or not published.entries:
-        return ()
-    return (subject.Change(ledger.as_schema(published), schema, ledger.NAME, of_ledger=True),)
 
 
 def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
@@ -130,7 +124,7 @@ def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
         member
         for member in envelope.members
         if member.name not in {*names, envelope.oneof}
-        and not 19_000 <= member.number < 20_000
+        and member.number not in IMPLEMENTATION_NUMBERS
         and _is_new(member.number, numbers)
         and _is_new(naming.distinct(member.name), classes)
     ]

@@ -79,6 +79,13 @@ def place_of(subject: Subject, owner: str, number: int) -> Span:
     return part.at("number") if part else declared.span
 
 
+def stands_today(subject: Subject, owner: str, number: int) -> tuple[str, str] | None:
+    """Type and name of what a number of a message or an enum stands for today; None where it is free."""
+    declared = _declared(subject, owner)
+    part = _parts(declared).get(number) if declared else None
+    return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
+
+
 def _declared(subject: Subject, owner: str) -> ProtoMessage | ProtoEnum | None:
     schema = subject.schema
     return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 
 from generator.declarations import Claim, File, Message
 from generator.findings import Span, shown
-from generator.ledger import Entry, Ledger
+from generator.ledger import NAME as LEDGER
+from generator.ledger import Entry, Ledger, as_schema
 from generator.protos import Schema
 from generator.table import Table
+from generator.table_format import IMPLEMENTATION_NUMBERS
 
 if TYPE_CHECKING:
     from generator.nanopb import Bounds
     from generator.past import Past
 
-_IMPLEMENTATION = range(19_000, 20_000)  # protobuf keeps them for itself
 _LONGEST_RANGE = 100_000  # numbers; `1000 to max` is half a thousand millions
 
 
@@ -33,6 +34,11 @@ class Change:
     """Whether the earlier state is the ledger: names, numbers and types of what can travel, and nothing else."""
     bounds_before: Bounds | None = None
     """nanopb's bounds as they were; None where they are not known."""
+
+
+def since_last_generate(published: Ledger, schema: Schema) -> tuple[Change, ...]:
+    """What became of the wire schema that the ledger has; nothing where there is no ledger yet."""
+    return (Change(as_schema(published), schema, LEDGER, of_ledger=True),) if published.entries else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +69,7 @@ class Subject:
     def next_number(self) -> int:
         """The number for the next payload: the smallest above all published ones that nothing ever had or claimed."""
         taken = self.taken()
-        numbers = (number for number in count(self.largest_number() + 1) if number not in _IMPLEMENTATION)
+        numbers = (number for number in count(self.largest_number() + 1) if number not in IMPLEMENTATION_NUMBERS)
         return next(number for number in numbers if number not in taken)
 
     def largest_number(self) -> int:

@@ -10,6 +10,8 @@ from typing import Any
 
 FORMAT_VERSION = 1
 LARGEST_NUMBER = 536_870_911  # 2**29 - 1, protobuf's largest field number
+IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
+"""Field numbers that protobuf keeps for itself; protoc refuses them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,9 @@ Report = Callable[[int, int], None]
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
     """The options that say what is looked at: a table, or a tree of .proto files without one."""
+    parser.add_argument(
+        "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
+    )
     add_table(parser)
     parser.add_argument("--envelope", default="", metavar="FILE", help="the envelope's file, in a tree without table")
     parser.add_argument("--message", default="", metavar="NAME", help="the envelope's message, in a tree without table")

@@ -8,8 +8,9 @@ from generator.changes.ranges import Range
 from generator.declarations import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from generator.protos import Schema
 from generator.subject import Subject
+from generator.table_format import IMPLEMENTATION_NUMBERS
 
-_IMPLEMENTATION = (19_000, 19_999)
+_IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 
 
 def next_field_number(subject: Subject, full_name: str, taken: Iterable[int] = ()) -> int | None:

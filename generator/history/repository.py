@@ -8,10 +8,9 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta, timezone
 from itertools import islice
 
-from generator.git import Commit, GitError, Repository
+from generator.git import Commit, GitError, Repository, date_of
 
 _FIELDS = ("%H", "%P", "%ct", "%at", "%s")
 _LOG = (
@@ -24,7 +23,6 @@ _LOG = (
 )
 _BATCH = 256  # ids that git is asked for at once; they fit into a pipe with room to spare
 _LARGEST = 4_194_304  # bytes of a file that somebody may have written
-_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +71,7 @@ class PastRepository(Repository):
             while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
                 edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
                 at += 2
-            commit = Commit(id, _day(written), subject)
+            commit = Commit(id, date_of(written), subject)
             found.append(Revision(commit, tuple(parents.split()), int(time), tuple(edits)))
         return found[::-1]
 
@@ -136,11 +134,3 @@ def _edit(what: str, path: str) -> Edit:
 def _is_file(mode: str) -> bool:
     """Whether a mode is that of a regular file, and neither of nothing, of a link, nor of a submodule."""
     return mode.startswith("100")
-
-
-def _day(seconds: str) -> str:
-    """The date of a time; empty where somebody's clock made it one that no calendar has."""
-    try:
-        return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()
-    except (ValueError, OverflowError):
-        return ""

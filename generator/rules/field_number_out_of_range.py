@@ -17,17 +17,17 @@ from collections.abc import Iterator
 
 from generator.findings import Finding, Rule
 from generator.subject import Subject
+from generator.table_format import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("ENV104", "field-number-out-of-range")
-_IMPLEMENTATION = range(19_000, 20_000)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Rows with such a number."""
     envelope = subject.table.envelope.message
-    message = f"is one of protobuf's own, {_IMPLEMENTATION.start} to {_IMPLEMENTATION.stop - 1}"
+    message = f"is one of protobuf's own, {IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1}"
     for row in subject.table.rows:
-        if row.number in _IMPLEMENTATION:
+        if row.number in IMPLEMENTATION_NUMBERS:
             yield RULE.at(
                 row.at("number"),
                 f"field {row.number} {message}",

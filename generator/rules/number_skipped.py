@@ -22,9 +22,9 @@ from itertools import count
 
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
+from generator.table_format import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("TAB106", "number-skipped", Severity.HINT)
-_IMPLEMENTATION = range(19_000, 20_000)  # protobuf's own
 
 
 def check(subject: Subject) -> Iterator[Finding]:
@@ -37,7 +37,7 @@ def check(subject: Subject) -> Iterator[Finding]:
     # Only what lies above every old number is known to have never been used.
     old = published | (table.numbers - new.keys())
     taken = subject.taken().keys() - new.keys()
-    wanted = (number for number in count(max(old) + 1) if number not in taken and number not in _IMPLEMENTATION)
+    wanted = (number for number in count(max(old) + 1) if number not in taken and number not in IMPLEMENTATION_NUMBERS)
     above = sorted(number for number in new if number > max(old))
     for number, smallest in zip(above, wanted):
         if number > smallest:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from generator.findings import FindingsError
 from generator.history import Life
@@ -23,9 +22,6 @@ def add(commands: Subparsers) -> None:
         "roverlink history 18",
     )
     parser.add_argument("number", type=count, metavar="NUMBER", help="the number in the envelope")
-    parser.add_argument(
-        "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
-    )
     add_subject(parser)
     parser.add_argument(
         "--of", metavar="MESSAGE", help="the number of a field of this message, or of a value of this enum"

@@ -25,9 +25,6 @@ def add(commands: Subparsers) -> None:
         "Look at table, protos and ledger, at every change against another state, and at all of history. Exit code 0:\n"
         "clean; 1: findings; 2: something could not be looked at. `roverlink explain ID` says what a rule is about.",
     )
-    parser.add_argument(
-        "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
-    )
     add_subject(parser)
     parser.add_argument("--against", metavar="STATE", help="a folder, a descriptor set, or a git ref to compare with")
     parser.add_argument(

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from generator.findings import FindingsError
 from generator.git import GitError, Repository
 from generator.linting import Question
-from roverlink.console import OK, UNABLE, Subparsers, command
+from roverlink.console import OK, UNABLE, Subparsers, command, table_file
 from roverlink.linted import add_subject, linted, progress
 
 
@@ -22,9 +21,6 @@ def add(commands: Subparsers) -> None:
         "roverlink next-number",
         "Print the smallest number above those of today that nothing ever had: not the table, the ledger, what is\n"
         "reserved or commented out, git's history, or another branch. Why others are skipped goes to standard error.",
-    )
-    parser.add_argument(
-        "root", nargs="?", type=Path, metavar="PROTO_ROOT", help="a tree of .proto files that has no mapping.yaml"
     )
     add_subject(parser)
     parser.set_defaults(run=run)
@@ -51,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _in_repository(arguments: argparse.Namespace) -> bool:
     try:
-        Repository(arguments.root or Path()).resolve("HEAD")
+        Repository(arguments.root or table_file(arguments.table).parent).resolve("HEAD")
     except GitError:
         return False
     return True
