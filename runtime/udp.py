@@ -23,6 +23,9 @@ _SO_RCVBUFFORCE = 33
 _SO_MEMINFO = 55
 _MEMINFO_DROPS = 8  # SK_MEMINFO_DROPS in linux/sock_diag.h
 _DRAIN_S = 0.5
+_SIGNAL_S = 0.2
+"""How often whoever waits for the thread looks up. A signal that comes just before a wait begins does not end the wait,
+and Python calls its handler only once the main thread runs again."""
 
 BURST = 8
 """Most datagrams in a batch. They are published in one go, so it is below the ten messages that a ROS 2 subscription
@@ -154,7 +157,8 @@ class Receiver:
 
     def join(self) -> None:
         """Wait until the thread ends. Raises what the function raised, where that ended it."""
-        self._thread.join()
+        while self._thread.is_alive():
+            self._thread.join(_SIGNAL_S)
         if self._failure is not None:
             raise self._failure
 

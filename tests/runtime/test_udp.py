@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -185,6 +186,25 @@ def test_stopping_very_often_does_not_block(listener: socket.socket) -> None:
         blocked = stopper.is_alive()
         may_end.set()
     assert not blocked
+
+
+def test_a_signal_that_interrupts_no_wait_still_stops_it(listener: socket.socket) -> None:
+    """A signal that came a moment before the wait began, or that the kernel gave to another thread, is obeyed."""
+    receiver = udp.Receiver(listener, _SIZE, lambda batch: None)
+    late = threading.Timer(PATIENCE_S / 3, receiver.stop)  # so that a failure ends, too
+    sender = threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGUSR1))  # in its own thread, not in ours
+    before = signal.signal(signal.SIGUSR1, lambda *_: receiver.stop())
+    try:
+        with receiver:
+            late.start()
+            sender.start()
+            start = time.monotonic()
+            receiver.join()
+            took = time.monotonic() - start
+    finally:
+        late.cancel()
+        signal.signal(signal.SIGUSR1, before)
+    assert took < PATIENCE_S / 4
 
 
 def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sender: socket.socket) -> None:
