@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import ir, ledger, naming, read, resolve, subject, targets
+from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.proto_files import DeclarationIndex, index_declarations
 from generator.protoc import Compilation, compile_protos
@@ -16,7 +16,6 @@ from generator.retire import with_retired
 from generator.rules import lint
 from generator.table import Table
 from generator.table_format import IMPLEMENTATION_NUMBERS
-from generator.targets import envelope as envelope_target
 from generator.write import Change, compare
 from generator.yaml_items import read_text
 
@@ -38,12 +37,13 @@ class Compiled:
     warnings: tuple[Finding, ...]
 
 
-def compile_table(table_path: Path) -> Compiled:
-    """Compile a table. Nothing is written.
+def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
+    """Compile a table, also to further targets and with further folders of templates. Nothing is written.
 
     Raises `FindingsError` with everything that is wrong, as far as it can be seen at once.
     """
-    return _compiled(table_path, read_text(table_path, table_path.name))
+    text = read_text(table_path, table_path.name)
+    return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
 
 
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
@@ -64,7 +64,12 @@ def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:
     return _compiled(table_path, read_text(table_path, table_path.name), published)
 
 
-def _compiled(table_path: Path, text: str, published: ledger.Ledger | None = None) -> Compiled:
+def _compiled(
+    table_path: Path,
+    text: str,
+    published: ledger.Ledger | None = None,
+    further: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
+) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Finding] = []
     table = read.parse(text, table_path.name, findings)
@@ -82,8 +87,9 @@ def _compiled(table_path: Path, text: str, published: ledger.Ledger | None = Non
         bridge = resolve.resolve(table, compilation, envelope, findings)
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
-    folders = (targets.FOLDER, *([table.proto.root] if envelope.ours else []))
-    return Compiled(bridge, targets.emit(bridge, table.proto.root, published), folders, tuple(in_order(findings)))
+    folders = (emission.FOLDER, *([table.proto.root] if envelope.ours else []))
+    files = emission.emit(bridge, table.outputs.and_further(*further), table.proto.root, published, project)
+    return Compiled(bridge, files, folders, tuple(in_order(findings)))
 
 
 def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
@@ -107,7 +113,7 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Compilation:
     """What protoc makes of the payloads and the envelope. Raises `FindingsError` where it refuses them."""
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file})
-    overlay = {envelope.file: envelope_target.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
+    overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"there is no {envelope.file} below {table.proto.root}"
         raise FindingsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])

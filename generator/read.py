@@ -8,12 +8,23 @@ from string import ascii_lowercase
 
 from generator import ir
 from generator.findings import Finding, FindingsError, Rule
-from generator.table import EnumSettings, EnvelopeSettings, Lowered, PeerSettings, ProtoSettings, RetiredRow, Row, Table
+from generator.table import (
+    EnumSettings,
+    EnvelopeSettings,
+    Lowered,
+    Outputs,
+    PeerSettings,
+    ProtoSettings,
+    RetiredRow,
+    Row,
+    Table,
+)
 from generator.table_format import ENUM, RETIRED, ROW, TABLE, Object
 from generator.yaml_items import Item, read_item, read_text
 
 CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
 
+_USUAL_TARGETS = ("python", "ros2", "markdown")
 _FIRST_PORT = 6000
 _MAINTAINER = "unnamed <unnamed@example.com>"  # package.xml wants one; example.com receives nothing (RFC 2606)
 
@@ -70,6 +81,7 @@ def _table(file: str, item: Item, whole: bool, findings: list[Finding]) -> Table
             for name, enum in enums.items()
             if _is_whole(enum, ENUM)
         ),
+        outputs=Outputs(item.span, item.spans(), item.texts("targets") or _USUAL_TARGETS, item.texts("templates")),
         lint=tuple(_lowered(item.entry("lint"))),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -123,6 +124,23 @@ class EnumSettings(Placed):
 
 
 @dataclass(frozen=True, slots=True)
+class Outputs(Placed):
+    """What the table is compiled to."""
+
+    targets: tuple[str, ...]
+    templates: tuple[str, ...]
+    """Folders of a user's own templates, relative to the table."""
+
+    def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Outputs:
+        """The same and others, each once."""
+        return dataclasses.replace(
+            self,
+            targets=tuple(dict.fromkeys((*self.targets, *targets))),
+            templates=tuple(dict.fromkeys((*self.templates, *templates))),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """mapping.yaml: all of it, or what of it is whole."""
 
@@ -141,6 +159,7 @@ class Table:
     rows: tuple[Row, ...]
     retired: tuple[RetiredRow, ...]
     enums: tuple[EnumSettings, ...]
+    outputs: Outputs
     lint: tuple[Lowered, ...]
     """What counts for less everywhere."""
 

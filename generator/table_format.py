@@ -207,6 +207,8 @@ TABLE = Object(
             ),
             "Enums that are a ROS 2 message of their own; any other is an integer with its constants beside it.",
         ),
+        "targets": Key(ListOf(Text(r"[a-z][a-z0-9_]*", "nanopb")), "What the table is compiled to."),
+        "templates": Key(ListOf(Text()), "Folders of Jinja templates of your own, relative to the table."),
         "lint": Key(_LOWERED, "Rules that count for less everywhere."),
     }
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from generator import ir
 from generator.findings import FindingsError, Rule, Severity, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.table import EnvelopeSettings, ProtoSettings, Row, Table
+from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Row, Table
 
 NO_ENVELOPE_MESSAGE = Rule("STA104", "no-envelope-message", Severity.FATAL)
 
@@ -42,6 +42,7 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
         rows=(),
         retired=(),
         enums=(),
+        outputs=Outputs(here, {}, (), ()),
         lint=(),
     )
 

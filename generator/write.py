@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.findings import FindingsError, Rule, Severity, Span
-from generator.targets.rendering import REGENERATE
+from generator.rendering import REGENERATE
 
 CANNOT_WRITE = Rule("OUT101", "cannot-write", Severity.FATAL)
 

@@ -1,35 +1,43 @@
-"""The targets: functions from the IR to files, as path and text. None of them writes anything."""
+"""The targets: what a table can be compiled to, each found by its name.
+
+A module of this folder is a target of its name: its `emit` is a function from the IR to files, as path and text, and
+writes nothing. Any installed package adds more through the entry-point group `roverlink.targets`. Which targets a
+project wants, its table says; nothing in the generator knows one of them by name.
+"""
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 from collections.abc import Callable
+from importlib.metadata import EntryPoint, entry_points
+from typing import cast
 
-from generator import ir, ledger
-from generator.targets import conversions, docs, envelope, handlers, messages, pb2, registry, ros_package, schema
-from generator.targets.rendering import Files
+from generator import ir
+from generator.rendering import Files
 
-FOLDER = "generated"
-"""Where the files go, but for a few that have a place of their own."""
+Target = Callable[[ir.Bridge], Files]
 
-_TARGETS: tuple[Callable[[ir.Bridge], Files], ...] = (
-    conversions.emit,
-    docs.emit,
-    handlers.emit,
-    messages.emit,
-    pb2.emit,
-    registry.emit,
-    ros_package.emit,
-    schema.emit,
-)
+GROUP = "roverlink.targets"
+"""The entry-point group of the targets that other packages bring."""
 
 
-def emit(bridge: ir.Bridge, proto_root: str, published: ledger.Ledger) -> dict[str, str]:
-    """Every file that a table compiles to: its path, relative to the table, and its text.
+def built_in(name: str) -> Target | None:
+    """The target of this folder that has a name; None for none."""
+    if name not in _modules():
+        return None
+    return cast(Target, importlib.import_module(f"{__name__}.{name}").emit)
 
-    ``published`` is what the ledger had before.
-    """
-    files = {path: text for target in _TARGETS for path, text in target(bridge)}
-    files[ledger.NAME] = ledger.render(bridge, published)
-    if bridge.envelope.ours:
-        files[f"{proto_root}/{bridge.envelope.file}"] = envelope.text(bridge.envelope, bridge.table)
-    return dict(sorted(files.items()))
+
+def installed(name: str) -> EntryPoint | None:
+    """The target that another package brings under a name, not loaded yet; None for none."""
+    return next(iter(entry_points(group=GROUP, name=name)), None)
+
+
+def names() -> list[str]:
+    """Those of all targets."""
+    return sorted({*_modules(), *(found.name for found in entry_points(group=GROUP))})
+
+
+def _modules() -> list[str]:
+    return [found.name for found in pkgutil.iter_modules(__path__)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -24,6 +25,17 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--check", action="store_true", help="write nothing; exit 1 with a diff where a file is not what the table says"
     )
+    parser.add_argument(
+        "--target", action="append", default=[], metavar="NAME", help="compile to this as well (docs/targets.md)"
+    )
+    parser.add_argument(
+        "--template",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="DIR",
+        help="render the Jinja templates in this folder as well, into generated/ and the folder's name",
+    )
     parser.set_defaults(run=run)
 
 
@@ -31,7 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Generate, or check; exit code 1 for findings and for drift."""
     table = table_file(arguments.table)
     try:
-        compiled = compile_table(table)
+        folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
+        compiled = compile_table(table, arguments.target, folders)
         changes = compare(table.resolve().parent, compiled.files, compiled.folders)
         for warning in compiled.warnings:
             print(warning.render(), file=sys.stderr)

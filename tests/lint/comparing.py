@@ -13,7 +13,7 @@ from generator.ledger import Ledger
 from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.subject import Change, Subject
-from generator.table import EnvelopeSettings, ProtoSettings, Table
+from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Table
 
 ROOT = "proto"
 _NOWHERE = Span("mapping.yaml")
@@ -30,6 +30,7 @@ TABLE = Table(
     rows=(),
     retired=(),
     enums=(),
+    outputs=Outputs(_NOWHERE, {}, (), ()),
     lint=(),
 )
 FAMILIES = ("WIR", "JSN", "SRC")

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from generator import ir
 from generator.ir import ConversionKind
-from generator.targets import conversions, layout, spelling
-from generator.targets.conversions import Converters
-from generator.targets.layout import Group
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
+from generator.targets.python import conversions, layout, spelling
+from generator.targets.python.conversions import Converters
+from generator.targets.python.layout import Group
 
 _RCLCPP_DEFAULT = ir.Qos()
 _LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does not

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 from generator import ir
-from generator.targets import layout, spelling
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
+from generator.targets.python import layout, spelling
 
 
 def emit(bridge: ir.Bridge) -> Files:

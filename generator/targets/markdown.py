@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from generator import ir
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:

@@ -12,14 +12,15 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 Files = Iterator[tuple[str, str]]
 """What a target makes: the path of each file, relative to the table, and its text."""
 
-TEMPLATES = Path(__file__).parents[2] / "templates"
+TEMPLATES = Path(__file__).parents[1] / "templates"
 REGENERATE = "Regenerate with: roverlink generate"
 
 
 @cache
-def _environment() -> Environment:
+def environment(folder: Path) -> Environment:
+    """Jinja for the templates of a folder, as all of ours are written: a name that is not there is an error."""
     return Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(folder),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
@@ -30,7 +31,7 @@ def _environment() -> Environment:
 
 def render(template: str, **view: Any) -> str:
     """The text of a template."""
-    return _environment().get_template(template).render(view)
+    return environment(TEMPLATES).get_template(template).render(view)
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:

@@ -6,7 +6,7 @@ import itertools
 
 from generator import ir
 from generator.node_parameters import NODE_PARAMETERS
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
 
 
 def emit(bridge: ir.Bridge) -> Files:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from generator import ir
-from generator.targets.rendering import header, render
+from generator.rendering import header, render
 
 
 def text(envelope: ir.Envelope, table: str) -> str:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from generator import ir
 from generator.ir import ConversionKind
-from generator.targets import layout, spelling
-from generator.targets.layout import Comprehension, Conditional, Group, Item
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
+from generator.targets.python import layout, spelling
+from generator.targets.python.layout import Comprehension, Conditional, Group, Item
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from generator import ir
-from generator.targets.rendering import Files, header
+from generator.rendering import Files, header
 
 _IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|import) (?=\w+_pb2\b)", re.MULTILINE)
 _STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)

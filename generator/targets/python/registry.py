@@ -6,8 +6,8 @@ import hashlib
 from collections.abc import Iterable
 
 from generator import ir, ledger
-from generator.targets import layout, spelling
-from generator.targets.rendering import Files, header, render
+from generator.rendering import Files, header, render
+from generator.targets.python import layout, spelling
 
 
 def emit(bridge: ir.Bridge) -> Files:

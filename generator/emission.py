@@ -1,0 +1,103 @@
+"""The phase between the IR and the disk: every file that a table compiles to, as path and text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path, PurePosixPath
+
+from generator import envelope_file, ir, ledger, mapping_schema, targets, template_folder
+from generator.findings import Finding, FindingsError, Rule, Span, nearest
+from generator.rendering import Files
+from generator.table import Outputs
+
+UNKNOWN_TARGET = Rule("OUT102", "unknown-target")
+TARGET_FAILED = Rule("OUT103", "target-failed")
+FORBIDDEN_PATH = Rule("OUT104", "forbidden-path")
+
+FOLDER = "generated"
+"""Where the files go, but for a few that have a place of their own."""
+
+
+def emit(
+    bridge: ir.Bridge, outputs: Outputs, proto_root: str, published: ledger.Ledger, project: Path
+) -> dict[str, str]:
+    """Every file that a table compiles to: its path, relative to the table, and its text.
+
+    ``published`` is what the ledger had before; ``project`` is the folder from which those of templates are named.
+    Raises `FindingsError` with everything that is wrong with targets and templates.
+    """
+    collected = _Collected()
+    collected.add(Span(bridge.table), mapping_schema.emit())
+    collected.add(Span(bridge.table), [(ledger.NAME, ledger.render(bridge, published))])
+    if bridge.envelope.ours:
+        path = f"{proto_root}/{bridge.envelope.file}"
+        collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
+    for name in outputs.targets:
+        span = outputs.at(f"targets.{name}")
+        collected.add(span, _of_target(name, bridge, span))
+    for folder in outputs.templates:
+        span = outputs.at(f"templates.{folder}")
+        collected.add(span, _below_folder(template_folder.emit(bridge, project, folder, span), span))
+    return collected.files()
+
+
+class _Collected:
+    """Files, each with the place in the table that asks for it, and what is wrong with them."""
+
+    def __init__(self) -> None:
+        self._files: dict[str, str] = {}
+        self._asked: dict[str, Span] = {}
+        self._findings: list[Finding] = []
+
+    def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
+        """Add what is asked for at a place; two must not make one file."""
+        try:
+            for path, text in files:
+                if path in self._files:
+                    also = [(self._asked[path], "asked for here")]
+                    self._findings.append(
+                        FORBIDDEN_PATH.at(span, f"{path} is made already, by something else", also=also)
+                    )
+                self._files[path] = text
+                self._asked[path] = span
+        except FindingsError as error:
+            self._findings += error.findings
+
+    def files(self) -> dict[str, str]:
+        """The files in the order of their paths. Raises `FindingsError` where anything is wrong."""
+        if self._findings:
+            raise FindingsError(self._findings)
+        return dict(sorted(self._files.items()))
+
+
+def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
+    if target := targets.built_in(name):
+        yield from target(bridge)
+    elif found := targets.installed(name):
+        yield from _below_folder(_of_installed(found, bridge, span), span)
+    else:
+        known = targets.names()
+        help = nearest(name, known, f"there are {', '.join(known)}")
+        raise FindingsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
+
+
+def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
+    """What another package's target makes; whatever goes wrong in it is told as its fault."""
+    try:
+        for path, text in found.load()(bridge):
+            yield str(path), str(text)
+    except Exception as error:  # another's code: any error of its is its author's to mend
+        package = found.dist.name if found.dist else found.value
+        message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
+        raise FindingsError([TARGET_FAILED.at(span, message)]) from error
+
+
+def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:
+    """Files of others', which must stay in the folder of what is generated."""
+    for path, text in files:
+        pure = PurePosixPath(path)
+        if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
+            message = f"would write {path!r}, which is not below {FOLDER}/"
+            raise FindingsError([FORBIDDEN_PATH.at(span, message)])
+        yield str(pure), text
