@@ -55,10 +55,8 @@ class _Collected:
         try:
             for path, text in files:
                 if path in self._files:
-                    also = [(self._asked[path], "asked for here")]
-                    self._findings.append(
-                        FORBIDDEN_PATH.at(span, f"{path} is made already, by something else", also=also)
-                    )
+                    also = [(self._asked[path], "first here")]
+                    self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is made twice", also=also))
                 self._files[path] = text
                 self._asked[path] = span
         except FindingsError as error:

@@ -222,6 +222,22 @@ class WireEnum:
 
 
 @dataclass(frozen=True, slots=True)
+class FieldBound:
+    """How much a microcontroller has room for in a field."""
+
+    file: str
+    """The .proto file, relative to the proto root."""
+    message: str
+    """Full name of the message."""
+    field: str
+    is_bytes: bool
+    length: int | None
+    """Largest number of bytes of a text or of `bytes`."""
+    count: int | None
+    """Largest number of values."""
+
+
+@dataclass(frozen=True, slots=True)
 class Bridge:
     """Everything that a target needs."""
 
@@ -238,6 +254,8 @@ class Bridge:
     """Conversions of messages that are in payloads, but are no payload of a row."""
     wire_messages: tuple[WireMessage, ...]
     wire_enums: tuple[WireEnum, ...]
+    bounds: tuple[FieldBound, ...]
+    """What the table bounds; options files beside the .proto files may bound more."""
     modules: Mapping[str, str]
     """Text of each module that protoc generated, by path."""
 

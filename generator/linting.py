@@ -11,7 +11,7 @@ from generator.declarations import File, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
-from generator.nanopb import read_bounds
+from generator.nanopb import as_lines, read_bounds, table_bounds
 from generator.past import Past, read_pinned
 from generator.pins import read_pins
 from generator.proto_files import DeclarationIndex, proto_files, read_proto
@@ -94,6 +94,7 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
     if table.proto.root:
         locate(table, DeclarationIndex(_by_name(kept), _by_name(left_out)), findings)
     table = tree.with_members(table, schema, known=past is not None)
+    of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     state = open_state(question.against, project, layout, findings) if question.against else None
     subject = Subject(
@@ -104,7 +105,7 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
         excluded_files=left_out,
         changes=_changes(schema, state, published),
         earlier_entries=state.entries if state else (),
-        bounds=read_bounds(schema, root, table.proto.root, findings),
+        bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
     )
     findings += lint(subject)

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
+from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations
 from generator.protoc import Compilation, compile_protos
 from generator.retire import with_retired
@@ -84,7 +85,8 @@ def _compiled(
     findings += lint(subject.Subject(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
-        bridge = resolve.resolve(table, compilation, envelope, findings)
+        bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
+        bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
     folders = (emission.FOLDER, *([table.proto.root] if envelope.ours else []))

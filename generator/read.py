@@ -9,6 +9,7 @@ from string import ascii_lowercase
 from generator import ir
 from generator.findings import Finding, FindingsError, Rule
 from generator.table import (
+    Bound,
     EnumSettings,
     EnvelopeSettings,
     Lowered,
@@ -120,6 +121,9 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         fields={path: entry.value for path, entry in item.entry("fields").entries.items()},
         ignore=item.texts("ignore"),
         forward=item.texts("forward"),
+        bounds={
+            path: Bound(bound.get("length"), bound.get("count")) for path, bound in item.entry("bounds").entries.items()
+        },
         lint=tuple(_lowered(item.entry("lint"))),
     )
 

@@ -6,7 +6,7 @@ What the table or a proto asks for, and this version cannot convert, is a findin
 from __future__ import annotations
 
 import keyword
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from generator import ir
@@ -82,7 +82,13 @@ def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) 
 # --- the whole --------------------------------------------------------------------------------------------------
 
 
-def resolve(table: Table, compilation: Compilation, envelope: ir.Envelope, findings: list[Finding]) -> ir.Bridge:
+def resolve(
+    table: Table,
+    compilation: Compilation,
+    envelope: ir.Envelope,
+    bounds: Iterable[ir.FieldBound],
+    findings: list[Finding],
+) -> ir.Bridge:
     """The IR of a table. Where findings were added, it is not fit to be emitted."""
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
@@ -108,6 +114,7 @@ def resolve(table: Table, compilation: Compilation, envelope: ir.Envelope, findi
         nested=tuple(conversion for proto, conversion in sorted(messages.conversions.items()) if proto not in rows),
         wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
         wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
+        bounds=tuple(bounds),
         modules=compilation.modules,
     )
 

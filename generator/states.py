@@ -15,7 +15,7 @@ from generator.descriptors import schema_of
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
 from generator.git import Commit, GitError, Repository
 from generator.ledger import Entry
-from generator.nanopb import Bounds, read_bounds
+from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from generator.proto_files import proto_files
 from generator.protoc import compile_tree
 from generator.protos import Schema
@@ -128,7 +128,8 @@ def _state_in(
     findings += [finding for finding in own if finding.severity is Severity.FATAL]
     findings += [_of_state(error) for error in errors]
     entries = (*published.entries, *_rows(table), *_members(schema, layout))
-    return State(name, schema, entries, read_bounds(schema, folder / root, shown_root, []), commit_of)
+    of_table = as_lines(table_bounds(table, schema, folder / root, [])) if table else {}
+    return State(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
 
 
 def _of_state(error: Finding) -> Finding:

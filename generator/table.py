@@ -70,6 +70,16 @@ class Lowered(Placed):
 
 
 @dataclass(frozen=True, slots=True)
+class Bound:
+    """How much a microcontroller has room for in a field."""
+
+    length: int | None
+    """Bytes of a text or of `bytes`."""
+    count: int | None
+    """Values of a repeated field."""
+
+
+@dataclass(frozen=True, slots=True)
 class Row(Placed):
     """One message: what travels under which number, between which peer and which topic."""
 
@@ -86,6 +96,8 @@ class Row(Placed):
     """Paths of proto fields that no ROS field takes."""
     forward: tuple[str, ...]
     """Peers that also get the raw datagram."""
+    bounds: Mapping[str, Bound]
+    """By the path of the proto field."""
     lint: tuple[Lowered, ...]
     """What counts for less where it is about this row."""
 

@@ -95,6 +95,12 @@ _LOWERED = MapOf(
         }
     ),
 )
+_BOUND = Object(
+    {
+        "length": Key(Integer(1, 65_507), "Largest number of bytes of a text, or of `bytes`."),
+        "count": Key(Integer(1, 65_507), "Largest number of values of a repeated field."),
+    }
+)
 ROW = Object(
     {
         "number": Key(_NUMBER, "Field number in the envelope's oneof. Permanent.", True),
@@ -112,6 +118,7 @@ ROW = Object(
         "fields": Key(MapOf(_FIELD_PATH, Text()), "Renames: path of a proto field to the ROS field that takes it."),
         "ignore": Key(ListOf(_FIELD_PATH), "Paths of proto fields that no ROS field takes."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
+        "bounds": Key(MapOf(_FIELD_PATH, _BOUND), "Path of a proto field to what a microcontroller has room for."),
         "lint": Key(_LOWERED, "Rules that count for less in what is about this row, its message and those in it."),
     }
 )

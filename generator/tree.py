@@ -88,6 +88,7 @@ def _row(field: ProtoField) -> Row:
         topic="",
         direction="",
         qos=ir.Qos(),
+        bounds={},
         fields={},
         ignore=(),
         forward=(),

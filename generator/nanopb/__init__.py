@@ -5,6 +5,7 @@ the .proto files: in a ``.options`` file, or in options numbered 1010 inside. Th
 generator (0.4.9.1) writes as ``<Message>_size``, the size of the buffer that such a board sends from; the tests hold
 them against it. They are upper bounds for what nanopb encodes, not the tightest ones, and count no extensions.
 
+- `table_bounds` are those that the table gives, and `as_lines` makes options of them;
 - `read_bounds` reads the options of a schema, each with the place where it was said;
 - `largest_size` says how many bytes a message takes at most, or which field has no bound.
 """
@@ -13,8 +14,10 @@ from __future__ import annotations
 
 from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from generator.nanopb.faults import PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from generator.nanopb.options_file import options_file_of
 from generator.nanopb.reading import read_bounds
 from generator.nanopb.sizes import Unbounded, field_sizes, largest_size
+from generator.nanopb.table_bounds import as_lines, as_options, table_bounds
 
 __all__ = [
     "PATTERN_WITHOUT_MATCH",
@@ -23,7 +26,11 @@ __all__ = [
     "FieldBounds",
     "MessageBounds",
     "Unbounded",
+    "as_lines",
+    "as_options",
     "field_sizes",
     "largest_size",
+    "options_file_of",
     "read_bounds",
+    "table_bounds",
 ]

@@ -7,9 +7,10 @@ what comes from above, a later line before an earlier one, and options inside th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 from generator.findings import Finding, Span, shown
 from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
@@ -21,16 +22,24 @@ from generator.nanopb.settings import Settings
 from generator.protos import Declared, ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
 
 
-def read_bounds(schema: Schema, root: Path, shown_root: str, findings: list[Finding]) -> Bounds:
+def read_bounds(
+    schema: Schema,
+    root: Path,
+    shown_root: str,
+    findings: list[Finding],
+    of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
+) -> Bounds:
     """The options of nanopb's that hold for the messages and fields of a schema.
 
-    ``root`` is the folder of its .proto files, and ``shown_root`` how findings call it. A line of a .options file that
+    ``root`` is the folder of its .proto files, and ``shown_root`` how findings call it; ``of_table`` are the lines that
+    the table has for them, by file. A line of a .options file that
     cannot be read, or is for nothing, becomes a finding, as does an option in a .proto file that cannot be read.
     """
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
     for contents in _by_file(schema, shown_root):
         lines = read_options_file(root, options_file_of(contents.file), shown_root, findings)
+        lines += of_table.get(contents.file, [])
         reader = _FileReader(schema, contents, lines, findings)
         reader.read(messages, fields)
         for line in reader.unused():

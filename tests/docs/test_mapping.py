@@ -51,7 +51,9 @@ def _keys(type: Type, path: str = "") -> Iterator[tuple[str, bool]]:
     elif isinstance(type, ListOf):
         yield from _keys(type.item, f"{path}[]")
     elif isinstance(type, MapOf) and isinstance(type.value, Object):
-        yield from _keys(type.value, f"{path}.<{ {'peers': 'peer', 'enums': 'enum'}.get(path, 'id') }>")
+        yield from _keys(
+            type.value, f"{path}.<{ {'peers': 'peer', 'enums': 'enum', 'messages[].bounds': 'field'}.get(path, 'id') }>"
+        )
 
 
 def _rules() -> Iterator[Rule]:

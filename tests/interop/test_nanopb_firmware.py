@@ -1,0 +1,157 @@
+"""A board's firmware: C that nanopb's own generator makes of our protos, with the options that our target writes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from payloads import random_payload
+
+from generated.registry import REGISTRY
+from generator.pipeline import compile_table
+from runtime.translator import Translator
+
+ROOT = Path(__file__).parents[2]
+_PROGRAM = Path(__file__).with_name("nanopb_echo.c")
+_RUNTIME = ("-lprotobuf-nanopb",)
+_REFUSED = 0xFFFF
+_NOTE_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {max_size: 128}}
+targets: [python, nanopb]
+messages:
+  - number: 1
+    name: note
+    proto: Note
+    topic: note
+    direction: ros_to_board
+    bounds: {text: {length: 20}, samples: {count: 4}, parts: {count: 2}, parts.raw: {length: 6}}
+"""
+_NOTE = """\
+syntax = "proto3";
+
+message Note {
+  string text = 1;
+  repeated sint32 samples = 2;
+  repeated Part parts = 3;
+}
+
+message Part {
+  bytes raw = 1;
+}
+"""
+
+
+class Firmware:
+    """A program that decodes envelopes into nanopb's structs, and encodes them again."""
+
+    def __init__(self, program: Path) -> None:
+        self._program = program
+
+    def echo(self, datagrams: Sequence[bytes]) -> list[bytes | None]:
+        """What comes back for each; None for what the board does not take."""
+        sent = b"".join(struct.pack("<H", len(datagram)) + datagram for datagram in datagrams)
+        answered = subprocess.run([self._program], input=sent, capture_output=True, check=True).stdout
+        answers: list[bytes | None] = []
+        while answered:
+            (length,) = struct.unpack_from("<H", answered)
+            size = 0 if length == _REFUSED else length
+            answers.append(None if length == _REFUSED else answered[2 : 2 + size])
+            answered = answered[2 + size :]
+        assert len(answers) == len(datagrams)
+        return answers
+
+
+def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str) -> Firmware:
+    """The firmware of a project, compiled in a folder."""
+    if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
+        pytest.skip("there is no nanopb to build firmware with: apt-get install gcc libnanopb-dev")
+    pytest.importorskip("nanopb", reason="nanopb makes the C code")
+    made, names = folder / "firmware", sorted(protos)
+    made.mkdir()
+    generator = [sys.executable, "-m", "nanopb.generator.nanopb_generator", "--quiet"]
+    options = ["--options-path", str(project / "generated" / "nanopb"), "-I", str(project / "proto"), "-D", str(made)]
+    environment = {**os.environ, "PROTOCOL_BUFFERS_PYTHON_IMPLEMENTATION": "upb"}
+    subprocess.run([*generator, *options, *names], check=True, cwd=project / "proto", env=environment)
+    program = folder / "board"
+    header = envelope.removesuffix(".proto") + ".pb.h"
+    defines = [f'-DENVELOPE_HEADER="{header}"', f"-DENVELOPE={message}", f"-DENVELOPE_FIELDS={message}_fields"]
+    sources = [str(path) for path in sorted(made.rglob("*.pb.c"))]
+    flags = ["-std=c11", "-Wall", "-Werror", "-O1", f"-I{made}"]
+    subprocess.run(["gcc", *flags, *defines, str(_PROGRAM), *sources, "-o", str(program), *_RUNTIME], check=True)
+    return Firmware(program)
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Firmware:
+    """Firmware of this repository's envelope."""
+    folder = tmp_path_factory.mktemp("board")
+    shutil.copytree(ROOT / "proto", folder / "project" / "proto")
+    excluded = "components/common/message_types.proto"
+    protos = [path.relative_to(ROOT / "proto").as_posix() for path in ROOT.glob("proto/**/*.proto")]
+    wanted = [path for path in protos if path != excluded]
+    return _firmware(folder, folder / "project", wanted, "components/common/envelope.proto", "PBEnvelope")
+
+
+@pytest.mark.parametrize("name", [handler.route.name for handler in REGISTRY.handlers])
+def test_a_board_reads_what_we_send_and_we_read_what_it_sends(board: Firmware, name: str) -> None:
+    """Random values of every payload go to nanopb's structs and come back as the same envelope."""
+    random, translator = Random(name), Translator(REGISTRY)  # noqa: S311  # for values, not for secrets
+    payload_type = REGISTRY.by_name[name].payload_type
+    envelopes = [REGISTRY.envelope(**{name: random_payload(payload_type, random)}) for _ in range(40)]
+    answers = board.echo([envelope.SerializeToString() for envelope in envelopes])
+    assert None not in answers
+    assert [translator.parse(answer or b"") for answer in answers] == envelopes
+
+
+@pytest.fixture(scope="module")
+def bounded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Firmware, Any]:
+    """Firmware of a project whose table says what the board has room for, and that project's envelope class."""
+    folder = tmp_path_factory.mktemp("bounded")
+    project = folder / "project"
+    (project / "proto").mkdir(parents=True)
+    (project / "mapping.yaml").write_text(_NOTE_TABLE)
+    (project / "proto" / "note.proto").write_text(_NOTE)
+    for path, text in compile_table(project / "mapping.yaml").files.items():
+        (project / path).parent.mkdir(parents=True, exist_ok=True)
+        (project / path).write_text(text)
+    firmware = _firmware(folder, project, ["note.proto", "envelope.proto"], "envelope.proto", "Envelope")
+    return firmware, _envelope_class(project / "proto", folder / "descriptors")
+
+
+def _envelope_class(root: Path, descriptors: Path) -> Any:
+    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+    from grpc_tools import protoc
+
+    arguments = [f"-I{root}", f"--descriptor_set_out={descriptors}", "note.proto", "envelope.proto"]
+    assert protoc.main(["protoc", *arguments]) == 0
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptor_pb2.FileDescriptorSet.FromString(descriptors.read_bytes()).file:
+        pool.Add(file)
+    return message_factory.GetMessageClass(pool.FindMessageTypeByName("Envelope"))
+
+
+def test_the_board_has_the_room_that_the_table_says(bounded: tuple[Firmware, Any]) -> None:
+    """With our options, what fits the table's bounds crosses unharmed, and one byte or value more is refused."""
+    firmware, envelope = bounded
+    part = {"raw": b"123456"}
+    fits = [{"text": "x" * 20}, {"samples": [-1, 0, 2, 3]}, {"parts": [part, part]}]
+    too_much = [
+        {"text": "x" * 21},
+        {"samples": [1, 2, 3, 4, 5]},
+        {"parts": [part] * 3},
+        {"parts": [{"raw": b"1234567"}]},
+    ]
+    sent = [envelope(note=note).SerializeToString() for note in (*fits, *too_much)]
+    assert firmware.echo(sent) == [*sent[: len(fits)], *[None] * len(too_much)]
