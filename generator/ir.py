@@ -199,6 +199,8 @@ class WireMessage:
     reserved: tuple[tuple[int, int], ...]
     """Ranges of numbers, both ends included."""
     reserved_names: tuple[str, ...]
+    map_entry: bool = False
+    """Whether it is key and value of a map, and not declared by itself."""
 
 
 @dataclass(frozen=True, slots=True)

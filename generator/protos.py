@@ -100,6 +100,7 @@ class ProtoMessage(Declared):
             tuple(field.on_the_wire() for field in fields),
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
+            self.map_entry,
         )
 
 
