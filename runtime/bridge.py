@@ -7,7 +7,6 @@ what topics say, and there it is translated and sent.
 
 from __future__ import annotations
 
-import errno
 import logging
 import threading
 import time
@@ -17,6 +16,7 @@ from typing import NamedTuple
 
 from runtime import udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
+from runtime.destination import Destination
 from runtime.errors import ConversionError, DatagramError, Reason
 from runtime.middleware import Middleware, Publisher
 from runtime.parameters import Parameters
@@ -26,15 +26,12 @@ from runtime.translator import Translator
 NODE = "udp_forwarder"
 """The bridge's name on the ROS 2 graph, where nobody gives it another."""
 
-_THE_WAY_IS_GONE = frozenset({errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EINVAL})
-"""What sending on a connected socket fails with once the address or the network that it was connected by has gone."""
-
 
 class _Lane(NamedTuple):
     """Where an inbound row's messages and datagrams go."""
 
     publish: Callable[[Sequence[bytes]], int]
-    forward: tuple[udp.Destination, ...]
+    forward: tuple[Destination, ...]
 
 
 class Bridge:
@@ -55,7 +52,7 @@ class Bridge:
         self._logger, self._warnings = logger, ThrottledWarnings(logger)
         addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
-        self._destinations = {name: udp.Destination(name, address) for name, address in addresses.items()}
+        self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._receiver = udp.Receiver(self._socket, parameters.max_datagram + 1, self._handle)
         self._lanes: dict[str, _Lane] = {}
         self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
@@ -104,25 +101,31 @@ class Bridge:
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
             self._count_lost()
-        receive, lanes = self._translator.receive, self._lanes
-        longest, to_all = self._parameters.max_datagram, self._to_all
+        batch = self._without_oversized(batch)
         messages: defaultdict[str, list[bytes]] = defaultdict(list)
+        forwards = dict.fromkeys(self._to_all, batch)
+        receive, lanes = self._translator.receive, self._lanes
         for datagram in batch:
-            if len(datagram) > longest:
-                self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
-                continue
-            if to_all:
-                self._forward(datagram, to_all)
             try:
                 name, message = receive(datagram)
             except DatagramError as error:
                 self._drop(error)
                 continue
             messages[name].append(message)
-            if forward := lanes[name].forward:
-                self._forward(datagram, forward)
+            for destination in lanes[name].forward:
+                forwards.setdefault(destination, []).append(datagram)
         for name, run in messages.items():
             self._publish(name, run)
+        for destination, datagrams in forwards.items():
+            if sent := self._send(datagrams, destination):
+                self.account.forwarded[destination.peer] += sent
+
+    def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
+        longest = self._parameters.max_datagram
+        fitting = [datagram for datagram in batch if len(datagram) <= longest]
+        for _ in batch[len(fitting) :]:
+            self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
+        return fitting
 
     def _publish(self, name: str, messages: list[bytes]) -> None:
         accepted = self._lanes[name].publish(messages)
@@ -131,32 +134,14 @@ class Bridge:
         for _ in messages[accepted:]:
             self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{name} ({number}): its subscribers are too slow"))
 
-    def _forward(self, datagram: bytes, destinations: tuple[udp.Destination, ...]) -> None:
-        forwarded = self.account.forwarded
-        for destination in destinations:
-            try:
-                destination.send(datagram)
-            except OSError as error:
-                if not self._sent_after(error, datagram, destination):
-                    continue
-            forwarded[destination.peer] += 1
-
-    def _sent_after(self, error: OSError, datagram: bytes, destination: udp.Destination) -> bool:
-        """Whether a datagram goes out although the network complained; counted and warned of where it does not."""
-        if isinstance(error, ConnectionRefusedError):
-            # The news that nobody received an earlier datagram; this one has not been sent yet.
-            try:
-                destination.send(datagram)
-            except OSError as again:
-                error = again
-            else:
-                return True
-        elif error.errno in _THE_WAY_IS_GONE:
-            destination.look_up_each_time()
-        with self._unsent_lock:  # both directions come here
-            self.account.unsent[destination.peer] += 1
-        self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
-        return False
+    def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
+        """How many datagrams went out; those that the network refuses are counted and warned of."""
+        refusals = destination.send_all(datagrams)
+        for error in refusals:
+            with self._unsent_lock:  # both directions come here
+                self.account.unsent[destination.peer] += 1
+            self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
+        return len(datagrams) - len(refusals)
 
     def _drop(self, error: DatagramError) -> None:
         self.account.dropped[error.reason.value] += 1
@@ -176,7 +161,7 @@ class Bridge:
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
 
-    def _forward_of(self, handler: AnyHandler) -> tuple[udp.Destination, ...]:
+    def _forward_of(self, handler: AnyHandler) -> tuple[Destination, ...]:
         """The peers that get the raw datagrams of a row; where all get all, none is left."""
         return () if self._to_all else tuple(self._destinations[peer] for peer in handler.route.forward)
 
@@ -195,7 +180,7 @@ class Bridge:
 
         self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)
 
-    def _to_peer(self, handler: AnyHandler, destination: udp.Destination, message: bytes) -> None:
+    def _to_peer(self, handler: AnyHandler, destination: Destination, message: bytes) -> None:
         route = handler.route
         try:
             datagram = self._translator.send(handler, message)
@@ -203,12 +188,8 @@ class Bridge:
             self.account.refused[route.name] += 1
             self._warnings.warn(route.name, f"not sent: {error}")
             return
-        try:
-            destination.send(datagram)
-        except OSError as error:
-            if not self._sent_after(error, datagram, destination):
-                return
-        self.account.sent[route.name] += 1
+        if self._send([datagram], destination):
+            self.account.sent[route.name] += 1
 
     def _warn_of_small_buffer(self) -> None:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer

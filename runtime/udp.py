@@ -1,4 +1,4 @@
-"""The UDP side: a bound socket that a thread of its own empties, and sockets to send from.
+"""The UDP side: a bound socket that a thread of its own empties.
 
 Closing a UDP socket does not wake a receive that blocks on it (Linux), so the thread waits on the socket and on a
 wake-up descriptor at once, and stopping drains what had arrived before it.
@@ -91,34 +91,6 @@ def resolve(host: str, port: int) -> tuple[str, int]:
         raise SetupError(f"the destination {host!r} does not resolve: {error}") from error
     address: tuple[str, int] = found[0][4]  # type: ignore[assignment]  # AF_INET was asked for
     return address
-
-
-class Destination:
-    """A peer to send to."""
-
-    def __init__(self, peer: str, address: tuple[str, int]) -> None:
-        self.peer, self.address = peer, address
-        self._connected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._unconnected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.send: Callable[[bytes], int] = self._connected.send
-        """Send one datagram. Raises `OSError` where the network refuses it: with `ConnectionRefusedError`, where nobody
-        received an earlier one."""
-        try:
-            self._connected.connect(address)  # spares the kernel a look-up for each datagram
-        except OSError:
-            self.look_up_each_time()
-
-    def look_up_each_time(self) -> None:
-        """Let the kernel find the way anew for each datagram: the network has changed, or is not there yet."""
-        self.send = lambda datagram: self._unconnected.sendto(datagram, self.address)
-
-    def close(self) -> None:
-        """Give the sockets back."""
-        self._connected.close()
-        self._unconnected.close()
-
-    def __str__(self) -> str:
-        return f"{self.peer} at {self.address[0]}:{self.address[1]}"
 
 
 class Receiver:

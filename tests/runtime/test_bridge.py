@@ -414,10 +414,11 @@ def test_a_network_that_refuses_is_counted_and_does_not_stop_the_bridge(caplog: 
 def test_a_network_that_comes_back_is_used_again(rig: _Rig) -> None:
     """After the network has changed, and an old way no longer works, datagrams find the new one."""
 
-    def no_longer(_: bytes) -> int:
-        raise OSError(101, "Network is unreachable")
+    class _Gone:
+        def sendmsg(self, *_: object) -> int:
+            raise OSError(101, "Network is unreachable")
 
-    rig.bridge._destinations["basestation"].send = no_longer
+    rig.bridge._destinations["basestation"]._way = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
     rig.send(*[_envelope(imu_info={"accel_x": float(number)}) for number in range(3)])
     rig.settle(3)
     assert rig.account.unsent == {"basestation": 1}

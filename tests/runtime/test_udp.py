@@ -312,26 +312,3 @@ def test_a_name_that_does_not_resolve_is_named(host: str) -> None:
     """A destination that cannot be is quoted, whatever is wrong with it."""
     with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve: "):
         udp.resolve(host, 6000)
-
-
-def test_a_destination_gets_what_is_sent(listener: socket.socket) -> None:
-    """A destination sends to its peer, and is shown with its peer's name and address."""
-    address = ("127.0.0.1", listener.getsockname()[1])
-    destination = udp.Destination("hardware", address)
-    try:
-        destination.send(b"hello")
-        listener.settimeout(PATIENCE_S)
-        assert listener.recv(100) == b"hello"
-        assert str(destination) == f"hardware at 127.0.0.1:{address[1]}"
-    finally:
-        destination.close()
-
-
-def test_a_destination_out_of_reach_fails_when_something_is_sent() -> None:
-    """A network that is not up yet does not keep a bridge from starting: each datagram fails, and says why."""
-    destination = udp.Destination("hardware", ("255.255.255.255", 6001))  # a broadcast, which nobody allowed
-    try:
-        with pytest.raises(OSError, match="Permission denied"):
-            destination.send(b"hello")
-    finally:
-        destination.close()
