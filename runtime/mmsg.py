@@ -11,6 +11,7 @@ import errno
 import os
 import socket
 import sys
+from typing import Any
 
 AVAILABLE = sys.platform == "linux"
 
@@ -45,7 +46,7 @@ class BatchReader:
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         self._descriptor = sock.fileno()
         self._size, self._slots = size, slots
-        self._buffer = (ctypes.c_char * (size * slots))()
+        self._buffer: Any = (ctypes.c_char * (size * slots))()  # slices of it are bytes, which its stubs do not say
         self._iovecs = (_Iovec * slots)()
         self._headers = (_Mmsghdr * slots)()
         start = ctypes.addressof(self._buffer)
@@ -53,7 +54,6 @@ class BatchReader:
             self._iovecs[slot] = _Iovec(start + slot * size, size)
             self._headers[slot].header.iov = ctypes.pointer(self._iovecs[slot])
             self._headers[slot].header.iovlen = 1
-        self._view = memoryview(self._buffer).cast("B")
         self._lengths = self._length_column()
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
 
@@ -74,8 +74,7 @@ class BatchReader:
             if code in (errno.EAGAIN, errno.EINTR):
                 return []
             raise OSError(code, os.strerror(code))
-        view, size = self._view, self._size
+        buffer, size = self._buffer, self._size
         return [
-            bytes(view[start : start + length])
-            for start, length in zip(range(0, count * size, size), self._lengths[:count])
+            buffer[start : start + length] for start, length in zip(range(0, count * size, size), self._lengths[:count])
         ]

@@ -27,6 +27,9 @@ _SIGNAL_S = 0.2
 """How often whoever waits for the thread looks up. A signal that comes just before a wait begins does not end the wait,
 and Python calls its handler only once the main thread runs again."""
 
+_SLOTS = 64
+"""Most datagrams that are read at once."""
+
 BURST = 8
 """Most datagrams in a batch. They are published in one go, so it is below the ten messages that a ROS 2 subscription
 keeps by default: a burst of ours never overruns one."""
@@ -147,22 +150,26 @@ class Receiver:
             self._failure = failure
 
     def _handle_burst(self) -> None:
-        """Handle what has arrived: batches, as long as they are full."""
-        full = True
-        while full and not self._stopping:
-            batch = self._read()
-            full = len(batch) == BURST
-            self._handle(batch)
+        """Handle what has arrived, and what arrives meanwhile."""
+        more = True
+        while more and not self._stopping:
+            datagrams = self._read()
+            more = len(datagrams) == _SLOTS
+            self._handle_in_batches(datagrams)
 
     def _drain(self) -> None:
         """Handle what had arrived; a sender that goes on sending does not keep us."""
         deadline = time.monotonic() + _DRAIN_S
-        while time.monotonic() < deadline and (batch := self._read()):
-            self._handle(batch)
+        while time.monotonic() < deadline and (datagrams := self._read()):
+            self._handle_in_batches(datagrams)
+
+    def _handle_in_batches(self, datagrams: list[bytes]) -> None:
+        for start in range(0, len(datagrams), BURST):
+            self._handle(datagrams[start : start + BURST])
 
 
 def _reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
-    return mmsg.BatchReader(sock, size, BURST).read if mmsg.AVAILABLE else OneByOneReader(sock, size, BURST).read
+    return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
 
 
 class OneByOneReader:

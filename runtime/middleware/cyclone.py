@@ -14,6 +14,7 @@ from __future__ import annotations
 import atexit
 import ctypes
 from collections.abc import Sequence
+from itertools import repeat
 from typing import Any
 
 from cyclonedds._clayer import ddspy_write
@@ -37,6 +38,7 @@ _delete = _library.dds_delete
 _delete.argtypes, _delete.restype = (dds_c_t.entity,), dds_c_t.returnv
 
 _WORD = 4  # bytes; Cyclone DDS takes samples in whole words
+_PADDING = tuple(bytes(-length % _WORD) for length in range(_WORD))  # by what a sample is longer than whole words
 
 
 class WriterBatching(BasePolicy):  # type: ignore[no-untyped-call]  # its base declares no types
@@ -66,17 +68,15 @@ class RawWriter:
 
         Raises `MiddlewareError` where Cyclone DDS fails.
         """
-        reference = self._reference
         accepted = 0
-        for sample in samples:
-            padding = -len(sample) % _WORD
-            code = ddspy_write(reference, sample + bytes(padding) if padding else sample)
+        whole = [sample + _PADDING[len(sample) % _WORD] for sample in samples]
+        for code in map(ddspy_write, repeat(self._reference), whole):
             if code == DDSException.DDS_RETCODE_TIMEOUT:
                 break
             if code < 0:
                 raise MiddlewareError(f"Cyclone DDS does not write on {self._topic}: {DDSException(code)}")
             accepted += 1
-        _flush(reference)
+        _flush(self._reference)
         return accepted
 
     def wait_for_acknowledgement(self, seconds: float) -> bool:
