@@ -20,7 +20,7 @@ class Translator:
     def __init__(self, registry: Registry) -> None:
         self._registry = registry
         self._parse = registry.envelope.FromString
-        self._oneof = registry.oneof
+        self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
         self._inbound = {h.route.name: h for h in registry.handlers if h.route.inbound}
 
     def receive(self, datagram: bytes) -> tuple[str, bytes]:
@@ -32,7 +32,7 @@ class Translator:
             message = self._parse(datagram)
         except DecodeError:
             message = self._parse_restored(datagram)
-        name = message.WhichOneof(self._oneof)
+        name = self._which(message, self._oneof)  # looked up on a message, it would be sought among its fields first
         handler = self._inbound.get(name)
         if handler is None:
             raise self._refusal(name, datagram)
