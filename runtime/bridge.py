@@ -169,9 +169,9 @@ class Bridge:
         route = handler.route
         destination = self._destinations[route.peer]
 
-        def send(message: bytes) -> None:
+        def send(messages: Sequence[bytes]) -> None:
             try:
-                self._to_peer(handler, destination, message)
+                self._to_peer(handler, destination, messages)
             except BaseException as failure:
                 # Raised in a thread of the middleware's; whoever waits in `run` has to hear of it.
                 self._failure = failure
@@ -180,16 +180,17 @@ class Bridge:
 
         self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)
 
-    def _to_peer(self, handler: AnyHandler, destination: Destination, message: bytes) -> None:
-        route = handler.route
-        try:
-            datagram = self._translator.send(handler, message)
-        except ConversionError as error:
-            self.account.refused[route.name] += 1
-            self._warnings.warn(route.name, f"not sent: {error}")
-            return
-        if self._send([datagram], destination):
-            self.account.sent[route.name] += 1
+    def _to_peer(self, handler: AnyHandler, destination: Destination, messages: Sequence[bytes]) -> None:
+        name = handler.route.name
+        datagrams = []
+        for message in messages:
+            try:
+                datagrams.append(self._translator.send(handler, message))
+            except ConversionError as error:
+                self.account.refused[name] += 1
+                self._warnings.warn(name, f"not sent: {error}")
+        if sent := self._send(datagrams, destination):
+            self.account.sent[name] += sent
 
     def _warn_of_small_buffer(self) -> None:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer

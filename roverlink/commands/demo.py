@@ -8,8 +8,10 @@ import importlib.util
 import os
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.live import Live
@@ -121,8 +123,12 @@ class _Rig:
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return
 
-        def seen(data: bytes) -> None:
-            crossing.add(lambda: message_to_values(cdr.decode(handler.message_type, data)))
+        def values(data: bytes) -> dict[str, Any]:
+            return message_to_values(cdr.decode(handler.message_type, data))
+
+        def seen(messages: Sequence[bytes]) -> None:
+            for data in messages:
+                crossing.add(partial(values, data))
 
         middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 

@@ -6,6 +6,7 @@ import argparse
 import queue
 import sys
 import time
+from collections.abc import Sequence
 
 from roverlink import topics
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
@@ -42,8 +43,13 @@ def run(arguments: argparse.Namespace) -> int:
     arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
     seen = 0
+
+    def put_all(messages: Sequence[bytes]) -> None:
+        for message in messages:
+            arrived.put(message)
+
     with open_middleware(arguments.middleware, topics.identity("echo")) as middleware:
-        middleware.subscribe(topics.full_topic(arguments.topic), message_type, qos, arrived.put)
+        middleware.subscribe(topics.full_topic(arguments.topic), message_type, qos, put_all)
         while arguments.count is None or seen < arguments.count:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))

@@ -15,6 +15,10 @@ from runtime.messages import Message
 NAMES = ("auto", "dds", "rclpy", "memory")
 
 
+Callback = Callable[[Sequence[bytes]], None]
+"""What is called with serialized messages (CDR with its header) of one topic, oldest first: as many as have come."""
+
+
 @dataclass(frozen=True, slots=True)
 class NodeIdentity:
     """Who we are on the ROS 2 graph."""
@@ -56,8 +60,8 @@ class Middleware(Protocol):
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """A writer on a fully qualified topic."""
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
-        """Call ``callback`` with every serialized message of a fully qualified topic, from a thread of ours."""
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+        """Call ``callback`` with the serialized messages of a fully qualified topic, from a thread of ours."""
 
     def close(self) -> None:
         """Take the node away. More than once does no harm."""

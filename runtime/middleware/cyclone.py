@@ -1,6 +1,7 @@
 """What Cyclone DDS can do and its Python package does not offer: the one place that reaches beneath its public API.
 
-- *Raw writes*: `DataWriter.write` asks a sample object for bytes; here the bytes are there already.
+- *Raw writes and takes*: the package's writers and readers make bytes of sample objects, and those of bytes; here bytes
+  are all that is wanted.
 - *Batching*: a writer that collects samples until it is flushed, then sends them in one packet. The packet, and waking
   the subscriber for it, cost several times as much as everything else that is done for a sample.
 - *Acknowledgement*: the package's own function for it (11.0.1) fails where it should return False.
@@ -17,11 +18,12 @@ from collections.abc import Sequence
 from itertools import repeat
 from typing import Any
 
-from cyclonedds._clayer import ddspy_write
-from cyclonedds.core import DDSException, Entity
+from cyclonedds._clayer import ddspy_take, ddspy_write
+from cyclonedds.core import DDSException, Entity, InstanceState, SampleState, ViewState
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import BasePolicy, _CQos
+from cyclonedds.sub import DataReader
 from cyclonedds.util import duration
 
 from runtime.errors import MiddlewareError
@@ -38,6 +40,9 @@ _delete = _library.dds_delete
 _delete.argtypes, _delete.restype = (dds_c_t.entity,), dds_c_t.returnv
 
 _WORD = 4  # bytes; Cyclone DDS takes samples in whole words
+EVERYTHING = SampleState.Any | ViewState.Any | InstanceState.Any
+"""Which samples of a reader are meant."""
+
 _PADDING = tuple(bytes(-length % _WORD) for length in range(_WORD))  # by what a sample is longer than whole words
 
 
@@ -82,6 +87,23 @@ class RawWriter:
     def wait_for_acknowledgement(self, seconds: float) -> bool:
         """Wait until every reliable reader has acknowledged all that was written; False where one has not."""
         return bool(_wait_for_acks(self._reference, duration(seconds=seconds)) == 0)
+
+
+class RawReader:
+    """Takes serialized samples."""
+
+    def __init__(self, reader: DataReader[Any]) -> None:
+        self._reader = reader  # which would delete itself where nobody held it
+        self._reference = reader._ref
+        self._topic = reader.topic.name
+
+    def take(self, most: int) -> list[bytes]:
+        """The oldest samples that have come, and take them away. Raises `MiddlewareError` where Cyclone DDS fails."""
+        taken = ddspy_take(self._reference, EVERYTHING, most)
+        if isinstance(taken, int):
+            raise MiddlewareError(f"Cyclone DDS does not read {self._topic}: {DDSException(taken)}")
+        # One without valid data is an instance's end, which ROS does not know.
+        return [data for data, info in taken if info.valid_data]
 
 
 def delete(entity: Entity) -> None:

@@ -10,11 +10,10 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from cyclonedds.core import DDSException, GuardCondition, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy
@@ -26,9 +25,9 @@ from cyclonedds.util import duration
 from runtime.errors import MiddlewareError
 from runtime.handler import Qos
 from runtime.messages import Message
-from runtime.middleware import NodeIdentity
-from runtime.middleware.cyclone import RawWriter, delete, delete_at_exit
-from runtime.middleware.dds_types import carrier_type, dds_qos
+from runtime.middleware import Callback, NodeIdentity
+from runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from runtime.middleware.dds_types import dds_qos, dds_type
 from runtime.middleware.discovery import GraphAnnouncer
 
 _LOCALHOST_ONLY = (
@@ -41,7 +40,7 @@ _NO_LINGERING = (
     "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
 )
 _LARGEST_DOMAIN = 232  # the ports of a larger one would lie beyond 65535 (RTPS 2.2, 9.6.1)
-_TAKE = 256  # samples taken at a time
+_TAKE = 64  # samples taken at a time
 _LEAVE_S = 0.3  # that subscribers have to acknowledge what was written last
 
 
@@ -72,7 +71,7 @@ class DdsMiddleware:
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
         self._writers: list[RawWriter] = []
-        self._readers: list[tuple[DataReader[Any], Callable[[bytes], None]]] = []
+        self._readers: list[tuple[RawReader, Callback]] = []
         self._conditions: list[ReadCondition] = []
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
@@ -80,19 +79,17 @@ class DdsMiddleware:
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """A writer on a fully qualified topic."""
-        carrier = carrier_type(message_type)
-        writer = DataWriter(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=True))
+        writer = DataWriter(self._participant, self._topic(topic, message_type), qos=dds_qos(qos, writing=True))
         self._announcer.add_writer(writer)
         raw_writer = RawWriter(writer)
         self._writers.append(raw_writer)
         return DdsPublisher(writer, raw_writer)
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
-        """Call ``callback`` with every serialized message of a fully qualified topic, from the taking thread."""
-        carrier = carrier_type(message_type)
-        reader = DataReader(self._participant, self._topic(topic, carrier), qos=dds_qos(qos, writing=False))
-        condition = ReadCondition(reader, SampleState.Any | ViewState.Any | InstanceState.Any)
-        self._readers.append((reader, callback))
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+        """Call ``callback`` with the serialized messages of a fully qualified topic, from the taking thread."""
+        reader = DataReader(self._participant, self._topic(topic, message_type), qos=dds_qos(qos, writing=False))
+        condition = ReadCondition(reader, EVERYTHING)
+        self._readers.append((RawReader(reader), callback))
         self._conditions.append(condition)
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
@@ -115,17 +112,16 @@ class DdsMiddleware:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _topic(self, topic: str, carrier: type[Any]) -> Topic[Any]:
-        return Topic(self._participant, f"rt{topic}", carrier)
+    def _topic(self, topic: str, message_type: type[Message]) -> Topic[Any]:
+        return Topic(self._participant, f"rt{topic}", dds_type(message_type))
 
     def _take_until_stopped(self) -> None:
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
             # A batch of each in turn: a topic that is never empty delays no other, and not the end.
             for reader, callback in list(self._readers):
-                for sample in reader.take(_TAKE):
-                    if sample.sample_info.valid_data:  # else an instance's end, which ROS does not know
-                        callback(sample.data)
+                if messages := reader.take(_TAKE):
+                    callback(messages)
 
 
 def _domain_id() -> int:

@@ -1,7 +1,7 @@
 """DDS types and qualities of service for ROS 2 messages.
 
-A type carries the real structure of its message, since Cyclone DDS compares structures where both sides announce one;
-but samples are never built from it: what is written and taken are serialized bytes.
+A type has the real structure of its message, since Cyclone DDS compares structures where both sides announce one; but
+samples are never built from it: what is written and taken are serialized bytes.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from runtime.middleware.cyclone import WriterBatching
 
 _MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
 _UNLIMITED = -1
+_KEPT_TO_READ = 256
+"""Samples that a reader of ours keeps at least. The thread that takes them is one of several on few cores: it may be
+left waiting for milliseconds, in which more than a topic's usual ten arrive. Nobody else sees this depth."""
 
 _DDS_TYPES: dict[str, Any] = {
     "bool": bool,
@@ -40,7 +43,8 @@ def dds_qos(qos: Qos, writing: bool) -> DdsQos:
     """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader."""
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
-    history: Any = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(qos.depth)
+    depth = qos.depth if writing else max(qos.depth, _KEPT_TO_READ)
+    history: Any = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(depth)
     policies = [
         Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
@@ -62,40 +66,26 @@ _bounded_text: Any = types.bounded_str.__class_getitem__
 
 
 @once_a_type
-def carrier_type(message_type: type[Message]) -> type[Any]:
-    """The DDS type of a message whose samples are serialized messages: made of bytes, holding them as ``data``."""
-    carrier: Any = make_idl_struct(*_declaration(message_type), dataclassify=False)
-    carrier.__init__ = _carry
-    carrier.deserialize = classmethod(lambda cls, data, *_, **__: cls(data))
-    carrier.deserialize_key = carrier.deserialize  # of an instance's end, which carries nothing
-    return carrier  # type: ignore[no-any-return]  # it was given what a carrier needs just above
-
-
-def _carry(self: Any, data: bytes) -> None:
-    self.data = data
-
-
-@once_a_type
-def _structure(message_type: type[Message]) -> type[IdlStruct]:
-    """The DDS type of a ROS 2 message, as a part of another."""
+def dds_type(message_type: type[Message]) -> type[IdlStruct]:
+    """The DDS type of a ROS 2 message."""
     return make_idl_struct(*_declaration(message_type))
 
 
 def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]:
     """Class name, DDS type name and fields of a message, as ROS 2's IDL has them."""
     package, kind, name = message_type.__msgtype__.split("/")
-    fields = {field.name: _dds_type(field.type) for field in fields_of(message_type)}
+    fields = {field.name: _field_type(field.type) for field in fields_of(message_type)}
     return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}
 
 
-def _dds_type(field_type: FieldType) -> Any:
+def _field_type(field_type: FieldType) -> Any:
     if isinstance(field_type, Primitive):
         return _DDS_TYPES[field_type.name]
     if isinstance(field_type, Text):
         return str if field_type.bound is None else _bounded_text(field_type.bound)
     if isinstance(field_type, Sequence):
-        element = _dds_type(field_type.element)
+        element = _field_type(field_type.element)
         return _sequence(element) if field_type.bound is None else _sequence((element, field_type.bound))
     if isinstance(field_type, Array):
-        return _array((_dds_type(field_type.element), field_type.length))
-    return _structure(field_type)
+        return _array((_field_type(field_type.element), field_type.length))
+    return dds_type(field_type)

@@ -20,7 +20,7 @@ from runtime.handler import Qos
 from runtime.messages import Bound, Length, Message
 from runtime.middleware import NodeIdentity
 from runtime.middleware.cyclone import RawWriter
-from runtime.middleware.dds_types import carrier_type, dds_qos
+from runtime.middleware.dds_types import dds_qos, dds_type
 
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
 _GUID_BYTES = 16
@@ -58,7 +58,7 @@ class GraphAnnouncer:
         self._participant, self._node = participant, node
         self._readers: list[Any] = []
         self._writers: list[Any] = []
-        topic = Topic(participant, "ros_discovery_info", carrier_type(self._types.participant))
+        topic = Topic(participant, "ros_discovery_info", dds_type(self._types.participant))
         self._entity: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
         self._writer = RawWriter(self._entity)
         self._announce()

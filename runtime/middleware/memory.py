@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from runtime.handler import Qos
 from runtime.messages import Message
+from runtime.middleware import Callback
 
-Callbacks = list[Callable[[bytes], None]]
+Callbacks = list[Callback]
 
 
 @dataclass
@@ -26,10 +27,9 @@ class MemoryPublisher:
         self._callbacks = callbacks
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Hand each message to each subscriber."""
-        for message in messages:
-            for callback in tuple(self._callbacks):
-                callback(message)
+        """Hand the messages to each subscriber."""
+        for callback in tuple(self._callbacks):
+            callback(messages)
         return len(messages)
 
     def has_subscribers(self) -> bool:
@@ -42,14 +42,14 @@ class MemoryMiddleware:
 
     def __init__(self, graph: Graph | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
-        self._own: list[tuple[Callbacks, Callable[[bytes], None]]] = []
+        self._own: list[tuple[Callbacks, Callback]] = []
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """A writer on a topic."""
         return MemoryPublisher(self._graph.callbacks[topic])
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
-        """Call ``callback`` with every message of a topic, from the thread that publishes it."""
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+        """Call ``callback`` with the messages of a topic, from the thread that publishes them."""
         callbacks = self._graph.callbacks[topic]
         callbacks.append(callback)
         self._own.append((callbacks, callback))

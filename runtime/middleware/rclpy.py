@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import rclpy
@@ -20,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from runtime.errors import MiddlewareError
 from runtime.handler import Qos
 from runtime.messages import Message
-from runtime.middleware import NodeIdentity
+from runtime.middleware import Callback, NodeIdentity
 
 
 class RclpyPublisher:
@@ -62,9 +62,11 @@ class RclpyMiddleware:
         """A writer on a fully qualified topic."""
         return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callable[[bytes], None]) -> None:
-        """Call ``callback`` with every serialized message of a topic, from the spinning thread."""
-        self._node.create_subscription(_ros_class(message_type), topic, callback, _profile(qos), raw=True)
+    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+        """Call ``callback`` with each serialized message of a topic, from the spinning thread."""
+        self._node.create_subscription(
+            _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
+        )
 
     def close(self) -> None:
         """Stop spinning and take the node away."""

@@ -60,7 +60,7 @@ class _Rig:
         for handler in registry.handlers:
             if handler.route.inbound:
                 self._nodes.subscribe(
-                    f"/{handler.route.topic}", handler.message_type, Qos(), self.on_topic[handler.route.topic].append
+                    f"/{handler.route.topic}", handler.message_type, Qos(), self.on_topic[handler.route.topic].extend
                 )
         self.failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, daemon=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -115,13 +115,13 @@ def test_middlewares_that_share_a_graph_see_each_other() -> None:
     with MemoryMiddleware(graph) as talker, MemoryMiddleware(graph) as first, MemoryMiddleware(graph) as second:
         publisher = talker.publisher("/imu", ImuSensorInformation, Qos())
         assert not publisher.has_subscribers()
-        seen: list[tuple[str, bytes]] = []
-        first.subscribe("/imu", ImuSensorInformation, Qos(), lambda data: seen.append(("first", data)))
-        second.subscribe("/imu", ImuSensorInformation, Qos(), lambda data: seen.append(("second", data)))
-        second.subscribe("/other", ImuSensorInformation, Qos(), lambda data: seen.append(("other", data)))
+        seen: list[tuple[str, Sequence[bytes]]] = []
+        first.subscribe("/imu", ImuSensorInformation, Qos(), lambda messages: seen.append(("first", messages)))
+        second.subscribe("/imu", ImuSensorInformation, Qos(), lambda messages: seen.append(("second", messages)))
+        second.subscribe("/other", ImuSensorInformation, Qos(), lambda messages: seen.append(("other", messages)))
         assert publisher.has_subscribers()
         assert publisher.publish([b"a", b"b"]) == 2
-        assert seen == [("first", b"a"), ("second", b"a"), ("first", b"b"), ("second", b"b")]
+        assert seen == [("first", [b"a", b"b"]), ("second", [b"a", b"b"])]
 
 
 def test_leaving_takes_only_ones_own_subscriptions_away() -> None:
@@ -130,9 +130,9 @@ def test_leaving_takes_only_ones_own_subscriptions_away() -> None:
     staying, leaving = MemoryMiddleware(graph), MemoryMiddleware(graph)
     publisher = staying.publisher("/imu", ImuSensorInformation, Qos())
     seen: list[bytes] = []
-    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.append)
+    staying.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
     with leaving:
-        leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.append)
+        leaving.subscribe("/imu", ImuSensorInformation, Qos(), seen.extend)
         publisher.publish([b"both"])
     publisher.publish([b"one"])
     assert seen == [b"both", b"both", b"one"]
@@ -290,7 +290,7 @@ def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:
 def test_rclpy_subscribes_to_serialized_messages(ros: _Ros) -> None:
     """A subscription is raw, so that its callback gets bytes, with rclcpp's default quality of service."""
     seen: list[bytes] = []
-    open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.append)
+    open_middleware("rclpy", _NODE).subscribe("/imu_data", ImuSensorInformation, Qos(), seen.extend)
     kind, message_class, topic, profile, raw = ros.calls[-1]
     assert (kind, message_class, topic) == ("create_subscription", "the class of ImuSensorInformation", "/imu_data")
     assert raw is True
