@@ -101,7 +101,15 @@ class Bridge:
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
             self._count_lost()
-        batch = self._without_oversized(batch)
+        messages, forwards = self._translated(self._without_oversized(batch))
+        for name, run in messages.items():
+            self._publish(name, run)
+        for destination, datagrams in forwards.items():
+            if sent := self._send(datagrams, destination):
+                self.account.forwarded[destination.peer] += sent
+
+    def _translated(self, batch: udp.Batch) -> tuple[dict[str, list[bytes]], dict[Destination, list[bytes]]]:
+        """The messages to publish, by the name of the payload, and the datagrams to hand on as they are."""
         messages: defaultdict[str, list[bytes]] = defaultdict(list)
         forwards = dict.fromkeys(self._to_all, batch)
         receive, lanes = self._translator.receive, self._lanes
@@ -114,11 +122,7 @@ class Bridge:
             messages[name].append(message)
             for destination in lanes[name].forward:
                 forwards.setdefault(destination, []).append(datagram)
-        for name, run in messages.items():
-            self._publish(name, run)
-        for destination, datagrams in forwards.items():
-            if sent := self._send(datagrams, destination):
-                self.account.forwarded[destination.peer] += sent
+        return messages, forwards
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
