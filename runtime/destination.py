@@ -10,7 +10,7 @@ import errno
 import socket
 import struct
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 
 _UDP_SEGMENT = 103  # linux/udp.h
@@ -50,8 +50,13 @@ class Destination:
         refusals: list[OSError] = []
         for size, run in groupby(datagrams, len):
             equals = list(run)
-            if not self._sent_as_one(equals, size):
-                refusals += self._send_each(equals)
+            if len(equals) > 1 and self._sent_as_one(equals, size):
+                continue
+            for datagram in equals:
+                try:
+                    self.send(datagram)
+                except OSError as error:
+                    refusals.append(error)
         return refusals
 
     def close(self) -> None:
@@ -64,22 +69,13 @@ class Destination:
 
     def _sent_as_one(self, equals: list[bytes], size: int) -> bool:
         """Whether datagrams of one size went out as one message; where not, none of them did."""
-        if not self._cuts or size == 0 or len(equals) == 1:
+        if not self._cuts or size == 0:
             return False
         try:
             self._send(equals, (socket.IPPROTO_UDP, _UDP_SEGMENT, struct.pack("=H", size)))
         except OSError:
             return False  # too long for it, or the network refuses them: sent one by one, they say why
         return True
-
-    def _send_each(self, datagrams: Iterable[bytes]) -> list[OSError]:
-        refusals: list[OSError] = []
-        for datagram in datagrams:
-            try:
-                self.send(datagram)
-            except OSError as error:
-                refusals.append(error)
-        return refusals
 
     def _send(self, parts: Sequence[bytes], *ancillary: tuple[int, int, bytes]) -> None:
         sock, address = self._way
