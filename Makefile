@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 HAND_WRITTEN := generator runtime roverlink bench tests
 
-.PHONY: help demo test test-slow lint bench generate clean
+.PHONY: help demo test test-slow ros-package lint bench generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -17,6 +17,9 @@ test: $(VENV)/ready-dev  ## the tests
 
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto -m slow
+
+ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
+	$(BIN)/python tests/ros/build.py
 
 lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .

@@ -25,6 +25,7 @@ def emit(bridge: ir.Bridge) -> Files:
         "package.xml.j2", header=xml, package=bridge.package, maintainer=name, address=address.rstrip(">")
     )
     yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
+    yield f"{folder}/scripts/{bridge.package}_node.py", render("node.py.j2", header=comment, package=bridge.package)
     yield f"{folder}/config/udp.yaml", render(
         "udp.yaml.j2", header=comment, parameters=NODE_PARAMETERS, peers=bridge.peers
     )
@@ -53,4 +54,5 @@ def _msg_type(type: ir.RosType) -> str:
 
 
 def _comment(text: str) -> list[str]:
-    return [f"# {line}".rstrip() for line in text.splitlines()]
+    """The lines of a comment. rosidl decodes backslashes in them twice; one that it cannot decode ends its build."""
+    return [f"# {line}".rstrip() for line in text.replace("\\", "\\" * 4).splitlines()]

@@ -5,25 +5,22 @@
 from pathlib import Path
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, ExecuteProcess
+from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
 
 PARAMETERS = Path(__file__).parents[1] / "config" / "udp.yaml"
 
 
 def generate_launch_description() -> LaunchDescription:
-    """One process: `roverlink run`, which has to be on the PATH."""
+    """One node, whose program finds roverlink in the environment of the shell."""
     return LaunchDescription(
         [
             DeclareLaunchArgument("params_file", default_value=str(PARAMETERS)),
-            ExecuteProcess(
-                cmd=[
-                    "roverlink",
-                    "run",
-                    "--ros-args",
-                    "--params-file",
-                    LaunchConfiguration("params_file"),
-                ],
+            Node(
+                package="comms",
+                executable="comms_node",
+                parameters=[LaunchConfiguration("params_file")],
                 output="screen",
             ),
         ]

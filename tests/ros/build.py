@@ -1,0 +1,285 @@
+"""Build generated/ros with ROS 2's own tools, as Debian packages them, and use what comes out: `make ros-package`.
+
+A workspace in build/ros-package gets the interface package, two packages that stand in for what Debian does not have
+(`packages/`), the standard interfaces that it depends on, and a package that uses all of its messages in C and C++.
+`colcon build` builds it; then the user's program says what each message is made of, which must be what the generated
+Python says, and the bridge is started as `ros2 run` would.
+
+Exit code 0: it builds, and all of that holds; 1: it does not; 2: a tool is missing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+import generated.messages  # noqa: E402  # the folder above is not on the path of a script
+from generated.registry import REGISTRY  # noqa: E402
+from generator.naming import snake_case  # noqa: E402
+from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of  # noqa: E402
+
+_WORKSPACE = ROOT / "build" / "ros-package"
+_SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
+_DEBIAN = Path(__file__).with_name("debian-packages")
+_WITHOUT_ROS = frozenset({"ament_cmake", "launch", "launch_ros", "rosidl_default_generators", "rosidl_default_runtime"})
+_TYPES = ["float32", "float64", "", "", "", "bool", "byte", "uint8", "int8", "uint16", "int16"]
+_TYPES += ["uint32", "int32", "uint64", "int64", "string", "", "message"]
+"""rosidl_typesupport_introspection's numbers of types, from 1."""
+
+
+def main() -> int:
+    """Build, and hold what came out against the generated Python."""
+    if missing := _missing():
+        print(
+            f"missing: {', '.join(missing)}; on Debian 12: apt-get install {' '.join(_DEBIAN.read_text().split())}",
+            file=sys.stderr,
+        )
+        return 2
+    sources = _WORKSPACE / "src"
+    shutil.rmtree(sources, ignore_errors=True)
+    shutil.copytree(Path(__file__).parent / "packages", sources)
+    package = ROOT / "generated" / "ros" / REGISTRY.package
+    (sources / REGISTRY.package).symlink_to(package)
+    for name in _interfaces(package):
+        _write_standard(sources / name)
+    messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
+    _write_user(sources / "user", messages)
+    _colcon()
+    environment = _sourced()
+    faults = [*_differences(environment, messages), *_does_not_run(environment)]
+    print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
+    return 1 if faults else 0
+
+
+def _missing() -> list[str]:
+    """The tools that are not installed."""
+    missing = [tool for tool in ("colcon", "cmake", "c++") if not shutil.which(tool, path="/usr/bin")]
+    for module in ("rosidl_adapter", "rosidl_generator_cpp", "ament_package", "colcon_ros"):
+        if subprocess.run([_SYSTEM_PYTHON, "-c", f"import {module}"], capture_output=True).returncode:
+            missing.append(module)
+    return missing
+
+
+# --- the workspace ----------------------------------------------------------------------------------------------
+
+
+def _interfaces(package: Path) -> list[str]:
+    """The interface packages that ours depends on, and those that they depend on."""
+    manifest = ElementTree.parse(package / "package.xml").getroot()  # noqa: S314  # our own
+    named = {str(node.text) for node in manifest if node.tag.endswith("depend")}
+    return sorted(_closure(named - _WITHOUT_ROS))
+
+
+def _closure(names: set[str]) -> set[str]:
+    from rosbags.interfaces import Nodetype
+
+    found, store = set(names), _store()
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        for type_name in (known for known in store.fielddefs if known.startswith(f"{name}/msg/")):
+            for _, (kind, detail) in store.fielddefs[type_name][1]:
+                kind, detail = detail[0] if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (kind, detail)
+                other = detail.partition("/")[0] if kind is Nodetype.NAME else name
+                if other not in found:
+                    found.add(other)
+                    waiting.append(other)
+    return found
+
+
+def _store():  # type: ignore[no-untyped-def]  # rosbags is there where the tests are
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_HUMBLE)
+
+
+def _write_standard(folder: Path) -> None:
+    """A package of standard interfaces, which Debian does not have for ROS 2, from the texts in rosbags."""
+    store, name = _store(), folder.name
+    types = sorted(known for known in store.fielddefs if known.startswith(f"{name}/msg/"))
+    depends = sorted(_closure({name}) - {name})
+    _write_package(folder, depends, interface=True)
+    (folder / "msg").mkdir()
+    for type_name in types:
+        text, _ = store.generate_msgdef(type_name, ros_version=2)
+        (folder / "msg" / f"{type_name.rpartition('/')[2]}.msg").write_text(text.partition("\n====")[0] + "\n")
+    found = "\n".join(f"find_package({one} REQUIRED)" for one in ("ament_cmake", "rosidl_default_generators", *depends))
+    files = "\n".join(f'  "msg/{type_name.rpartition("/")[2]}.msg"' for type_name in types)
+    needs = f"\n  DEPENDENCIES {' '.join(depends)}" if depends else ""
+    _write_cmake(
+        folder,
+        f"{found}\nrosidl_generate_interfaces(${{PROJECT_NAME}}\n{files}{needs}\n)\n"
+        "ament_export_dependencies(rosidl_default_runtime)\n",
+    )
+
+
+def _write_user(folder: Path, messages: list[str]) -> None:
+    """A package that uses every message in C and in C++."""
+    package = REGISTRY.package
+    _write_package(folder, [package], interface=False)
+    _write_cmake(
+        folder,
+        f"find_package(ament_cmake REQUIRED)\nfind_package({package} REQUIRED)\n"
+        + "".join(
+            f"add_executable({name} {name}.{name})\n"
+            f"target_link_libraries({name} ${{{package}_TARGETS}})\n"
+            f"install(TARGETS {name} DESTINATION lib/${{PROJECT_NAME}})\n"
+            for name in ("c", "cpp")
+        ),
+    )
+    headers = [f"{package}/msg/{snake_case(message)}" for message in messages]
+    used = "".join(
+        f"  {{ {package}__msg__{name} * one = {package}__msg__{name}__create();\n"
+        f"    if (!one) return 1; {package}__msg__{name}__destroy(one); }}\n"
+        for name in messages
+    )
+    includes = "".join(f"#include <{header}.h>\n" for header in headers)
+    (folder / "c.c").write_text(f"{includes}int main(void) {{\n{used}  return 0;\n}}\n")
+    includes = "".join(f"#include <{header}.hpp>\n" for header in headers)
+    used = "".join(f"  tell<{package}::msg::{name}>();\n" for name in messages)
+    (folder / "cpp.cpp").write_text(includes + _TELL + f"int main() {{\n{used}}}\n")
+
+
+_TELL = """
+#include <iostream>
+#include <rosidl_typesupport_introspection_cpp/field_types.hpp>
+#include <rosidl_typesupport_introspection_cpp/message_introspection.hpp>
+#include <rosidl_typesupport_introspection_cpp/message_type_support_decl.hpp>
+namespace introspection = rosidl_typesupport_introspection_cpp;
+
+template<typename Message> void tell() {
+  auto members = static_cast<const introspection::MessageMembers *>(
+    introspection::get_message_type_support_handle<Message>()->data);
+  std::cout << rosidl_generator_traits::name<Message>();
+  for (uint32_t i = 0; i < members->member_count_; ++i) {
+    const auto & field = members->members_[i];
+    std::cout << ", " << field.name_ << ' ' << int(field.type_id_);
+    if (field.type_id_ == introspection::ROS_TYPE_MESSAGE) {
+      auto nested = static_cast<const introspection::MessageMembers *>(field.members_->data);
+      std::cout << ' ' << nested->message_namespace_ << "::" << nested->message_name_;
+    }
+    if (field.is_array_) {
+      std::cout << '[' << (field.array_size_ ? std::to_string(field.array_size_) : "") << ']';
+    }
+  }
+  std::cout << '\\n';
+}
+"""
+
+
+def _write_package(folder: Path, depends: list[str], *, interface: bool) -> None:
+    folder.mkdir(parents=True)
+    parts = ["<buildtool_depend>ament_cmake</buildtool_depend>", *(f"<depend>{one}</depend>" for one in depends)]
+    if interface:
+        parts += ["<buildtool_depend>rosidl_default_generators</buildtool_depend>"]
+        parts += ["<member_of_group>rosidl_interface_packages</member_of_group>"]
+    (folder / "package.xml").write_text(
+        f'<?xml version="1.0"?>\n<package format="3"><name>{folder.name}</name><version>0.0.0</version>'
+        '<description>For the test.</description><maintainer email="unnamed@example.com">unnamed</maintainer>'
+        f"<license>Apache-2.0</license>{''.join(parts)}"
+        "<export><build_type>ament_cmake</build_type></export></package>\n"
+    )
+
+
+def _write_cmake(folder: Path, body: str) -> None:
+    (folder / "CMakeLists.txt").write_text(
+        f"cmake_minimum_required(VERSION 3.8)\nproject({folder.name})\n{body}ament_package()\n"
+    )
+
+
+# --- building and using -----------------------------------------------------------------------------------------
+
+
+def _colcon() -> None:
+    """Build the workspace. Without our environment, whose Python has none of rosidl's modules."""
+    kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM") if name in os.environ}
+    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--event-handlers", "console_direct-"]
+    command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
+    subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": "/usr/bin:/bin"}, check=True)
+
+
+def _sourced() -> dict[str, str]:
+    """The environment of a shell that has sourced the workspace."""
+    command = ["/bin/bash", "-c", "source install/setup.bash && env -0"]
+    done = subprocess.run(command, cwd=_WORKSPACE, capture_output=True, text=True, check=True)
+    return dict(line.split("=", 1) for line in done.stdout.split("\0") if line)
+
+
+def _differences(environment: dict[str, str], messages: list[str]) -> Iterator[str]:
+    """Where the compiled messages are not what the generated Python says."""
+    programs = _WORKSPACE / "install" / "user" / "lib" / "user"
+    subprocess.run([programs / "c"], env=environment, check=True)
+    done = subprocess.run([programs / "cpp"], env=environment, capture_output=True, text=True, check=True)
+    classes = {str(one.__msgtype__): one for one in vars(generated.messages).values() if _is_message(one)}
+    said = dict(line.partition(", ")[::2] for line in done.stdout.splitlines())
+    if len(said) != len(messages):
+        yield f"{len(said)} of {len(messages)} messages were compiled"
+    for name, fields in said.items():
+        want = ", ".join(f"{field.name} {_spelled(field.type)}" for field in fields_of(classes[name]))
+        if fields != (want or "structure_needs_at_least_one_member 8"):
+            yield f"{name} is compiled as\n  {fields}\nand Python has\n  {want}"
+
+
+def _is_message(one: object) -> bool:
+    return isinstance(one, type) and issubclass(one, Message)
+
+
+def _spelled(type: FieldType) -> str:
+    """A type as the C++ program prints it."""
+    if isinstance(type, Primitive):
+        return str(_TYPES.index(type.name) + 1)
+    if isinstance(type, Text):
+        return str(_TYPES.index("string") + 1)
+    if isinstance(type, (Sequence, Array)):
+        return f"{_spelled(type.element)}[{type.length if isinstance(type, Array) else type.bound or ''}]"
+    return f"{_TYPES.index('message') + 1} {type.__msgtype__.replace('/', '::')}"
+
+
+def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
+    """Start the bridge as `ros2 run` does: by the package's name in the index, and the program in its lib folder."""
+    package = REGISTRY.package
+    prefixes = [Path(prefix) for prefix in environment["AMENT_PREFIX_PATH"].split(":")]
+    marker = Path("share", "ament_index", "resource_index", "packages", package)
+    found = [prefix / "lib" / package / f"{package}_node" for prefix in prefixes if (prefix / marker).is_file()]
+    if not found or not os.access(found[0], os.X_OK):
+        yield f"ros2 run {package} {package}_node would find no program"
+        return
+    path = f"{Path(sys.executable).parent}:{environment['PATH']}"
+    ours = {**environment, "PATH": path, "PYTHONPATH": f"{ROOT}:{environment.get('PYTHONPATH', '')}"}
+    command = [found[0], "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0"]
+    with contextlib.closing(_Started(command, ours)) as bridge:
+        ready = bridge.process.stdout.readline()
+        if not ready or json.loads(ready)["fingerprint"] != REGISTRY.fingerprint:
+            yield f"{found[0]} did not start this project's bridge: {ready}{bridge.process.stderr.read()}"
+            return
+        bridge.process.send_signal(signal.SIGINT)
+        if code := bridge.process.wait(30):
+            yield f"{found[0]} ended with {code}"
+
+
+class _Started:
+    """A program that is killed where nobody else ended it."""
+
+    def __init__(self, command: list[object], environment: dict[str, str]) -> None:
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        self.process = subprocess.Popen(command, env=environment, cwd="/", **pipes)  # type: ignore[call-overload]
+
+    def close(self) -> None:
+        """End it."""
+        self.process.kill()
+        self.process.wait()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

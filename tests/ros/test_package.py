@@ -1,0 +1,136 @@
+"""The ROS 2 package: its .msg texts read alike everywhere, and its program and launch file start the bridge.
+
+That it builds is for `make ros-package`, which needs ROS 2's own tools.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.msg import get_types_from_msg
+
+from generator.ir import RosMessage, RosType
+from generator.pipeline import Compiled, compile_table
+
+ROOT = Path(__file__).parents[2]
+_CASES = ROOT / "tests" / "generator" / "cases"
+_SYSTEM_PYTHON = Path("/usr/bin/python3")
+_TABLES = [ROOT, *sorted(folder.parent for folder in _CASES.glob("*/expected"))]
+_EMPTY = "structure_needs_at_least_one_member"
+_PROGRAM = ROOT / "generated" / "ros" / "comms" / "scripts" / "comms_node.py"
+
+
+@pytest.fixture(scope="module")
+def compiled() -> dict[str, Compiled]:
+    """Every table of the golden cases, and this project's own, compiled, by the name of its folder."""
+    return {folder.name: compile_table(folder / "mapping.yaml") for folder in _TABLES}
+
+
+def _texts(one: Compiled) -> dict[str, str]:
+    """Text of each .msg file, as ``package/Name``."""
+    found = {path: re.fullmatch(r"generated/ros/(\w+)/msg/(\w+)\.msg", path) for path in one.files}
+    return {f"{match[1]}/{match[2]}": one.files[path] for path, match in found.items() if match}
+
+
+def _fields(package: str, message: RosMessage) -> list[list[str]]:
+    """Names and types of the fields that the text of a message should have."""
+    return [[field.name, _type(package, field.type)] for field in message.fields] or [[_EMPTY, "uint8"]]
+
+
+def _type(package: str, type: RosType) -> str:
+    name = f"{package}/msg/{type.name}" if type.is_message else type.name
+    return f"{name}[]" if type.is_sequence else name
+
+
+def test_rosbags_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
+    """An independent parser finds the fields in the texts that the generator meant, in all golden cases."""
+    for folder, one in compiled.items():
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        for name, text in _texts(one).items():
+            store.register(get_types_from_msg(text, name.replace("/", "/msg/")))
+        for message in one.bridge.messages:
+            _, found = store.fielddefs[f"{one.bridge.package}/msg/{message.name}"]
+            read = [[name, _of_rosbags(kind)] for name, kind in found] or [[_EMPTY, "uint8"]]
+            assert read == _fields(one.bridge.package, message), (folder, message.name)
+
+
+def _of_rosbags(definition: Any) -> str:
+    kind, detail = definition
+    if kind.name == "SEQUENCE":
+        return f"{_of_rosbags(detail[0])}[]"
+    return str(detail) if kind.name == "NAME" else str(detail[0])
+
+
+def test_rosidl_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
+    """ROS 2's own adapter and parser find the same fields, and the constants with their values."""
+    has = subprocess.run([_SYSTEM_PYTHON, "-c", "import rosidl_adapter, rosidl_parser"], capture_output=True)
+    if not _SYSTEM_PYTHON.exists() or has.returncode:
+        pytest.skip("rosidl is not installed (Debian: python3-rosidl)")
+    for folder, one in compiled.items():
+        reader = [_SYSTEM_PYTHON, Path(__file__).with_name("rosidl_reads.py")]
+        done = subprocess.run(reader, input=json.dumps(_texts(one)), capture_output=True, text=True)
+        assert done.returncode == 0, (folder, done.stderr)
+        said = json.loads(done.stdout.splitlines()[-1])
+        for message in one.bridge.messages:
+            found = said[f"{one.bridge.package}/{message.name}"]
+            assert found["fields"] == _fields(one.bridge.package, message), (folder, message.name)
+            assert found["comments"] | _comments(message) == found["comments"], (folder, message.name)
+            assert found["constants"] == [[constant.name, constant.value] for constant in message.constants]
+
+
+def _comments(message: RosMessage) -> dict[str, str]:
+    """The comments that rosidl takes as they are: in ASCII, of one line, no unit in brackets, no two backslashes."""
+    lines = {field.name: field.comment for field in message.fields if field.comment.isascii()}
+    return {name: text for name, text in lines.items() if text and not re.search(r"[\n\t\[]|\\\\", text)}
+
+
+def test_the_program_of_the_package_is_the_bridge() -> None:
+    """What `ros2 run comms comms_node` starts takes what `roverlink run` takes."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, _PROGRAM, "--help"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "--ros-args" in done.stdout
+
+
+def test_the_program_says_where_roverlink_is_missing() -> None:
+    """With a Python that does not have roverlink, it says so and which Python that is."""
+    without = [sys.executable, "-I", "-S"]  # no packages at all
+    done = subprocess.run([*without, _PROGRAM], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "roverlink does not import" in done.stderr
+    assert sys.executable in done.stderr
+
+
+def test_the_launch_file_starts_the_program_with_the_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`ros2 launch comms comms.launch.py` is one node of the package, with its file of parameters unless told."""
+    recorded: dict[str, Any] = {
+        "launch": {"LaunchDescription": list},
+        "launch.actions": {"DeclareLaunchArgument": lambda name, default_value: (name, default_value)},
+        "launch.substitutions": {"LaunchConfiguration": lambda name: f"<{name}>"},
+        "launch_ros": {},
+        "launch_ros.actions": {"Node": SimpleNamespace},
+    }
+    for name, content in recorded.items():
+        module = ModuleType(name)
+        vars(module).update(content)
+        monkeypatch.setitem(sys.modules, name, module)
+    launch = ROOT / "generated" / "ros" / "comms" / "launch" / "comms.launch.py"
+    (argument, default), node = runpy.run_path(str(launch))["generate_launch_description"]()
+    assert argument == "params_file"
+    assert Path(default).is_file()
+    assert vars(node) == {
+        "package": "comms",
+        "executable": "comms_node",
+        "parameters": ["<params_file>"],
+        "output": "screen",
+    }
