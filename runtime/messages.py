@@ -30,6 +30,8 @@ class Message:
 
     __slots__ = ()
     __msgtype__: ClassVar[str]
+    __typehash__: ClassVar[str] = ""
+    """By which ROS 2 from Iron on knows whether two nodes mean the same by the type; empty where it is not known."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,7 +75,8 @@ def message_type(type_name: str) -> type[Message]:
     _, definitions = store.fielddefs[type_name]
     fields = [_field(name, definition) for name, definition in definitions if name != _PLACEHOLDER]
     name = type_name.rpartition("/")[2]
-    return dataclasses.make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": type_name})
+    known = {"__msgtype__": type_name, "__typehash__": store.hash_rihs01(type_name)}
+    return dataclasses.make_dataclass(name, fields, bases=(Message,), namespace=known)
 
 
 @cache

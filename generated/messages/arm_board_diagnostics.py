@@ -17,6 +17,9 @@ class ArmBoardDiagnostics(Message):
     """State of the arm board and of each of its motors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardDiagnostics"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_814b32e2265d84961c292f85c65f1534783cd572ef75be4d311f7ea8b1b24c62"
+    )
 
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1

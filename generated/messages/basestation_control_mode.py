@@ -15,6 +15,9 @@ class BasestationControlMode(Message):
     """Who drives: the operator or the rover itself."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationControlMode"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_64d04f30aca396033115a377bb84263a86b3531099a9a6b20495cf59297be328"
+    )
 
     MODE_MANUAL: ClassVar[int] = 0
     MODE_AUTO: ClassVar[int] = 1

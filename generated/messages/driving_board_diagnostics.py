@@ -17,6 +17,9 @@ class DrivingBoardDiagnostics(Message):
     """State of the driving board and of each wheel and steering motor."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardDiagnostics"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_dc6f17c336850c756e46fb93f9cd8d51d27125bbdea1c4ec8402404b60113ac3"
+    )
 
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1

@@ -17,6 +17,9 @@ class ImuSensorInformation(Message):
     """One sample of the inertial measurement unit."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ImuSensorInformation"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_7563fa22f8050e4d49a7653adb6c82fbf1c40733747a27f4d18957fbc0018030"
+    )
 
     IMU_NO_ERROR: ClassVar[int] = 0
     IMU_COMMUNICATION_FAILURE: ClassVar[int] = 1

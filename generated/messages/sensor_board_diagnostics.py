@@ -21,6 +21,9 @@ class SensorBoardDiagnostics(Message):
     """State of the sensor board, with the latest reading of each of its sensors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorBoardDiagnostics"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_c8b159833c674c030c9902de4e32ff38200a55bc7c215f96af144996e6a05a36"
+    )
 
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1

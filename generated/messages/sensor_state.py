@@ -15,6 +15,9 @@ class SensorState(Message):
     """What a sensor is doing; shared by all sensors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorState"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_6bc1bb0a38f2a73f4bcecda950ad09793d9df8965f59291ac8c8da9bf19ad3cb"
+    )
 
     SENSOR_IDLE: ClassVar[int] = 0
     SENSOR_OPERATING: ClassVar[int] = 1

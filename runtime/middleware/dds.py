@@ -79,7 +79,8 @@ class DdsMiddleware:
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
         """A writer on a fully qualified topic."""
-        writer = DataWriter(self._participant, self._topic(topic, message_type), qos=dds_qos(qos, writing=True))
+        policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
+        writer = DataWriter(self._participant, self._topic(topic, message_type), qos=policies)
         self._announcer.add_writer(writer)
         raw_writer = RawWriter(writer)
         self._writers.append(raw_writer)
@@ -87,7 +88,8 @@ class DdsMiddleware:
 
     def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
         """Call ``callback`` with the serialized messages of a fully qualified topic, from the taking thread."""
-        reader = DataReader(self._participant, self._topic(topic, message_type), qos=dds_qos(qos, writing=False))
+        policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__)
+        reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
         self._readers.append((RawReader(reader), callback))
         self._conditions.append(condition)

@@ -39,8 +39,11 @@ _DDS_TYPES: dict[str, Any] = {
 }
 
 
-def dds_qos(qos: Qos, writing: bool) -> DdsQos:
-    """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader."""
+def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
+    """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader.
+
+    A type's hash goes where they look for it, into what an endpoint tells beside its policies.
+    """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
     depth = qos.depth if writing else max(qos.depth, _KEPT_TO_READ)
@@ -54,6 +57,8 @@ def dds_qos(qos: Qos, writing: bool) -> DdsQos:
     if latched:
         # What is kept for those who come late has a history of its own.
         policies.append(Policy.DurabilityService(0, history, _UNLIMITED, _UNLIMITED, _UNLIMITED))
+    if type_hash:
+        policies.append(Policy.Userdata(f"typehash={type_hash};".encode()))
     if writing:
         policies += [Policy.WriterDataLifecycle(autodispose=False), WriterBatching()]
     return DdsQos(*policies)

@@ -3,7 +3,8 @@
 A workspace in build/ros-package gets the interface package, two packages that stand in for what Debian does not have
 (`packages/`), the standard interfaces that it depends on, and a package that uses all of its messages in C and C++.
 `colcon build` builds it; then the user's program says what each message is made of, which must be what the generated
-Python says, and the bridge is started as `ros2 run` would.
+Python says, and the bridge is started as `ros2 run` would. In a shell in which ROS 2 is sourced, all that is ROS 2's is
+taken from there; from Iron on, rosidl computes type hashes, which must be those of the generated Python, too.
 
 Exit code 0: it builds, and all of that holds; 1: it does not; 2: a tool is missing.
 """
@@ -32,6 +33,8 @@ from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Tex
 _WORKSPACE = ROOT / "build" / "ros-package"
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
 _DEBIAN = Path(__file__).with_name("debian-packages")
+_OF_ROS = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONPATH", "ROS_DISTRO", "ROS_VERSION")
+_SOURCED = "AMENT_PREFIX_PATH" in os.environ
 _WITHOUT_ROS = frozenset({"ament_cmake", "launch", "launch_ros", "rosidl_default_generators", "rosidl_default_runtime"})
 _TYPES = ["float32", "float64", "", "", "", "bool", "byte", "uint8", "int8", "uint16", "int16"]
 _TYPES += ["uint32", "int32", "uint64", "int64", "string", "", "message"]
@@ -48,16 +51,18 @@ def main() -> int:
         return 2
     sources = _WORKSPACE / "src"
     shutil.rmtree(sources, ignore_errors=True)
-    shutil.copytree(Path(__file__).parent / "packages", sources)
+    sources.mkdir(parents=True)
+    if not _SOURCED:
+        shutil.copytree(Path(__file__).parent / "packages", sources, dirs_exist_ok=True)
     package = ROOT / "generated" / "ros" / REGISTRY.package
     (sources / REGISTRY.package).symlink_to(package)
-    for name in _interfaces(package):
+    for name in [] if _SOURCED else _interfaces(package):
         _write_standard(sources / name)
     messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
     _write_user(sources / "user", messages)
     _colcon()
     environment = _sourced()
-    faults = [*_differences(environment, messages), *_does_not_run(environment)]
+    faults = [*_differences(environment, messages), *_other_hashes(), *_does_not_run(environment)]
     print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
     return 1 if faults else 0
 
@@ -203,10 +208,16 @@ def _write_cmake(folder: Path, body: str) -> None:
 
 def _colcon() -> None:
     """Build the workspace. Without our environment, whose Python has none of rosidl's modules."""
-    kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM") if name in os.environ}
+    kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in os.environ}
     command = ["/usr/bin/colcon", "--log-base", "log", "build", "--event-handlers", "console_direct-"]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
-    subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": "/usr/bin:/bin"}, check=True)
+    subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}, check=True)
+
+
+def _path() -> str:
+    """Where the programs are: those of the system, and of a ROS 2 that is sourced; not our environment's Python."""
+    ours = str(Path(sys.executable).parent)
+    return ":".join(part for part in os.environ["PATH"].split(":") if part != ours) if _SOURCED else "/usr/bin:/bin"
 
 
 def _sourced() -> dict[str, str]:
@@ -229,6 +240,17 @@ def _differences(environment: dict[str, str], messages: list[str]) -> Iterator[s
         want = ", ".join(f"{field.name} {_spelled(field.type)}" for field in fields_of(classes[name]))
         if fields != (want or "structure_needs_at_least_one_member 8"):
             yield f"{name} is compiled as\n  {fields}\nand Python has\n  {want}"
+
+
+def _other_hashes() -> Iterator[str]:
+    """Where rosidl, from Iron on, computed another type hash than the generator."""
+    folder = _WORKSPACE / "install" / REGISTRY.package / "share" / REGISTRY.package / "msg"
+    computed = [json.loads(path.read_text())["type_hashes"][0] for path in sorted(folder.glob("*.json"))]
+    print(f"rosidl computed {len(computed)} type hashes" if computed else "this rosidl computes no type hashes")
+    known = {one.__msgtype__: one.__typehash__ for one in vars(generated.messages).values() if _is_message(one)}
+    for one in computed:
+        if known.get(one["type_name"]) != one["hash_string"]:
+            yield f"{one['type_name']} has the hash {one['hash_string']}, and Python has {known.get(one['type_name'])}"
 
 
 def _is_message(one: object) -> bool:

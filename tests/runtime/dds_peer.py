@@ -153,12 +153,14 @@ def _graph(participant: DomainParticipant, arguments: argparse.Namespace) -> Non
     deadline = _deadline()
     endpoints: dict[str, str] = {}
     type_names = set()
+    user_data = set()
     while time.monotonic() < deadline:
         for builtin in (publications, subscriptions):
             for endpoint in builtin.take(100):
                 if endpoint.topic_name.startswith("rt/"):
                     endpoints[endpoint.topic_name] = endpoint.key.bytes.hex()
                     type_names.add(endpoint.type_name)
+                    user_data.add(endpoint.qos[Policy.Userdata].data.decode())
         for sample in reader.read(100):
             for node in sample.node_entities_info_seq:
                 gids = [*node.reader_gid_seq, *node.writer_gid_seq]
@@ -169,6 +171,7 @@ def _graph(participant: DomainParticipant, arguments: argparse.Namespace) -> Non
                         writers=[bytes(gid.data).hex() for gid in node.writer_gid_seq],
                         endpoints=endpoints,
                         type_names=sorted(type_names),
+                        user_data=sorted(user_data),
                     )
                     return
         time.sleep(0.005)

@@ -242,6 +242,7 @@ def test_we_are_seen_as_a_node_with_our_endpoints(
     with _Peer("graph", "--node", "udp_forwarder", "--count", 3, "--gid-bytes", gid_bytes) as peer:
         said = peer.says()
     assert said["type_names"] == ["comms::msg::dds_::ImuSensorInformation_"]
+    assert said["user_data"] == [f"typehash={ImuSensorInformation.__typehash__};"]  # as rmw_dds_common writes it
     padding = "00" * (gid_bytes - 16)
     assert said["namespace"] == "/rover"
     assert said["readers"] == [said["endpoints"][f"rt{topic}/in"] + padding]

@@ -7,12 +7,15 @@ import re
 from generator import ir
 from generator.rendering import Files, header, render
 from generator.targets.python import layout, spelling
+from generator.type_hashes import type_hashes
 
 
 def emit(bridge: ir.Bridge) -> Files:
     """The messages, and the package that names them all."""
+    hashes = type_hashes(bridge)
     for message in bridge.messages:
-        yield f"generated/messages/{spelling.message_module(message.name)}.py", _message(bridge, message)
+        text = _message(bridge, message, hashes[message.name])
+        yield f"generated/messages/{spelling.message_module(message.name)}.py", text
     names = sorted(message.name for message in bridge.messages)
     yield (
         "generated/messages/__init__.py",
@@ -30,7 +33,7 @@ def _import(name: str) -> str:
     return layout.import_from(f"generated.messages.{spelling.message_module(name)}", [spelling.message_class(name)])
 
 
-def _message(bridge: ir.Bridge, message: ir.RosMessage) -> str:
+def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
     needed = {spelling.imported_annotation(field.type) for field in message.fields} - {None}
     imports = [_import(field.type.name) for field in message.fields if field.type.is_message]
     imports.append(layout.import_from("runtime.messages", ["Message", *(name for name in needed if name)]))
@@ -51,6 +54,7 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage) -> str:
         imports=layout.in_import_order(imports),
         class_line=_class_line(message),
         type_line=layout.line(f'__msgtype__: ClassVar[str] = "{type_name}"', 4),
+        type_hash=type_hash,
         constants=[
             layout.line(f"{constant.name}: ClassVar[int] = {constant.value}", 4) for constant in message.constants
         ],

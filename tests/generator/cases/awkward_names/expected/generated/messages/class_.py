@@ -15,6 +15,9 @@ class Class(Message):
     """Made from Class."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Class"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_3c647e7f73d600b1418d35023ce8b04b6ef1220b5f010c1e17016ff57e03a658"
+    )
 
     l: Int32 = 0  # noqa: E741  # as in the .proto
     self: Int32 = 0

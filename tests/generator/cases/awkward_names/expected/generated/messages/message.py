@@ -24,6 +24,9 @@ class Message_(Message):  # noqa: N801  # the code here needs the name itself
     """Made from Message."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Message"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_f01c277ed45f5722769d7475207910efe584f0f7dee172ea24b77a334568684a"
+    )
 
     item: list[Item] = dataclasses.field(default_factory=list)
     payload: Payload = dataclasses.field(default_factory=Payload)

@@ -19,6 +19,9 @@ class Waypoint(Message):
     """Made from Waypoint."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Waypoint"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_8ad09dd7eab7146e966712beed9dad3f72168e6340560d53c38c3d5715b8ba0c"
+    )
 
     x: Float64 = 0.0
     imu: IMU = dataclasses.field(default_factory=IMU)

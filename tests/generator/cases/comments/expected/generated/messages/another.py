@@ -18,5 +18,8 @@ class Another(Message):
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Another"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_fecbb7f5ab4d8d60949d517b7fea4f28d2d02d42b22035657c2c1c25112fedd2"
+    )
 
     x: Int32 = 0

@@ -25,5 +25,8 @@ class Args(Message):
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Args"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_439ca630d740a232b390804f640662baf01f8c1c469a03ec47a8d2e18ac91d36"
+    )
 
     x: Int32 = 0

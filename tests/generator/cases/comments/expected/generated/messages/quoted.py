@@ -18,5 +18,8 @@ class Quoted(Message):
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Quoted"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_9ed6fbf8441f32aca6f3eb3931a87a53bb19c13085bbf11eed440f78b5417028"
+    )
 
     x: Int32 = 0

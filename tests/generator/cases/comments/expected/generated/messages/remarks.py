@@ -26,6 +26,9 @@ class Remarks(Message):
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Remarks"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_d937c0cc716823c7725209ce7cce5dc3133ac6fc0521c930f60201d63324d558"
+    )
 
     LEVEL_SILENT: ClassVar[int] = 0
     LEVEL_LOUD: ClassVar[int] = 1

@@ -15,3 +15,6 @@ class Ping(Message):
     """Made from Ping."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Ping"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_7611008c50a6e6f39ca91a721d63f84831c4199ce468fd615552e7cbe9c3e901"
+    )

@@ -15,6 +15,9 @@ class Colliding(Message):
     """Made from Colliding."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Colliding"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_4cf616a8fbc8fc825b251216c6bd475c36faf0f442f60cd52fab8dbb5d812bd3"
+    )
 
     STATE_IDLE: ClassVar[int] = 0
     STATE_LOST: ClassVar[int] = 1

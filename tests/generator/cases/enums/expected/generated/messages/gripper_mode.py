@@ -15,6 +15,9 @@ class GripperMode(Message):
     """Made from Mode."""
 
     __msgtype__: ClassVar[str] = "rover/msg/GripperMode"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_195b24b2351795cd144f2a6f1a07a0a5ff313bd39c5ff603c1584cde152898f3"
+    )
 
     MODE_OPEN: ClassVar[int] = 0
     MODE_CLOSED: ClassVar[int] = 1

@@ -17,6 +17,9 @@ class Joints(Message):
     """Made from Joints."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Joints"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_0819b76d39ebecf01e8dc43c0e569d7d2ab996a426600ff39be54871753b9903"
+    )
 
     SMALL_ZERO: ClassVar[int] = 0
     SMALL_MOST: ClassVar[int] = 255

@@ -19,6 +19,9 @@ class Arm(Message):
     """Made from Arm."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Arm"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_bb458ee7cd0846079ba20e67572d2c2ac0d6729116fe37a866dbd787cfabdcd8"
+    )
 
     upper: ArmSegment = dataclasses.field(default_factory=ArmSegment)
     others: list[ArmSegment] = dataclasses.field(default_factory=list)

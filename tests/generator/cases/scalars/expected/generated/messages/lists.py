@@ -25,6 +25,9 @@ class Lists(Message):
     """Made from Lists."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Lists"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_0988ffcd65003d6f7fdec28fa5ef2ce494565c1ce726a8ffd56311bb77c86d95"
+    )
 
     doubles: list[Float64] = dataclasses.field(default_factory=list)
     floats: list[Float32] = dataclasses.field(default_factory=list)

@@ -24,6 +24,9 @@ class Scalars(Message):
     """Made from Scalars."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Scalars"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_f50a9bab882d74f475deeb920a26194bbbd083d09db340a34762575dd38ec65a"
+    )
 
     a_double: Float64 = 0.0
     a_float: Float32 = 0.0

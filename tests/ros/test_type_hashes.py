@@ -1,0 +1,79 @@
+"""Type hashes: those that ROS 2 has published, and those that an independent implementation computes.
+
+rosidl's own computation came with Iron; where a ROS 2 as new as that is sourced, `make ros-package` compares with it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.msg import get_types_from_msg
+
+from generator.ir import RosField, RosMessage, RosType
+from generator.pipeline import compile_table
+from generator.type_hashes import type_hashes
+from runtime import standard
+from runtime.cdr import encode
+
+ROOT = Path(__file__).parents[2]
+_TABLES = [ROOT, *sorted(folder.parent for folder in (ROOT / "tests" / "generator" / "cases").glob("*/expected"))]
+
+# As ROS 2 itself shows them: in the keys of rmw_zenoh, in rosbag2's metadata, in generated code of other projects.
+_PUBLISHED = {
+    "std_msgs/msg/Empty": "RIHS01_20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312",
+    "std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+    "rosgraph_msgs/msg/Clock": "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564",
+    "sensor_msgs/msg/Imu": "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b",
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("std_msgs/msg/Empty", ()),
+        ("std_msgs/msg/String", (RosField("data", RosType("string"), "a comment does not count"),)),
+    ],
+)
+def test_what_ros_2_published(name: str, fields: tuple[RosField, ...]) -> None:
+    """The generator gives messages of ROS 2's own the hashes that they have there."""
+    package, _, message = name.split("/")
+    bridge = compile_table(ROOT / "mapping.yaml").bridge
+    bridge = dataclasses.replace(bridge, package=package, messages=(RosMessage(message, fields, (), "", ""),))
+    assert type_hashes(bridge) == {message: _PUBLISHED[name]}
+
+
+@pytest.mark.parametrize("name", _PUBLISHED)
+def test_standard_messages_have_their_hashes(name: str) -> None:
+    """What `roverlink pub --type` publishes says the hash that ROS 2's own nodes say."""
+    message = standard.message_type(name)
+    assert message.__typehash__ == _PUBLISHED[name]
+    assert encode(message())  # it is no field
+
+
+@pytest.mark.parametrize("folder", _TABLES, ids=lambda folder: folder.name)
+def test_an_independent_implementation_agrees(folder: Path) -> None:
+    """The package rosbags computes the same hash from the .msg texts, of every message of every golden case."""
+    compiled = compile_table(folder / "mapping.yaml")
+    store: Any = get_typestore(Stores.ROS2_JAZZY)
+    package = compiled.bridge.package
+    for path, text in compiled.files.items():
+        if match := re.fullmatch(rf"generated/ros/{package}/msg/(\w+)\.msg", path):
+            store.register(get_types_from_msg(text, f"{package}/msg/{match[1]}"))
+    ours = type_hashes(compiled.bridge)
+    assert ours == {name: store.hash_rihs01(f"{package}/msg/{name}") for name in ours}
+
+
+def test_the_classes_have_the_hashes() -> None:
+    """Each generated class of this project carries its own."""
+    import generated.messages
+
+    classes = {name: getattr(generated.messages, name) for name in generated.messages.__all__}
+    hashes = type_hashes(compile_table(ROOT / "mapping.yaml").bridge)
+    assert {one.__msgtype__: one.__typehash__ for one in classes.values()} == {
+        f"comms/msg/{name}": hash for name, hash in hashes.items()
+    }
