@@ -15,6 +15,7 @@ from runtime import ros_args
 from runtime.errors import RoverlinkError
 
 _COMMANDS = (
+    "init",
     "generate",
     "lint",
     "explain",

@@ -111,7 +111,9 @@ def _check_written_file(subject: Subject) -> Iterator[Finding]:
 
 
 def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
-    return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in envelope.fields]
+    """The messages among the members: a number or a text in another's oneof can have no row."""
+    messages = [field for field in envelope.fields if field.type == "message"]
+    return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
 
 
 def _written_members(envelope: Message, subject: Subject) -> list[_Member]:

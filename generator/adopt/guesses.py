@@ -1,0 +1,163 @@
+"""Who sends what to whom: guessed from names, folders and comments, and said where it is a mere guess."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from generator.adopt.draft import DraftPeer, DraftRow
+from generator.adopt.tree import Tree
+from generator.adopt.words import (
+    COMMANDS,
+    GENERIC_FOLDERS,
+    OPERATORS,
+    OURSELVES,
+    REPORTS,
+    ROLES,
+    camel_prefix,
+    words,
+)
+from generator.protos import ProtoField
+
+_HARDWARE = "hardware"
+_OURS = "ros"
+_NO_MACHINE = "neither name nor folder says which machine it is of"
+_FROM = re.compile(r"\b(?:from|sent by|published by|measured by|reported by|comes from)\s+(?:the\s+|a\s+|all\s+)?")
+_TO = re.compile(r"\b(?:to|for|received by|read by)\s+(?:the\s+|a\s+|all\s+)?")
+_MACHINES = {
+    "base station": "basestation",
+    "basestation": "basestation",
+    "ground station": "ground_station",
+    "microcontroller": _HARDWARE,
+    "firmware": _HARDWARE,
+    "hardware": _HARDWARE,
+    "boards": _HARDWARE,
+    "board": _HARDWARE,
+    **dict.fromkeys(sorted(OURSELVES), _OURS),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Component:
+    """A machine, by what the names of its messages start with."""
+
+    prefix: str
+    """Empty where it is known by its folder only."""
+    peer: str
+
+
+def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
+    """A row for each member of the oneof, and the peers that they need."""
+    members = tree.members
+    components = _components(tree, members)
+    machines = dict(_MACHINES)
+    for one in components.values():
+        if one.prefix:
+            machines[" ".join(words(one.prefix))] = one.peer
+    rows = [_row(member, tree, components.get(member.type_name), machines) for member in members]
+    names = sorted({row.peer for row in rows})
+    if len(names) == 1:  # then it is of that machine, whichever that is
+        for row in rows:
+            row.doubt = row.doubt.removeprefix(_NO_MACHINE).removeprefix(" and ")
+    prefixes: dict[str, set[str]] = {name: set() for name in names}
+    for one in components.values():
+        if one.prefix and one.peer in prefixes:
+            prefixes[one.peer].add(one.prefix)
+    return [DraftPeer(name, tuple(sorted(prefixes[name]))) for name in names], rows
+
+
+# --- components -------------------------------------------------------------------------------------------------
+
+
+def _components(tree: Tree, members: Iterable[ProtoField]) -> dict[str, _Component]:
+    """The component of each payload, where one can be told."""
+    types = sorted({member.type_name for member in members})
+    folders = {proto: PurePosixPath(tree.schema.messages[proto].file).parent.name for proto in types}
+    several = len({folder for folder in folders.values() if _is_machine(folder)}) > 1
+    found = {}
+    for proto in types:
+        name, folder = proto.rpartition(".")[2], folders[proto]
+        prefix = _prefix(name, folder)
+        if prefix:
+            found[proto] = _Component(prefix, _peer(words(prefix)))
+        elif several and _is_machine(folder):
+            found[proto] = _Component("", _peer(words(folder)))
+    return found
+
+
+def _is_machine(folder: str) -> bool:
+    return bool(folder) and folder.lower() not in GENERIC_FOLDERS
+
+
+def _prefix(name: str, folder: str) -> str:
+    """The machine's name that a message's starts with; empty for none."""
+    own, of_folder = words(name), words(folder)
+    if of_folder and _is_machine(folder) and own[: len(of_folder)] == of_folder and len(own) > len(of_folder):
+        return camel_prefix(name, len(of_folder))
+    for count in (1, 2, 3):
+        if len(own) > count and own[count - 1] in ROLES and not (count < len(own) and own[count] in ROLES):
+            return camel_prefix(name, count)
+    return ""
+
+
+def _peer(of_component: list[str]) -> str:
+    """The peer of a component. Boards share one, since they mostly share a port; operators have one each."""
+    return "_".join(of_component) if set(of_component) & OPERATORS else _HARDWARE
+
+
+# --- directions -------------------------------------------------------------------------------------------------
+
+
+def _row(member: ProtoField, tree: Tree, component: _Component | None, machines: Mapping[str, str]) -> DraftRow:
+    proto = tree.schema.messages[member.type_name]
+    said = f"{member.comment}\n{proto.comment}"
+    sender, receiver = _named(_FROM, said, machines), _named(_TO, said, machines)
+    peer = next((one for one in (sender, receiver) if one not in ("", _OURS)), "")
+    inbound = _said(sender, receiver)
+    doubts = [] if peer or component else [_NO_MACHINE]
+    peer = peer or (component.peer if component else _HARDWARE)
+    if inbound is None:
+        inbound = _by_its_words(member, peer)
+    if inbound is None:
+        doubts.append("nothing says who sends it")
+        inbound = True
+    return DraftRow(
+        number=member.number,
+        name=member.name,
+        proto=member.type_name,
+        comment=member.comment,
+        peer=peer,
+        inbound=inbound,
+        doubt=" and ".join(doubts),
+    )
+
+
+def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]) -> str:
+    """The machine that a comment names behind some words; empty for none."""
+    text = " ".join(text.lower().split())
+    for match in introduction.finditer(text):
+        rest = text[match.end() :]
+        for phrase in sorted(machines, key=len, reverse=True):
+            if re.match(rf"(?:\w+ )?{re.escape(phrase)}\b", rest):
+                return machines[phrase]
+    return ""
+
+
+def _said(sender: str, receiver: str) -> bool | None:
+    """Whether a comment says that it comes to ROS 2; None where it does not say."""
+    if sender and sender != _OURS:
+        return True
+    if sender == _OURS or (receiver and receiver != _OURS):
+        return False
+    return True if receiver == _OURS else None
+
+
+def _by_its_words(member: ProtoField, peer: str) -> bool | None:
+    """Whether a message comes to ROS 2, as its name has it: boards report and are commanded, operators command."""
+    for name in (member.type_name.rpartition(".")[2], member.name):
+        for word in reversed(words(name)):
+            if word in COMMANDS or word in REPORTS:
+                return (word in REPORTS) is (peer == _HARDWARE)
+    return None

@@ -1,0 +1,122 @@
+"""A draft as the text of mapping.yaml, with the reasons as comments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import yaml
+
+from generator.adopt.draft import Draft, DraftRow
+
+_WIDTH = 110
+
+
+def text_of(draft: Draft) -> str:
+    """The file."""
+    parts = [_head(draft), _peers(draft), _messages(draft), _retired(draft), _lint(draft)]
+    return "\n".join("\n".join(part) + "\n" for part in map(list, parts) if part)
+
+
+def _head(draft: Draft) -> Iterator[str]:
+    yield "# yaml-language-server: $schema=generated/mapping.schema.json"
+    yield "#"
+    yield "# What travels under which number, between which peer and which topic: one row a message."
+    yield "# Drafted by `roverlink init`: look at what is marked `guessed`, and take the mark away."
+    yield "# After a change: `roverlink generate`. A number is permanent; a payload that goes moves to `retired`."
+    yield ""
+    yield "version: 1"
+    yield ""
+    yield "proto:"
+    yield f"  root: {_scalar(draft.root)}"
+    if draft.exclude:
+        yield "  exclude:"
+        for file, why in draft.exclude.items():
+            yield from _commented(f"    - {_scalar(file)}", why)
+    yield ""
+    yield "envelope:"
+    yield f"  file: {_scalar(draft.file)}"
+    yield from _commented(f"  message: {_scalar(draft.message)}", draft.oneof_doubt)
+    yield f"  oneof: {_scalar(draft.oneof)}"
+    yield from _commented(f"  owner: {draft.owner}", draft.owner_reason)
+    yield ""
+    yield "ros:"
+    yield f"  package: {_scalar(draft.package)}"
+
+
+def _peers(draft: Draft) -> Iterator[str]:
+    yield "# Each listens on a port of its own, at the address in the node's parameter dst_ip."
+    yield "peers:"
+    for index, peer in enumerate(sorted(draft.peers, key=lambda peer: peer.name)):
+        prefixes = f"prefixes: [{', '.join(map(_scalar, peer.prefixes))}], " if peer.prefixes else ""
+        yield f"  {peer.name}: {{{prefixes}port: {6000 + index}}}  # guessed"
+
+
+def _messages(draft: Draft) -> Iterator[str]:
+    yield "messages:"
+    for row in draft.rows:
+        yield from _row(row)
+
+
+def _row(row: DraftRow) -> Iterator[str]:
+    yield from (f"  # {line}".rstrip() for line in row.comment.splitlines())
+    yield f"  - number: {row.number}"
+    yield f"    name: {_scalar(row.name)}"
+    yield f"    proto: {_scalar(row.proto)}"
+    if row.ros:
+        yield f"    ros: {_scalar(row.ros)}"
+    yield f"    topic: {_scalar(row.name)}"
+    yield from _commented(f"    direction: {row.direction}", f"guessed: {row.doubt}" if row.doubt else "")
+    if row.fields:
+        yield "    fields:"
+        yield from (f"      {_scalar(path)}: {_scalar(name)}" for path, name in row.fields.items())
+    if row.ignore:
+        yield "    ignore:"
+        for path, why in row.ignore.items():
+            yield from _commented(f"      - {_scalar(path)}", why)
+    if row.lint:
+        yield "    lint:"
+        yield from _lowered(row.lint, "      ")
+
+
+def _retired(draft: Draft) -> Iterator[str]:
+    if draft.retired:
+        yield "# Used in the past, as git's history shows."
+        yield "retired:"
+        for row in draft.retired:
+            entry = f"  - {{number: {row.number}, name: {_scalar(row.name)}, proto: {_scalar(row.proto)}}}"
+            yield from _commented(entry, row.note)
+    else:
+        yield "retired: []"
+
+
+def _lint(draft: Draft) -> Iterator[str]:
+    if draft.lint:
+        yield "# What was found when the tree was taken over. A line that is removed makes its findings count again."
+        yield "lint:"
+        yield from _lowered(draft.lint, "  ")
+
+
+def _lowered(rules: Mapping[str, str], margin: str) -> Iterator[str]:
+    for rule, reason in sorted(rules.items()):
+        yield f"{margin}{rule}: {{severity: hint, reason: {_quoted(reason)}}}"
+
+
+def _commented(line: str, comment: str) -> list[str]:
+    """A line with a comment behind it; where that gets too long, before it."""
+    if not comment:
+        return [line]
+    comment = " ".join(comment.split())
+    if len(line) + len(comment) < _WIDTH:
+        return [f"{line}  # {comment}"]
+    margin = " " * (len(line) - len(line.lstrip()))
+    return [f"{margin}# {comment}", line]
+
+
+def _scalar(text: str) -> str:
+    """A text as YAML reads it back; in quotes where it would be taken for something else."""
+    return text if yaml.safe_load(text) == text and not set(text) & set("{}[],:#&*!|>'\"%@`") else _quoted(text)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'

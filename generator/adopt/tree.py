@@ -1,0 +1,185 @@
+"""The tree: which message is the envelope, which files compile together, and whose file the envelope is."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.declarations import File, parse
+from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
+from generator.proto_files import proto_files, read_proto
+from generator.protoc import DOES_NOT_COMPILE, compile_protos
+from generator.protos import ProtoField, ProtoMessage, Schema
+
+NOTHING_TO_TAKE_OVER = Rule("ADO101", "nothing-to-take-over", Severity.FATAL)
+NO_SUCH_ENVELOPE = Rule("ADO102", "no-such-envelope", Severity.FATAL)
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """A tree of .proto files, as far as it compiles."""
+
+    root: Path
+    shown_root: str
+    files: Mapping[str, File]
+    """Every file, as far as it can be read."""
+    schema: Schema
+    """Of what compiles together, the envelope among it."""
+    exclude: Mapping[str, str]
+    """The other files, each with the reason."""
+    envelope: ProtoMessage
+    oneof: str
+    doubt: str
+    """Why it is not certain that this is the envelope; empty where it is."""
+
+    @property
+    def members(self) -> list[ProtoField]:
+        """The payloads: the messages in the oneof, by number."""
+        found = [field for field in self.envelope.fields if field.oneof == self.oneof and field.type == "message"]
+        return sorted(found, key=lambda field: field.number)
+
+    @property
+    def scalars(self) -> list[str]:
+        """What else is in the oneof."""
+        return [field.name for field in self.envelope.fields if field.oneof == self.oneof and field.type != "message"]
+
+
+def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) -> Tree:
+    """Read a tree; ``file``, ``message`` and ``oneof`` name the envelope, as far as they are not empty.
+
+    Raises `FindingsError` where there is no envelope, or where it does not compile.
+    """
+    findings: list[Finding] = []
+    names = proto_files(root, shown_root, findings) if root.is_dir() else []
+    files = {name: parse(read_proto(root, name, shown_root, findings)) for name in names}
+    if findings or not files:
+        none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "holds no .proto file")
+        raise FindingsError(findings or [none])
+    candidates = list(_envelopes(files, file, message))
+    if not candidates:
+        raise FindingsError([_no_envelope(files, file, message, shown_root)])
+    path, name = candidates[0]
+    schema, exclude = _compiled_together(root, files, path, shown_root)
+    envelope = schema.messages[name]
+    doubt = f"guessed: {', '.join(other for _, other in candidates[1:])} have a oneof too" if candidates[1:] else ""
+    return Tree(root, shown_root, files, schema, exclude, envelope, _oneof(envelope, oneof, shown_root), doubt)
+
+
+def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
+    """File and full name of the messages that may be meant, the likeliest first: the one with the largest oneof."""
+    found = []
+    for path, file in files.items():
+        for message in file.all_messages():
+            named = message.full_name == wanted or message.full_name.endswith(f".{wanted}")
+            if (not wanted_file or path == wanted_file) and (named if wanted else message.oneofs):
+                size = max(Counter(field.oneof for field in message.fields if field.oneof).values(), default=0)
+                found.append((-size, path, message.full_name))
+    yield from ((path, name) for _, path, name in sorted(found))
+
+
+def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Finding:
+    if file and file not in files:
+        return NO_SUCH_ENVELOPE.at(Span(shown_root), f"has no file {file}", f"there are {', '.join(sorted(files))}")
+    known = sorted({one.full_name for name in files for one in files[name].all_messages() if one.oneofs})
+    what = f"declares no message {message}" if message else "declares no message with a oneof"
+    help = f"messages with a oneof are {', '.join(known)}" if known else "the envelope is a message with a oneof"
+    return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), what, help)
+
+
+def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
+    """The oneof of the payloads: the largest, unless it is named."""
+    counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
+    found = wanted or next((name for name, _ in counted.most_common(1)), "")
+    if not counted[found]:
+        message = f"{envelope.full_name} has no oneof {wanted}".rstrip() + " that holds messages"
+        raise FindingsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
+    return found
+
+
+# --- what compiles together -------------------------------------------------------------------------------------
+
+
+def _compiled_together(
+    root: Path, files: Mapping[str, File], envelope: str, shown_root: str
+) -> tuple[Schema, dict[str, str]]:
+    """The schema of the files that compile with the envelope's, and why the others do not.
+
+    Raises `FindingsError` where the envelope, or what it imports, does not.
+    """
+    needed = _closure(envelope, files)
+    kept = [*needed, *(file for file in files if file not in needed)]  # a later file of two is the one at fault
+    exclude: dict[str, str] = {}
+    while True:
+        try:
+            return compile_protos(root, kept, {}, shown_root).schema, dict(sorted(exclude.items()))
+        except FindingsError as error:
+            faults = _faults(error, kept, files, exclude, shown_root)
+            if not faults or any(file in needed for file in faults):
+                raise
+            exclude |= faults
+            kept = [file for file in kept if file not in faults]
+
+
+def _closure(file: str, files: Mapping[str, File]) -> list[str]:
+    """A file and what it imports, each after what it needs."""
+    found: list[str] = []
+
+    def add(one: str) -> None:
+        if one in files and one not in found and one not in waiting:
+            waiting.add(one)
+            for needed in files[one].imports:
+                add(needed.path)
+            found.append(one)
+
+    waiting: set[str] = set()
+    add(file)
+    return found
+
+
+def _faults(
+    error: FindingsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
+) -> dict[str, str]:
+    """The files that protoc finds fault with; or those that import one that was left out."""
+    said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
+    faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
+    if faults:
+        return faults
+    return {
+        file: f"imports {one.path}, which is left out"
+        for file in kept
+        for one in files[file].imports
+        if one.path in exclude
+    }
+
+
+# --- whose file the envelope is ---------------------------------------------------------------------------------
+
+
+def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], foreign: str) -> tuple[str, str]:
+    """Who owns the envelope's file, and why: ``mapping`` only where writing it from the table loses nothing.
+
+    ``reserved`` are numbers that the table will reserve; ``foreign`` says why the folder is another's, if it is.
+    """
+    envelope, file = tree.envelope, tree.files[tree.envelope.file]
+    numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
+    beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
+    declared = [one for one in file.all_messages() if one.full_name == envelope.full_name]
+    reasons = {
+        foreign: bool(foreign),
+        f"it has members outside the oneof ({', '.join(beside)})": bool(beside),
+        f"its oneof holds what is no message ({', '.join(tree.scalars)})": bool(tree.scalars),
+        "its file declares more than the envelope": len([*file.all_messages(), *file.all_enums()]) > 1,
+        "it reserves numbers that nothing else knows": bool(
+            numbers - set(reserved) or set(envelope.reserved_names) - set(reserved_names)
+        ),
+        "a comment in it keeps a number": any(one.claims for one in declared),
+        "it has options": bool(envelope.options or tree.schema.file_options.get(envelope.file)),
+        "it can be extended": envelope.extendable,
+        "it is not written in proto3": file.syntax != "proto3",
+    }
+    why = next((reason for reason, holds in reasons.items() if holds), "")
+    if why:
+        return "proto", f"generate only checks the file, since {why}"
+    return "mapping", "generate writes the file from the rows: it holds the oneof and nothing else"
