@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
+from generator.add import with_row
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations
@@ -56,6 +57,19 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
     text = read_text(table_path, file)
     read.parse(text, file, [])  # what is no table is reported as such
     text = with_retired(text, number, file)
+    compiled = _compiled(table_path, text)
+    return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
+
+
+def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
+    """What a table compiles to with one more row, and the changes of the disk, the table's own among them.
+
+    Raises `FindingsError` where the rows are not written one below the other, and as `compile_table`.
+    """
+    file = table_path.name
+    text = read_text(table_path, file)
+    read.parse(text, file, [])  # what is no table is reported as such
+    text = with_row(text, row, file)
     compiled = _compiled(table_path, text)
     return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
 

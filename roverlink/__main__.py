@@ -17,6 +17,7 @@ from runtime.errors import RoverlinkError
 _COMMANDS = (
     "init",
     "generate",
+    "add",
     "lint",
     "explain",
     "retire",

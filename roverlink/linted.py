@@ -11,6 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
+from generator.git import GitError, Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName
 from roverlink.console import add_table, table_file
@@ -33,6 +34,15 @@ def linted(arguments: argparse.Namespace, root: Path | None, question: Question)
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
+
+
+def in_repository(folder: Path) -> bool:
+    """Whether there is a git repository whose history can be read."""
+    try:
+        Repository(folder).resolve("HEAD")
+    except GitError:
+        return False
+    return True
 
 
 @contextmanager

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-import yaml
-
 from generator.adopt.draft import Draft, DraftRow
+from generator.yaml_text import quoted, scalar
 
 _WIDTH = 110
 
@@ -27,27 +26,27 @@ def _head(draft: Draft) -> Iterator[str]:
     yield "version: 1"
     yield ""
     yield "proto:"
-    yield f"  root: {_scalar(draft.root)}"
+    yield f"  root: {scalar(draft.root)}"
     if draft.exclude:
         yield "  exclude:"
         for file, why in draft.exclude.items():
-            yield from _commented(f"    - {_scalar(file)}", why)
+            yield from _commented(f"    - {scalar(file)}", why)
     yield ""
     yield "envelope:"
-    yield f"  file: {_scalar(draft.file)}"
-    yield from _commented(f"  message: {_scalar(draft.message)}", draft.oneof_doubt)
-    yield f"  oneof: {_scalar(draft.oneof)}"
+    yield f"  file: {scalar(draft.file)}"
+    yield from _commented(f"  message: {scalar(draft.message)}", draft.oneof_doubt)
+    yield f"  oneof: {scalar(draft.oneof)}"
     yield from _commented(f"  owner: {draft.owner}", draft.owner_reason)
     yield ""
     yield "ros:"
-    yield f"  package: {_scalar(draft.package)}"
+    yield f"  package: {scalar(draft.package)}"
 
 
 def _peers(draft: Draft) -> Iterator[str]:
     yield "# Each listens on a port of its own, at the address in the node's parameter dst_ip."
     yield "peers:"
     for index, peer in enumerate(sorted(draft.peers, key=lambda peer: peer.name)):
-        prefixes = f"prefixes: [{', '.join(map(_scalar, peer.prefixes))}], " if peer.prefixes else ""
+        prefixes = f"prefixes: [{', '.join(map(scalar, peer.prefixes))}], " if peer.prefixes else ""
         yield f"  {peer.name}: {{{prefixes}port: {6000 + index}}}  # guessed"
 
 
@@ -60,19 +59,19 @@ def _messages(draft: Draft) -> Iterator[str]:
 def _row(row: DraftRow) -> Iterator[str]:
     yield from (f"  # {line}".rstrip() for line in row.comment.splitlines())
     yield f"  - number: {row.number}"
-    yield f"    name: {_scalar(row.name)}"
-    yield f"    proto: {_scalar(row.proto)}"
+    yield f"    name: {scalar(row.name)}"
+    yield f"    proto: {scalar(row.proto)}"
     if row.ros:
-        yield f"    ros: {_scalar(row.ros)}"
-    yield f"    topic: {_scalar(row.name)}"
+        yield f"    ros: {scalar(row.ros)}"
+    yield f"    topic: {scalar(row.name)}"
     yield from _commented(f"    direction: {row.direction}", f"guessed: {row.doubt}" if row.doubt else "")
     if row.fields:
         yield "    fields:"
-        yield from (f"      {_scalar(path)}: {_scalar(name)}" for path, name in row.fields.items())
+        yield from (f"      {scalar(path)}: {scalar(name)}" for path, name in row.fields.items())
     if row.ignore:
         yield "    ignore:"
         for path, why in row.ignore.items():
-            yield from _commented(f"      - {_scalar(path)}", why)
+            yield from _commented(f"      - {scalar(path)}", why)
     if row.lint:
         yield "    lint:"
         yield from _lowered(row.lint, "      ")
@@ -83,7 +82,7 @@ def _retired(draft: Draft) -> Iterator[str]:
         yield "# Used in the past, as git's history shows."
         yield "retired:"
         for row in draft.retired:
-            entry = f"  - {{number: {row.number}, name: {_scalar(row.name)}, proto: {_scalar(row.proto)}}}"
+            entry = f"  - {{number: {row.number}, name: {scalar(row.name)}, proto: {scalar(row.proto)}}}"
             yield from _commented(entry, row.note)
     else:
         yield "retired: []"
@@ -98,7 +97,7 @@ def _lint(draft: Draft) -> Iterator[str]:
 
 def _lowered(rules: Mapping[str, str], margin: str) -> Iterator[str]:
     for rule, reason in sorted(rules.items()):
-        yield f"{margin}{rule}: {{severity: hint, reason: {_quoted(reason)}}}"
+        yield f"{margin}{rule}: {{severity: hint, reason: {quoted(reason)}}}"
 
 
 def _commented(line: str, comment: str) -> list[str]:
@@ -110,13 +109,3 @@ def _commented(line: str, comment: str) -> list[str]:
         return [f"{line}  # {comment}"]
     margin = " " * (len(line) - len(line.lstrip()))
     return [f"{margin}# {comment}", line]
-
-
-def _scalar(text: str) -> str:
-    """A text as YAML reads it back; in quotes where it would be taken for something else."""
-    return text if yaml.safe_load(text) == text and not set(text) & set("{}[],:#&*!|>'\"%@`") else _quoted(text)
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'

@@ -16,7 +16,7 @@ from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from generator.nanopb.faults import PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
 from generator.nanopb.options_file import options_file_of
 from generator.nanopb.reading import read_bounds
-from generator.nanopb.sizes import Unbounded, field_sizes, largest_size
+from generator.nanopb.sizes import Unbounded, envelope_size, field_sizes, largest_size
 from generator.nanopb.table_bounds import as_lines, as_options, table_bounds
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "Unbounded",
     "as_lines",
     "as_options",
+    "envelope_size",
     "field_sizes",
     "largest_size",
     "options_file_of",

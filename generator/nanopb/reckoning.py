@@ -56,7 +56,7 @@ class BoundedField:
 
     def size(self, schema: Schema, known: Mapping[str, int]) -> int:
         """Its largest size; ``known`` has those of messages."""
-        one = _varint_size(self.field.number << 3) + self._value_size(schema, known)
+        one = varint_size(self.field.number << 3) + self._value_size(schema, known)
         if not self.repeated or self.in_union:
             return one
         # nanopb counts a tag for each element, packed or not. Packed is never longer, except for a single one.
@@ -67,13 +67,13 @@ class BoundedField:
         if self.type in _FIXED:
             return _FIXED[self.type]
         if self.type in _BITS:
-            return _varint_size((1 << (self.given.int_size or _BITS[self.type])) - 1)
+            return varint_size((1 << (self.given.int_size or _BITS[self.type])) - 1)
         if self.type == "enum":
             numbers = [value.number for value in schema.enums[self.field.type_name].values]
-            return _NEGATIVE if min(numbers) < 0 else _varint_size(max(numbers))
+            return _NEGATIVE if min(numbers) < 0 else varint_size(max(numbers))
         length = known[self.inner] if self.inner else (self.capacity or 0)
         # The zero byte of a string is not sent, though nanopb counts it in the length that it leaves room for.
-        return _varint_size(length) + length - (1 if self.type == "string" else 0)
+        return varint_size(length) + length - (1 if self.type == "string" else 0)
 
 
 def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
@@ -98,6 +98,6 @@ def message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: M
     return total + sum(largest.values())
 
 
-def _varint_size(number: int) -> int:
+def varint_size(number: int) -> int:
     """Bytes of a number, seven bits in each."""
     return max(1, -(-number.bit_length() // 7))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from generator.findings import Span
 from generator.nanopb.bounds import Bounds
 from generator.nanopb.gaps import gap_in
-from generator.nanopb.reckoning import BoundedField, fields_of, message_size
+from generator.nanopb.reckoning import BoundedField, fields_of, message_size, varint_size
 from generator.protos import Schema
 
 
@@ -35,6 +35,14 @@ def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounde
     """
     sizes = _sizes(schema, bounds)
     return sizes[message] if message in sizes else _first_gap(schema, bounds, sizes, message)
+
+
+def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, payload: int) -> int:
+    """How many bytes an envelope takes at most with a payload of a size under a number, and all that is beside it."""
+    message = schema.messages.get(envelope)
+    alone = {field.name for field in message.fields if not field.oneof} if message else set()
+    beside = sum(size for name, size in field_sizes(schema, bounds, envelope) if name in alone) if alone else 0
+    return varint_size(number << 3) + varint_size(payload) + payload + beside
 
 
 def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str, int]]:

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.findings import Finding, Rule
-from generator.nanopb import Bounds, field_sizes, largest_size
+from generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from generator.protos import Schema
 from generator.subject import Subject
 from generator.table import Row
@@ -36,12 +36,11 @@ def check(subject: Subject) -> Iterator[Finding]:
     if schema is None or bounds is None:
         return
     peers = table.peers_by_name()
-    beside = _size_beside_payload(schema, bounds, subject)
     for row in table.rows:
         payload = largest_size(schema, bounds, row.proto) if row.proto in schema.messages else None
         if not isinstance(payload, int):
             continue  # one without a bound is a fault of its own
-        size = _varint_size(row.number << 3) + _varint_size(payload) + payload + beside
+        size = envelope_size(schema, bounds, table.envelope.message, row.number, payload)
         for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
             if peer.max_size is not None and size > peer.max_size:
                 largest = _largest_fields(row, schema, bounds)
@@ -52,20 +51,6 @@ def check(subject: Subject) -> Iterator[Finding]:
                 yield RULE.at(row.at("proto"), text, _HELP, also, type=envelope, number=row.number)
 
 
-def _size_beside_payload(schema: Schema, bounds: Bounds, subject: Subject) -> int:
-    """What an envelope holds beside its oneof, in bytes."""
-    name = subject.table.envelope.message
-    if name not in schema.messages:
-        return 0
-    alone = {field.name for field in schema.messages[name].fields if not field.oneof}
-    return sum(size for field, size in field_sizes(schema, bounds, name) if field in alone)
-
-
 def _largest_fields(row: Row, schema: Schema, bounds: Bounds) -> str:
     first, *more = field_sizes(schema, bounds, row.proto)[:3] or [("nothing", 0)]
     return ", ".join([f"most of it is {first[0]} ({first[1]} bytes)", *(f"{name} ({size})" for name, size in more)])
-
-
-def _varint_size(number: int) -> int:
-    """Bytes of a number, seven bits in each."""
-    return max(1, -(-number.bit_length() // 7))

@@ -1,11 +1,15 @@
-"""``roverlink explain``: what a rule of the lint is about."""
+"""``roverlink explain``: what a rule of the lint is about, or everything about a row."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import sys
+from typing import Any
 
-from generator.rules import modules
-from roverlink.console import OK, Subparsers, command
+from generator.findings import FindingsError
+from generator.rules import RuleModule, modules
+from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from runtime.errors import SetupError, nearest
 
 
@@ -14,24 +18,124 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "explain",
-        "say what a rule of the lint finds, why that hurts, and what to write instead",
-        "roverlink explain ENV101",
+        "say everything about a row, or what a rule of the lint finds, why that hurts, and what to write instead",
+        "roverlink explain imu_info",
+        "Say everything about a row of mapping.yaml (by its name, number, topic or message): sizes, fields with their\n"
+        "conversions, topic, peers, the bytes of an example. Or what a rule of the lint (ENV101) finds, why that\n"
+        "hurts, and what to write instead.",
     )
-    parser.add_argument("rule", nargs="?", metavar="ID", help="the rule, as findings name it; all of them without it")
+    parser.add_argument("what", nargs="?", metavar="ROW|ID", help="a row or a rule; all rules without it")
+    parser.add_argument("--json", action="store_true", help="print what is said of a row as a JSON object")
+    parser.add_argument("--history", action="store_true", help="of a row: also the life of its number in git")
+    add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print a rule's documentation, or a line for each rule."""
+    """Print a row, a rule's documentation, or a line for each rule."""
     rules = modules()
-    if arguments.rule is None:
+    if arguments.what is None:
         for id, module in rules.items():
             print(f"{id} {module.RULE.severity.value:<8} {module.RULE.name}")
         return OK
     by_name = {module.RULE.name: module for module in rules.values()}
-    found = rules.get(arguments.rule.upper()) or by_name.get(arguments.rule)
-    if found is None:
-        hint = nearest(arguments.rule, [*rules, *by_name])
-        raise SetupError(f"the lint has no rule {arguments.rule!r}; {hint}. docs/mapping.md lists all other findings")
-    print(f"{found.RULE.id} {found.RULE.name} ({found.RULE.severity.value})\n\n{found.__doc__.strip()}")
+    found = rules.get(arguments.what.upper()) or by_name.get(arguments.what)
+    if found is not None:
+        _tell_rule(found)
+        return OK
+    return _explain_row(arguments, [*rules, *by_name])
+
+
+def _tell_rule(module: RuleModule) -> None:
+    print(f"{module.RULE.id} {module.RULE.name} ({module.RULE.severity.value})\n\n{module.__doc__.strip()}")
+
+
+def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
+    # Here, since whoever asks for a rule does not need what compiles a table.
+    from roverlink.explained import Project
+
+    table, what = table_file(arguments.table), arguments.what
+    if not table.exists():
+        hint = nearest(what, rules)
+        raise SetupError(f"the lint has no rule {what!r} ({hint}), and there is no {table} with rows")
+    try:
+        project = Project(table, history=arguments.history)
+    except FindingsError as error:
+        print(error, file=sys.stderr)
+        return FINDINGS
+    row = project.find(what)
+    if row is None and (taken := project.taken(what)):
+        print(f"{what} {taken}")
+        return FINDINGS
+    if row is None:
+        hint = nearest(what, [*project.known(), *rules])
+        raise SetupError(
+            f"{what!r} is no row of {table} and no rule ({hint}); docs/mapping.md lists all other findings"
+        )
+    said = project.explain(row)
+    print(json.dumps(said, indent=2)) if arguments.json else _tell(said)
     return OK
+
+
+def _tell(said: dict[str, Any]) -> None:
+    """A row, for people."""
+    peer, ros = said["peer"], said["ros"]
+    _line("row", f"{said['name']}, number {said['number']} in {said['envelope']['message']}")
+    _line("proto", f"{said['proto']['message']} ({said['proto']['file']})")
+    _line("ros", ros["message"])
+    _line("", ros["type_hash"])
+    _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
+    _line("direction", f"{said['direction']}; {_peer(peer)}")
+    for one in said["forward"]:
+        _line("forwarded", f"raw to {_peer(one)}")
+    _line("size", _size(said["size"], peer))
+    _line("published", "; ".join(said["published"]) or "never, as far as mapping.lock knows")
+    for life in said["history"] or []:
+        _line("history", life)
+    print("\nfields")
+    _table([_field(field) for field in said["fields"]] or [("none", "", "")])
+    for path in said["ignored"]:
+        print(f"  {path} is carried by no ROS field")
+    print("\nfiles")
+    for path in said["files"]:
+        print(f"  {path}")
+    example = said["example"]
+    size = len(example["bytes"] or "") // 2
+    print(f"\nexample: {example['missing'] or f'{size} bytes, as a simulated machine sends them'}")
+    _table([(f"{'  ' * line['depth']}{line['bytes']}", line["meaning"]) for line in example["lines"]])
+
+
+def _line(head: str, text: str) -> None:
+    print(f"{head:<10} {text}")
+
+
+def _qos(qos: dict[str, Any]) -> list[str]:
+    history = f"keep_last {qos['depth']}" if qos["history"] == "keep_last" else qos["history"]
+    return [qos["reliability"], qos["durability"], history]
+
+
+def _peer(peer: dict[str, Any]) -> str:
+    return f"{peer['name']} has the port in {peer['parameter']} ({peer['port']})"
+
+
+def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
+    if size["payload"] is None:
+        return f"no bound: {size['unbounded']}"
+    limit = f"; {peer['name']} takes {peer['max_size']}" if peer["max_size"] else ""
+    return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, as nanopb reckons{limit}"
+
+
+def _field(field: dict[str, Any]) -> tuple[str, str, str]:
+    number = f" = {field['number']}" if field["number"] else ""
+    return (
+        f"{field['proto_type']} {field['proto']}{number}",
+        f"{field['ros_type']} {field['ros']}",
+        "" if field["conversion"] == "the same value" else field["conversion"],
+    )
+
+
+def _table(rows: list[tuple[str, ...]]) -> None:
+    """Columns as wide as they have to be."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip())

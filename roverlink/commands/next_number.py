@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
 from generator.findings import FindingsError
-from generator.git import GitError, Repository
 from generator.linting import Question
+from generator.subject import Subject
 from roverlink.console import OK, UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, linted, progress
+from roverlink.linted import add_subject, in_repository, linted, progress
 
 
 def add(commands: Subparsers) -> None:
@@ -30,24 +31,27 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the number."""
     try:
         with progress("reading history") as report:
-            question = Question(branches=_in_repository(arguments), report=report)
+            question = Question(branches=in_repository(_folder(arguments)), report=report)
             subject = linted(arguments, arguments.root, question).subject
     except FindingsError as error:
         print(error, file=sys.stderr)
         return UNABLE
-    number, taken = subject.next_number(), subject.taken()
-    for skipped in range(subject.largest_number() + 1, number):
-        if skipped in taken:
-            print(f"{skipped} {taken[skipped]}", file=sys.stderr)
+    number = subject.next_number()
+    say_skipped(subject, number)
     if subject.past is None:
         print("there is no git repository here, so that the history was not looked at", file=sys.stderr)
     print(number)
     return OK
 
 
-def _in_repository(arguments: argparse.Namespace) -> bool:
-    try:
-        Repository(arguments.root or table_file(arguments.table).parent).resolve("HEAD")
-    except GitError:
-        return False
-    return True
+def say_skipped(subject: Subject, number: int) -> None:
+    """Say on standard error why the numbers before one are not given."""
+    taken = subject.taken()
+    for skipped in range(subject.largest_number() + 1, number):
+        if skipped in taken:
+            print(f"{skipped} {taken[skipped]}", file=sys.stderr)
+
+
+def _folder(arguments: argparse.Namespace) -> Path:
+    root: Path | None = arguments.root
+    return root or table_file(arguments.table).parent

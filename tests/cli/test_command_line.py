@@ -12,7 +12,7 @@ import pytest
 from roverlink.__main__ import main
 from roverlink.console import node_logger, project_folder
 
-_COMMANDS = ["init", "generate", "run", "send", "listen", "echo", "pub", "demo"]
+_COMMANDS = ["init", "generate", "add", "explain", "run", "send", "listen", "echo", "pub", "demo"]
 
 Start = Callable[..., Any]
 

@@ -1,0 +1,78 @@
+"""``roverlink add``: one more row, under the next number that nothing ever had."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from generator.findings import FindingsError
+from generator.linting import Question, lint_project
+from generator.pipeline import add as add_row
+from generator.subject import Subject
+from generator.write import write
+from roverlink.commands.generate import report, say_changes
+from roverlink.commands.next_number import say_skipped
+from roverlink.console import OK, Subparsers, add_table, command, table_file
+from roverlink.linted import in_repository, progress
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "add",
+        "add a row to mapping.yaml, under the next number that nothing ever had, and generate",
+        "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
+        "Add a row to mapping.yaml, whose comments and layout stay, and generate. The number is that of\n"
+        "`roverlink next-number`; of an envelope that another repository owns, it is the one that stands there.",
+    )
+    parser.add_argument("name", metavar="NAME", help="the payload's name in the envelope's oneof")
+    parser.add_argument("--proto", required=True, metavar="MESSAGE", help="the protobuf message, by its full name")
+    parser.add_argument("--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer>")
+    parser.add_argument("--topic", metavar="TOPIC", help="the topic (default: the name)")
+    parser.add_argument("--ros", metavar="NAME", help="the ROS 2 message (default: the proto's name)")
+    parser.add_argument("--dry-run", action="store_true", help="print the changes as a diff, and write nothing")
+    add_table(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Add and generate in one go; where either cannot be, nothing is written."""
+    table = table_file(arguments.table)
+    try:
+        number = _number(table, arguments.name)
+        row: dict[str, str | int] = {"number": number, "name": arguments.name, "proto": arguments.proto}
+        row |= {"ros": arguments.ros} if arguments.ros else {}
+        row |= {"topic": arguments.topic or arguments.name, "direction": arguments.direction}
+        compiled, changes = add_row(table, row)
+        if not arguments.dry_run:
+            write(table.resolve().parent, changes)
+    except FindingsError as error:
+        return report(table, error)
+    if arguments.dry_run:
+        sys.stdout.writelines(change.diff() for change in changes)
+    else:
+        say_changes(compiled, changes)
+    print(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}", file=sys.stderr)
+    return OK
+
+
+def _number(table: Path, name: str) -> int:
+    """The number for a payload: that of the envelope where it is another's and has the member, else the next one."""
+    with progress("reading history") as reading:
+        question = Question(branches=in_repository(table.resolve().parent), report=reading)
+        subject = lint_project(table, question).subject
+    if (member := _member(subject, name)) is not None:
+        return member
+    number = subject.next_number()
+    say_skipped(subject, number)
+    return number
+
+
+def _member(subject: Subject, name: str) -> int | None:
+    settings = subject.table.envelope
+    envelope = subject.schema.messages.get(settings.message) if subject.schema else None
+    if envelope is None or settings.owner != "proto":
+        return None
+    return next((field.number for field in envelope.fields if field.name == name), None)

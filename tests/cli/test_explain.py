@@ -1,0 +1,126 @@
+"""`roverlink explain`: everything about a row, for people and for scripts; and what a rule is about."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from google.protobuf import wrappers_pb2
+
+from generated.registry import REGISTRY
+from roverlink.simulation import payload_at
+from roverlink.wire_lines import wire_lines
+
+_ROOT = Path(__file__).parents[2]
+
+Start = Callable[..., Any]
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A copy of the project, which is no repository."""
+    for name in ("mapping.yaml", "mapping.lock"):
+        shutil.copy(_ROOT / name, tmp_path)
+    for name in ("proto", "generated"):
+        shutil.copytree(_ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+@pytest.mark.parametrize("word", ["imu_info", "13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation"])
+def test_a_row_is_found_by_whatever_it_is_called(word: str, done: Start) -> None:
+    """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""
+    code, said, errors = done("explain", word)
+    assert (code, errors) == (0, "")
+    assert "row        imu_info, number 13 in PBEnvelope" in said
+    assert "size       at most 51 bytes, 53 in the envelope" in said
+    assert "float accel_x = 1" in said
+    assert "6a 33             imu_info = 13, SensorBoardIMUInfo of 51 bytes" in said
+    assert "    68 01           is_calibrated = 13: true" in said
+
+
+def test_the_json_is_the_same_whatever_the_hash_seed(done: Start) -> None:
+    """For scripts: one object, equal in every run, whose example is what the registry makes of it."""
+    first, second = (done("explain", "imu_info", "--json", PYTHONHASHSEED=seed) for seed in ("1", "2"))
+    assert first == second
+    said = json.loads(first[1])
+    assert said["size"] == {"payload": 51, "envelope": 53, "unbounded": None}
+    assert [field["ros"] for field in said["fields"]][:2] == ["accel_x", "accel_y"]
+    envelope = REGISTRY.envelope.FromString(bytes.fromhex(said["example"]["bytes"]))
+    assert envelope.WhichOneof("payload") == "imu_info"
+    assert all((_ROOT / path).is_file() for path in said["files"])
+    handler = REGISTRY.by_name["imu_info"]
+    assert said["ros"]["message"] == handler.message_type.__msgtype__
+    assert said["ros"]["type_hash"] == handler.message_type.__typehash__
+
+
+def test_the_history_of_the_number(done: Start) -> None:
+    """With --history, the commits by which it came are told."""
+    if not (_ROOT / ".git").exists():
+        pytest.skip("there is no repository here")
+    code, said, _ = done("explain", "imu_info", "--history")
+    assert code == 0
+    assert "history    SensorBoardIMUInfo imu_info, since " in said
+
+
+def test_a_number_without_a_row(project: Path, done: Start) -> None:
+    """Of a number that is retired, it says so; of what is nothing, what is like it."""
+    done("retire", "13", folder=project)
+    assert done("explain", "13", folder=project)[:2] == (1, "13 is retired, of imu_info (SensorBoardIMUInfo)")
+    code, _, errors = done("explain", "gps_inf", folder=project)
+    assert code == 2
+    assert "'gps_inf' is no row of mapping.yaml and no rule (did you mean gps_info?)" in errors
+    assert "did you mean ENV1" in done("explain", "ENV10", folder=project)[2]
+
+
+def test_a_table_that_does_not_compile(project: Path, done: Start) -> None:
+    """Its findings are told instead."""
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace("proto: SensorBoardPHInfo", "proto: Missing"))
+    code, _, errors = done("explain", "imu_info", folder=project)
+    assert (code, "error[PRO103]" in errors) == (1, True)
+
+
+def test_rules_need_no_table(tmp_path: Path, done: Start) -> None:
+    """A rule is explained anywhere; a row, where there is none, is not."""
+    assert done("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
+    code, _, errors = done("explain", "imu_info", folder=tmp_path)
+    assert (code, "there is no mapping.yaml" in errors) == (2, True)
+
+
+def test_without_generated_code_the_rest_is_told(project: Path, done: Start) -> None:
+    """The example needs the generated code; the rest does not."""
+    shutil.rmtree(project / "generated")
+    code, said, _ = done("explain", "imu_info", folder=project)
+    assert code == 0
+    assert "example: no generated code in" in said
+
+
+@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
+def test_the_lines_are_all_of_the_bytes(handler: Any) -> None:
+    """Put together, the bytes of all lines are the datagram."""
+    envelope = REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 2.0)})
+    data = envelope.SerializeToString()
+    assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        (wrappers_pb2.Int64Value(value=-1), "value = 1: -1"),
+        (wrappers_pb2.UInt64Value(value=2**64 - 1), "value = 1: 18446744073709551615"),
+        (wrappers_pb2.DoubleValue(value=0.1), "value = 1: 0.1"),
+        (wrappers_pb2.FloatValue(value=0.1), "value = 1: 0.1"),
+        (wrappers_pb2.StringValue(value="ü"), "value = 1: 'ü'"),
+        (wrappers_pb2.BytesValue(value=b"ab"), "value = 1: 2 bytes"),
+        (wrappers_pb2.BoolValue(value=True), "value = 1: true"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_values_as_people_read_them(message: Any, expected: str) -> None:
+    """Each kind of value is told as a .proto file's author would write it."""
+    (line,) = wire_lines(message.SerializeToString(), message.DESCRIPTOR)
+    assert line.meaning == expected
