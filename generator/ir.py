@@ -65,11 +65,13 @@ class Peer:
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """A field's type: a ROS primitive, ``string``, or a message of the package; or a sequence of it."""
+    """A field's type: a ROS primitive, ``string``, or a message; or a sequence of it."""
 
     name: str
     is_message: bool = False
     is_sequence: bool = False
+    package: str = ""
+    """Of a message of another package; empty for one of the table's own."""
 
 
 @dataclass(frozen=True, slots=True)

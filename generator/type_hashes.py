@@ -37,9 +37,15 @@ _EMPTY = ir.RosField("structure_needs_at_least_one_member", ir.RosType("uint8"),
 """What rosidl gives a message without fields, since C has no empty structs."""
 
 
+_SECONDS = (ir.RosField("sec", ir.RosType("int32"), ""), ir.RosField("nanosec", ir.RosType("uint32"), ""))
+_OF_OTHERS = {"builtin_interfaces/msg/Duration": _SECONDS, "builtin_interfaces/msg/Time": _SECONDS}
+"""The messages of other packages that fields can have."""
+
+
 def type_hashes(bridge: ir.Bridge) -> dict[str, str]:
     """The hash of each message of the package, by its name."""
-    messages = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
+    own = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
+    messages = {**_OF_OTHERS, **own}
     return {
         message.name: _hash(f"{bridge.package}/msg/{message.name}", messages, bridge.package)
         for message in bridge.messages
@@ -83,4 +89,4 @@ def _type(type: ir.RosType, package: str) -> dict[str, Any]:
 
 
 def _full_name(type: ir.RosType, package: str) -> str:
-    return f"{package}/msg/{type.name}"
+    return f"{type.package or package}/msg/{type.name}"

@@ -16,13 +16,19 @@ def emit(bridge: ir.Bridge) -> Files:
         yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
     names = sorted(message.name for message in bridge.messages)
     comment = header(bridge.table)
+    others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
     yield f"{folder}/CMakeLists.txt", render(
-        "CMakeLists.txt.j2", header=comment, package=bridge.package, messages=names
+        "CMakeLists.txt.j2", header=comment, package=bridge.package, messages=names, others=others
     )
     name, _, address = bridge.maintainer.partition(" <")
     xml = header(bridge.table, "<!--", " -->")
     yield f"{folder}/package.xml", render(
-        "package.xml.j2", header=xml, package=bridge.package, maintainer=name, address=address.rstrip(">")
+        "package.xml.j2",
+        header=xml,
+        package=bridge.package,
+        maintainer=name,
+        address=address.rstrip(">"),
+        others=others,
     )
     yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
     yield f"{folder}/scripts/{bridge.package}_node.py", render("node.py.j2", header=comment, package=bridge.package)
@@ -40,7 +46,7 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
             (_heading(message, enum), [(constant, _comment(constant.comment)) for constant in constants])
             for enum, constants in itertools.groupby(message.constants, lambda constant: constant.enum)
         ],
-        fields=[(_msg_type(field.type), field.name, _comment(field.comment)) for field in message.fields],
+        fields=[(msg_type(field.type), field.name, _comment(field.comment)) for field in message.fields],
     )
 
 
@@ -49,8 +55,10 @@ def _heading(message: ir.RosMessage, enum: str) -> str:
     return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
 
 
-def _msg_type(type: ir.RosType) -> str:
-    return f"{type.name}[]" if type.is_sequence else type.name
+def msg_type(type: ir.RosType) -> str:
+    """A field's type as a .msg spells it."""
+    name = f"{type.package}/{type.name}" if type.package else type.name
+    return f"{name}[]" if type.is_sequence else name
 
 
 def _comment(text: str) -> list[str]:

@@ -60,7 +60,8 @@ def main() -> int:
         _write_standard(sources / name)
     messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
     _write_user(sources / "user", messages)
-    _colcon()
+    if not _colcon():
+        return 1
     environment = _sourced()
     faults = [*_differences(environment, messages), *_other_hashes(), *_does_not_run(environment)]
     print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
@@ -82,7 +83,7 @@ def _missing() -> list[str]:
 def _interfaces(package: Path) -> list[str]:
     """The interface packages that ours depends on, and those that they depend on."""
     manifest = ElementTree.parse(package / "package.xml").getroot()  # noqa: S314  # our own
-    named = {str(node.text) for node in manifest if node.tag.endswith("depend")}
+    named = {str(node.text) for node in manifest if node.tag in ("depend", "build_depend", "build_export_depend")}
     return sorted(_closure(named - _WITHOUT_ROS))
 
 
@@ -188,6 +189,7 @@ def _write_package(folder: Path, depends: list[str], *, interface: bool) -> None
     parts = ["<buildtool_depend>ament_cmake</buildtool_depend>", *(f"<depend>{one}</depend>" for one in depends)]
     if interface:
         parts += ["<buildtool_depend>rosidl_default_generators</buildtool_depend>"]
+        parts += ["<depend>rosidl_default_runtime</depend>"]
         parts += ["<member_of_group>rosidl_interface_packages</member_of_group>"]
     (folder / "package.xml").write_text(
         f'<?xml version="1.0"?>\n<package format="3"><name>{folder.name}</name><version>0.0.0</version>'
@@ -206,12 +208,12 @@ def _write_cmake(folder: Path, body: str) -> None:
 # --- building and using -----------------------------------------------------------------------------------------
 
 
-def _colcon() -> None:
-    """Build the workspace. Without our environment, whose Python has none of rosidl's modules."""
+def _colcon() -> bool:
+    """Build the workspace; whether that worked. Without our environment, whose Python has none of rosidl's modules."""
     kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in os.environ}
-    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--event-handlers", "console_direct-"]
+    command = ["/usr/bin/colcon", "--log-base", "log", "build"]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
-    subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}, check=True)
+    return subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}).returncode == 0
 
 
 def _path() -> str:

@@ -48,7 +48,7 @@ def _fields(package: str, message: RosMessage) -> list[list[str]]:
 
 
 def _type(package: str, type: RosType) -> str:
-    name = f"{package}/msg/{type.name}" if type.is_message else type.name
+    name = f"{type.package or package}/msg/{type.name}" if type.is_message else type.name
     return f"{name}[]" if type.is_sequence else name
 
 

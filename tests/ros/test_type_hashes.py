@@ -37,6 +37,7 @@ _PUBLISHED = {
     [
         ("std_msgs/msg/Empty", ()),
         ("std_msgs/msg/String", (RosField("data", RosType("string"), "a comment does not count"),)),
+        ("rosgraph_msgs/msg/Clock", (RosField("clock", RosType("Time", True, package="builtin_interfaces"), ""),)),
     ],
 )
 def test_what_ros_2_published(name: str, fields: tuple[RosField, ...]) -> None:
