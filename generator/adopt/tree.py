@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.declarations import File, parse
+from generator.declarations import File, Message, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
 from generator.proto_files import proto_files, read_proto
 from generator.protoc import DOES_NOT_COMPILE, compile_protos
@@ -15,6 +15,9 @@ from generator.protos import ProtoField, ProtoMessage, Schema
 
 NOTHING_TO_TAKE_OVER = Rule("ADO101", "nothing-to-take-over", Severity.FATAL)
 NO_SUCH_ENVELOPE = Rule("ADO102", "no-such-envelope", Severity.FATAL)
+
+_SCALARS = {"bool", "bytes", "double", "float", "string", "fixed32", "fixed64", "sfixed32", "sfixed64"}
+_SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     path, name = candidates[0]
     schema, exclude = _compiled_together(root, files, path, shown_root)
     envelope = schema.messages[name]
-    doubt = f"guessed: {', '.join(other for _, other in candidates[1:])} have a oneof too" if candidates[1:] else ""
+    doubt = f"guessed: it could be {' or '.join(other for _, other in candidates[1:])}" if candidates[1:] else ""
     return Tree(root, shown_root, files, schema, exclude, envelope, _oneof(envelope, oneof, shown_root), doubt)
 
 
@@ -73,10 +76,16 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
     for path, file in files.items():
         for message in file.all_messages():
             named = message.full_name == wanted or message.full_name.endswith(f".{wanted}")
-            if (not wanted_file or path == wanted_file) and (named if wanted else message.oneofs):
-                size = max(Counter(field.oneof for field in message.fields if field.oneof).values(), default=0)
+            size = _size_of_oneof(message)
+            if (not wanted_file or path == wanted_file) and (named if wanted else size):
                 found.append((-size, path, message.full_name))
     yield from ((path, name) for _, path, name in sorted(found))
+
+
+def _size_of_oneof(message: Message) -> int:
+    """How many messages its largest oneof holds."""
+    held = [field.oneof for field in message.fields if field.oneof and field.type not in _SCALARS]
+    return max(Counter(held).values(), default=0)
 
 
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Finding:
