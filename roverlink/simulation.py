@@ -12,30 +12,42 @@ P = TypeVar("P", bound="ProtoMessage")
 
 _PERIOD_S = 6.0
 _LIST_LENGTH = 3
+_ANY = "google.protobuf.Any"
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
     """A payload whose numbers swing, whose flags toggle and whose enums step through their values."""
     payload = payload_type()
-    _fill(payload, seconds)
+    _fill(payload, seconds, frozenset())
     return payload
 
 
-def _fill(payload: ProtoMessage, seconds: float) -> None:
+def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
+    """Fill a payload that stands inside messages of some types; it holds none of these once more."""
+    inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
-        if field.message_type is not None and field.message_type.GetOptions().map_entry:
-            continue  # no row carries a map
-        if field.message_type is not None and not field.is_repeated:
+        message = field.message_type
+        if message is not None and (message.GetOptions().map_entry or message.full_name in (*inside, _ANY)):
+            continue  # an empty map, list or Any is as plausible as any other
+        if not _is_chosen(field, seconds):
+            continue
+        if message is not None and not field.is_repeated:
             nested = getattr(payload, field.name)
             nested.SetInParent()
-            _fill(nested, seconds)
-        elif field.message_type is not None:
+            _fill(nested, seconds, inside)
+        elif message is not None:
             for index in range(_LIST_LENGTH):
-                _fill(getattr(payload, field.name).add(), seconds + index)
+                _fill(getattr(payload, field.name).add(), seconds + index, inside)
         elif field.is_repeated:
             getattr(payload, field.name).extend(_value(field, seconds + index) for index in range(_LIST_LENGTH))
         else:
             setattr(payload, field.name, _value(field, seconds))
+
+
+def _is_chosen(field: Any, seconds: float) -> bool:
+    """Whether it is a field's turn: the members of a oneof take turns."""
+    members = field.containing_oneof.fields if field.containing_oneof else [field]
+    return bool(members[int(seconds) % len(members)].number == field.number)
 
 
 def _value(field: Any, seconds: float) -> Any:

@@ -94,14 +94,17 @@ class Handler(ABC, Generic[P, M]):
     def _explained(self, payload: P) -> bytes:
         try:
             return cdr.encode(self.to_ros(payload))
-        except ConversionError as error:
-            raise ConversionError(f"{self.route.name}.{error}") from error
-        except ValueError as error:  # of numbers that are held as bytes
-            raise ConversionError(f"{self.route.name}: {error}") from error
+        except (ConversionError, ValueError) as error:  # the latter of numbers that are held as bytes
+            raise self._named(error) from error
 
     def from_cdr(self, data: bytes) -> P:
         """The payload of a serialized ROS 2 message; `ConversionError` names route and what does not fit."""
         try:
             return self.from_ros(cdr.decode(self.message_type, data))
         except (ConversionError, ValueError, TypeError) as error:
-            raise ConversionError(f"{self.route.name}: {error}") from error
+            raise self._named(error) from error
+
+    def _named(self, error: Exception) -> ConversionError:
+        """An error with the route before it, and before the field where it names one."""
+        names_field = isinstance(error, ConversionError) and error.field
+        return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")

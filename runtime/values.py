@@ -5,10 +5,12 @@ ROS 2 messages are keyed by their ROS field names, payloads by their proto field
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from google.protobuf.json_format import MessageToDict
+from google.protobuf.json_format import MessageToDict, SerializeToJsonError
+from google.protobuf.message import DecodeError
 
 from runtime.errors import ConversionError, nearest
 from runtime.messages import UINT8, Array, FieldType, Message, Primitive, Sequence, Text, default_of, fields_of
@@ -98,9 +100,34 @@ def _from_list(element: FieldType, value: Any, path: str) -> Any:
 
 
 def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
-    """A payload as mappings, lists and scalars, zeros included; enum values by name, bytes in base64."""
-    values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
-    return _as_declared(payload.DESCRIPTOR, values)
+    """A payload as mappings, lists and scalars, zeros included; enum values by name, bytes in base64.
+
+    Where protobuf's JSON has no form for what a peer sent (an Any of an unknown type, a time out of range), the message
+    that says it is shown field by field.
+    """
+    try:
+        values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
+    except (TypeError, ValueError, DecodeError, SerializeToJsonError):
+        return {field.name: _field_to_value(field, value) for field, value in payload.ListFields()}
+    return _as_declared(payload.DESCRIPTOR, values) if _is_declared(payload.DESCRIPTOR) else values
+
+
+def _field_to_value(field: Any, value: Any) -> Any:
+    if field.message_type is not None and field.message_type.GetOptions().map_entry:
+        inner = field.message_type.fields_by_name["value"]
+        return {str(key): _one_to_value(inner, one) for key, one in value.items()}
+    return [_one_to_value(field, one) for one in value] if field.is_repeated else _one_to_value(field, value)
+
+
+def _one_to_value(field: Any, value: Any) -> Any:
+    if field.message_type is not None:
+        return payload_to_values(value)
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    if field.enum_type is not None:
+        known = field.enum_type.values_by_number.get(value)
+        return known.name if known else value
+    return value
 
 
 def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
@@ -121,6 +148,8 @@ def _parts_as_declared(field: Any, value: Any) -> Any:
 def _has_declared_parts(field: Any) -> bool:
     """Whether protobuf's JSON form of a field is a mapping of its message's fields."""
     message = field.message_type
-    if message is None or message.GetOptions().map_entry:
-        return False
+    return message is not None and not message.GetOptions().map_entry and _is_declared(message)
+
+
+def _is_declared(message: Any) -> bool:
     return not message.full_name.startswith("google.protobuf.")

@@ -5,6 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from google.protobuf.any_pb2 import Any as AnyPayload
+from google.protobuf.struct_pb2 import Struct, Value
+from google.protobuf.timestamp_pb2 import Timestamp
+from google.protobuf.type_pb2 import Option
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import messages
@@ -156,3 +160,16 @@ def test_a_detected_object_names_its_constants() -> None:
     """Constants stand beside the field that holds them, on the class as in the .msg file."""
     assert BasestationDetectedObject.OBJECT_ROTARY_POWER_SWITCH == 4
     assert BasestationDetectedObject().type == BasestationDetectedObject.OBJECT_UNKNOWN
+
+
+def test_what_json_has_no_form_for_is_shown_field_by_field() -> None:
+    """A peer chooses what an Any or a time holds; whatever it is, it is shown."""
+    assert payload_to_values(AnyPayload(type_url="example.com/Unknown", value=b"abc")) == {
+        "type_url": "example.com/Unknown",
+        "value": "YWJj",
+    }
+    assert payload_to_values(Timestamp(seconds=10**15)) == {"seconds": 10**15}
+    option = Option(name="one", value=AnyPayload(type_url="example.com/Unknown"))
+    assert payload_to_values(option) == {"name": "one", "value": {"type_url": "example.com/Unknown"}}
+    struct = Struct(fields={"a": Value(number_value=float("inf")), "b": Value()})
+    assert payload_to_values(struct) == {"fields": {"a": {"number_value": float("inf")}, "b": None}}

@@ -1,0 +1,158 @@
+"""Types of google.protobuf that mean more than their fields: hand-computed values, and what must be refused."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from google.protobuf.duration_pb2 import Duration as DurationPayload
+from google.protobuf.json_format import ParseDict
+from google.protobuf.struct_pb2 import ListValue, Struct, Value
+from google.protobuf.timestamp_pb2 import Timestamp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime.errors import ConversionError
+from runtime.interfaces import Duration, Time
+from runtime.well_known import duration, json_list, json_struct, json_value, timestamp
+
+_INT32 = st.integers(-(2**31), 2**31 - 1)
+_NANOSECONDS = st.integers(0, 999_999_999)
+
+# --- times ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seconds", "nanos", "time"),
+    [
+        (0, 0, Time(0, 0)),
+        (1_700_000_000, 5, Time(1_700_000_000, 5)),
+        (-1, 500_000_000, Time(-1, 500_000_000)),  # half a second before 1970, in both
+        (2**31 - 1, 999_999_999, Time(2**31 - 1, 999_999_999)),
+        (-(2**31), 0, Time(-(2**31), 0)),
+    ],
+)
+def test_a_timestamp_is_a_time(seconds: int, nanos: int, time: Time) -> None:
+    """Both count nanoseconds upwards, before 1970 too."""
+    payload = Timestamp(seconds=seconds, nanos=nanos)
+    assert timestamp.to_ros(payload, "stamp") == time
+    assert timestamp.from_ros(time, "stamp") == payload
+
+
+@pytest.mark.parametrize(
+    ("seconds", "nanos"), [(2**31, 0), (-(2**31) - 1, 0), (253_402_300_799, 0), (0, -1), (0, 1_000_000_000)]
+)
+def test_a_timestamp_that_is_no_time_is_refused(seconds: int, nanos: int) -> None:
+    """Nothing before 1901 or after 2038 fits; nanoseconds are from 0 to a second."""
+    with pytest.raises(ConversionError, match=r"^stamp: "):
+        timestamp.to_ros(Timestamp(seconds=seconds, nanos=nanos), "stamp")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "nanos", "expected"),
+    [
+        (0, 0, Duration(0, 0)),
+        (1, 500_000_000, Duration(1, 500_000_000)),
+        (0, -500_000_000, Duration(-1, 500_000_000)),  # -0.5 s
+        (-1, -1, Duration(-2, 999_999_999)),  # -1.000000001 s
+        (-1, 0, Duration(-1, 0)),
+        (0, -999_999_999, Duration(-1, 1)),
+        (-(2**31) + 1, -1, Duration(-(2**31), 999_999_999)),
+        (2**31 - 1, 999_999_999, Duration(2**31 - 1, 999_999_999)),
+    ],
+)
+def test_a_duration_keeps_its_sign(seconds: int, nanos: int, expected: Duration) -> None:
+    """In protobuf both parts have one sign; ROS 2 rounds the seconds down."""
+    payload = DurationPayload(seconds=seconds, nanos=nanos)
+    assert duration.to_ros(payload, "took") == expected
+    assert duration.from_ros(expected, "took") == payload
+
+
+@pytest.mark.parametrize(
+    ("seconds", "nanos"),
+    [(1, -1), (-1, 1), (0, 1_000_000_000), (0, -1_000_000_000), (2**31, 0), (-(2**31), -1), (315_576_000_000, 0)],
+)
+def test_a_duration_that_is_none_is_refused(seconds: int, nanos: int) -> None:
+    """Parts of two signs, a second or more of nanoseconds, and what is longer than 68 years."""
+    with pytest.raises(ConversionError, match=r"^took: "):
+        duration.to_ros(DurationPayload(seconds=seconds, nanos=nanos), "took")
+
+
+@pytest.mark.parametrize("nanosec", [1_000_000_000, 2**32 - 1])
+def test_a_second_of_nanoseconds_is_refused_from_ros(nanosec: int) -> None:
+    """ROS 2's uint32 holds more nanoseconds than a second has."""
+    with pytest.raises(ConversionError, match=r"^stamp: "):
+        timestamp.from_ros(Time(0, nanosec), "stamp")
+    with pytest.raises(ConversionError, match=r"^stamp: "):
+        duration.from_ros(Duration(-1, nanosec), "stamp")
+
+
+@given(_INT32, _NANOSECONDS)
+def test_every_time_of_ros_comes_back(sec: int, nanosec: int) -> None:
+    """From ROS 2 to protobuf and back; a duration is the same length in both."""
+    assert timestamp.to_ros(timestamp.from_ros(Time(sec, nanosec), ""), "") == Time(sec, nanosec)
+    payload = duration.from_ros(Duration(sec, nanosec), "")
+    assert payload.seconds * 10**9 + payload.nanos == sec * 10**9 + nanosec
+    assert payload.seconds * payload.nanos >= 0
+    assert duration.to_ros(payload, "") == Duration(sec, nanosec)
+
+
+# --- JSON -------------------------------------------------------------------------------------------------------
+
+
+def test_json_says_what_a_struct_says() -> None:
+    """Keys in order, doubles with all their digits, text as it is."""
+    payload = ParseDict({"b": [1, None, True, {}], "a": 0.1, "ä": "\0"}, Struct())
+    text = json_struct.to_ros(payload, "config")
+    assert text == '{"a": 0.1, "b": [1.0, null, true, {}], "ä": "\\u0000"}'
+    assert json_struct.from_ros(text, "config") == payload
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_doubles_keep_their_bits(number: float) -> None:
+    """Every finite double, negative zero too, comes back as it was."""
+    back = json_value.from_ros(json_value.to_ros(Value(number_value=number), ""), "").number_value
+    assert repr(back) == repr(number)
+
+
+def test_null_is_a_value() -> None:
+    """A Value that is null is not one that is absent."""
+    assert json_value.to_ros(json_value.from_ros("null", ""), "") == "null"
+    assert json_list.to_ros(ListValue(), "") == "[]"
+    assert json_struct.to_ros(Struct(), "") == "{}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "nul", "{", "NaN", "Infinity", "-Infinity", "1e999", "12345678901234567890", "9" * 5000),
+        *('{"a": 1, "a": 2}', '"\\ud800"', '{"\\ud800": 1}', "[" * 100_000),
+    ],
+    ids=lambda text: text[:20],
+)
+def test_a_text_that_no_value_can_hold_is_refused(text: str) -> None:
+    """What is no JSON, no double, half a character, or a key that stands twice."""
+    with pytest.raises(ConversionError, match=r"^note: "):
+        json_value.from_ros(text, "note")
+
+
+def test_another_kind_of_json_is_refused() -> None:
+    """A Struct is an object, a ListValue a list."""
+    with pytest.raises(ConversionError, match="no object"):
+        json_struct.from_ros("[]", "config")
+    with pytest.raises(ConversionError, match="no list"):
+        json_list.from_ros("{}", "list")
+
+
+@pytest.mark.parametrize("payload", [Value(), Value(number_value=float("nan")), Value(number_value=float("-inf"))])
+def test_a_value_that_no_json_can_say_is_refused(payload: Value) -> None:
+    """One without a kind, and numbers that are none."""
+    with pytest.raises(ConversionError, match=r"^note: "):
+        json_value.to_ros(payload, "note")
+    with pytest.raises(ConversionError, match=r"^note: "):
+        json_list.to_ros(ListValue(values=[payload]), "note")
+
+
+def test_whole_numbers_in_json_are_doubles() -> None:
+    """What a person writes without a point is the same number."""
+    assert json.loads(json_value.to_ros(json_value.from_ros("[1, -2, 3e2]", ""), "")) == [1.0, -2.0, 300.0]
