@@ -61,6 +61,6 @@ REGISTRY = Registry(
         RockMeasureResultHandler(),
         RoverLocalizationHandler(),
     ),
-    fingerprint="9eef03f3753691dedba8f837fbd9718e306195f121921907934c1e1330fe6c40",
+    fingerprint="94b070ecfffe4a4eaf7516a1e80177b1f27c0d0ba5a8848a61d7ab04851e305f",
     retired={},
 )

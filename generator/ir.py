@@ -82,7 +82,7 @@ class RosField:
     type: RosType
     comment: str
     enum: str = ""
-    """Full name of the proto enum whose constants it takes; empty for none."""
+    """Full name of the proto enum, or of the oneof, whose constants it takes; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class RosConstant:
     value: int
     comment: str
     enum: str
-    """Full name of the proto enum."""
+    """Full name of the proto enum, or of the oneof."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,12 +110,34 @@ class RosMessage:
 
 
 class ConversionKind(Enum):
-    """How one value is converted; each applies element by element to a repeated field."""
+    """How one value is converted; each applies element by element to a repeated field, and to a map's values."""
 
     VALUE = "the same value"
     MESSAGE = "a nested message, converted by its own conversion"
-    ENUM_MESSAGE = "an enum's number in a message of its own"
+    HELD = "a value in a message of its own, which holds nothing else"
+    WELL_KNOWN = "a type of google.protobuf, converted by the runtime"
+    JSON = "a google.protobuf.Struct, Value or ListValue, as a text that is empty where it is absent"
     PRESENCE = "whether the field is set"
+    EMPTY = "whether the field is set, which is all that a google.protobuf.Empty says"
+    WHICH = "which member of a oneof is set"
+
+
+@dataclass(frozen=True, slots=True)
+class Wrapping:
+    """A proto message that stands for the one field in it."""
+
+    proto: str
+    field: str
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A member of a oneof."""
+
+    proto: str
+    """The field's name."""
+    constant: str
+    """The constant of the ROS message that says that it is set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,16 +145,33 @@ class FieldConversion:
     """What a ROS field takes from a payload."""
 
     proto_path: tuple[str, ...]
-    """The field's name, after those of the messages that hold it."""
+    """The field's name, after those of the messages that hold it; the oneof's for `WHICH`."""
     ros: RosField
     kind: ConversionKind
     repeated: bool = False
-    guarded: bool = False
-    """Whether it is only set in the payload where its ``has_...`` field says so."""
-    proto: str = ""
-    """Full name of the nested message, for `MESSAGE`."""
+    entry: MapEntry | None = None
+    """Of a map: what becomes of its entries. The kind is that of their message then, and says nothing."""
+    presence: str = ""
+    """The ROS field that says whether it is set; empty where it always is."""
+    which: str = ""
+    """For a member of a oneof: the ROS field that says which is set."""
+    converter: str = ""
+    """For `MESSAGE` the ROS message, for `WELL_KNOWN` and `JSON` the runtime's module."""
     member: str = ""
-    """The field of the enum's message, for `ENUM_MESSAGE`."""
+    """The field of the message that holds the value, for `HELD`."""
+    wrapping: Wrapping | None = None
+    """The proto message around the value."""
+    choices: tuple[Choice, ...] = ()
+    """The members, for `WHICH`."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapEntry:
+    """What becomes of a map's entries: a ROS message with a key and a value."""
+
+    ros: str
+    key: FieldConversion
+    value: FieldConversion
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,11 +184,34 @@ class Conversion:
     file: str
     ros: str
     fields: tuple[FieldConversion, ...]
+    cut: tuple[str, ...] = ()
+    """Fields that no ROS field takes because the message would hold itself once too often; a set one is an error."""
 
     @property
     def local_name(self) -> str:
         """The proto message's name within its file."""
         return self.proto.removeprefix(f"{self.proto_package}.")
+
+
+@dataclass(frozen=True, slots=True)
+class AnyMember:
+    """A message that a google.protobuf.Any may hold."""
+
+    proto: str
+    ros: str
+    """The ROS message that it becomes."""
+    field: str
+    constant: str
+
+
+@dataclass(frozen=True, slots=True)
+class AnyConversion:
+    """Between a google.protobuf.Any of which the table says what it may hold, and a ROS message."""
+
+    source: str
+    """Full name of the proto field."""
+    ros: str
+    members: tuple[AnyMember, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,6 +318,7 @@ class Bridge:
     messages: tuple[RosMessage, ...]
     nested: tuple[Conversion, ...]
     """Conversions of messages that are in payloads, but are no payload of a row."""
+    anys: tuple[AnyConversion, ...]
     wire_messages: tuple[WireMessage, ...]
     wire_enums: tuple[WireEnum, ...]
     bounds: tuple[FieldBound, ...]
@@ -264,5 +327,5 @@ class Bridge:
     """Text of each module that protoc generated, by path."""
 
     def conversions(self) -> dict[str, Conversion]:
-        """Every conversion, by its proto message."""
-        return {c.proto: c for c in (*self.nested, *(route.conversion for route in self.routes))}
+        """Every conversion, by its ROS message."""
+        return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 
 # The patterns of rosidl_adapter and of rcl's topic rules.
@@ -10,6 +11,22 @@ _PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _FIELD = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _CONSTANT = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TOPIC = re.compile(r"(/|~/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+
+_NEEDED_IN_CLASSES = frozenset({"bytes", "dataclasses", "list", "str"})
+_CPP_KEYWORDS = frozenset(
+    {
+        *("alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case"),
+        *("catch", "char", "char8_t", "char16_t", "char32_t", "class", "co_await", "co_return", "co_yield"),
+        *("compl", "concept", "const", "const_cast", "consteval", "constexpr", "constinit", "continue"),
+        *("decltype", "default", "delete", "do", "double", "dynamic_cast", "else", "enum", "explicit", "export"),
+        *("extern", "false", "float", "for", "friend", "goto", "if", "inline", "int", "long", "mutable"),
+        *("namespace", "new", "noexcept", "not", "not_eq", "nullptr", "operator", "or", "or_eq", "private"),
+        *("protected", "public", "register", "reinterpret_cast", "requires", "return", "short", "signed"),
+        *("sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this"),
+        *("thread_local", "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using"),
+        *("virtual", "void", "volatile", "wchar_t", "while", "xor", "xor_eq"),
+    }
+)
 
 
 def is_message_name(name: str) -> bool:
@@ -25,6 +42,17 @@ def is_package_name(name: str) -> bool:
 def is_field_name(name: str) -> bool:
     """Whether ROS allows it as the name of a field."""
     return _FIELD.fullmatch(name) is not None
+
+
+def unusable(name: str) -> str:
+    """Why a ROS field cannot have a name; empty where it can."""
+    if keyword.iskeyword(name):
+        return "it is a keyword of Python"
+    if name in _CPP_KEYWORDS:
+        return "it is a keyword of C++"
+    if name in _NEEDED_IN_CLASSES:
+        return "the generated class needs Python's own"
+    return "" if is_field_name(name) else "lower case, digits, single underscores"
 
 
 def is_constant_name(name: str) -> bool:
@@ -45,6 +73,36 @@ def snake_case(name: str) -> str:
     """
     name = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
     return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name).lower()
+
+
+def field_name(proto: str) -> str:
+    """The ROS name of a proto field that no row renames.
+
+    >>> field_name("wheelSpeed"), field_name("two__underscores_"), field_name("class"), field_name("_1st")
+    ('wheel_speed', 'two_underscores', 'class_field', 'field_1st')
+    """
+    name = lowered(proto)
+    if not name[:1].isalpha():
+        name = f"field_{name}".rstrip("_")
+    return f"{name}_field" if unusable(name) else name
+
+
+def lowered(proto: str) -> str:
+    """A name in lower case with single underscores."""
+    return _single_underscores(snake_case(proto))
+
+
+def constant_name(proto: str) -> str:
+    """The ROS name of an enum value; it is none that ROS allows where nothing but underscores and digits are left.
+
+    >>> constant_name("kIdle"), constant_name("MODE__OFF_"), constant_name("IDLE")
+    ('K_IDLE', 'MODE_OFF', 'IDLE')
+    """
+    return _single_underscores(proto if proto.isupper() else snake_case(proto)).upper()
+
+
+def _single_underscores(name: str) -> str:
+    return re.sub("_+", "_", name).strip("_")
 
 
 def camel_case(name: str) -> str:
@@ -71,4 +129,4 @@ def message_name(proto: str, package: str) -> str:
     >>> message_name("rover.Arm.Joint", "rover")
     'ArmJoint'
     """
-    return camel_case(proto.removeprefix(f"{package}.").replace(".", "_"))
+    return camel_case((proto.removeprefix(f"{package}.") if package else proto).replace(".", "_"))

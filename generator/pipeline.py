@@ -91,9 +91,10 @@ def _compiled(
     published = published or ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
     files = {} if index is None else resolve.locate(table, index, findings)
+    listed = {} if index is None else resolve.locate_anys(table, index, findings)
     envelope = resolve.resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
-    compilation = _collecting(findings, lambda: _compile(table, project, envelope)) if named else None
+    compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
     schema = compilation.schema if compilation else None
     changes = subject.since_last_generate(published, schema) if schema else ()
     findings += lint(subject.Subject(table, schema, published, changes=changes))
@@ -125,10 +126,13 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     return index_declarations(root, table.proto.exclude, table.proto.root)
 
 
-def _compile(table: Table, project: Path, envelope: ir.Envelope) -> Compilation:
-    """What protoc makes of the payloads and the envelope. Raises `FindingsError` where it refuses them."""
+def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
+    """What protoc makes of the payloads, the envelope, and what stands in an Any.
+
+    Raises `FindingsError` where it refuses them.
+    """
     root = project / table.proto.root
-    wanted = sorted({*(member.file for member in envelope.members), envelope.file})
+    wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
     overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"there is no {envelope.file} below {table.proto.root}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from string import ascii_lowercase
 
-from generator import ir
+from generator import ir, naming
 from generator.findings import Finding, FindingsError, Rule
 from generator.table import (
     Bound,
@@ -114,7 +114,7 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         number=item.get("number"),
         name=item.get("name"),
         proto=item.get("proto"),
-        ros=item.get("ros", item.get("proto").rpartition(".")[2]),
+        ros=item.get("ros", naming.camel_case(item.get("proto").rpartition(".")[2])),
         topic=item.get("topic"),
         direction=item.get("direction"),
         qos=_qos(item, findings),
@@ -125,6 +125,9 @@ def _row(item: Item, findings: list[Finding]) -> Row:
             path: Bound(bound.get("length"), bound.get("count")) for path, bound in item.entry("bounds").entries.items()
         },
         lint=tuple(_lowered(item.entry("lint"))),
+        presence={path: entry.value for path, entry in item.entry("presence").entries.items()},
+        anys={path: tuple(type.value for type in entry.items) for path, entry in item.entry("any").entries.items()},
+        recursion=item.get("recursion"),
     )
 
 

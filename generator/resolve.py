@@ -16,7 +16,7 @@ from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
 from generator.protos import Schema
 from generator.ros_messages import RosMessages
-from generator.table import Row, Table
+from generator.table import Table
 
 UNKNOWN_PROTO = Rule("PRO103", "unknown-proto-message")
 EXCLUDED_PROTO = Rule("PRO104", "excluded-proto-message")
@@ -37,7 +37,7 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
             message = f"{row.proto} is the envelope, which cannot be its own payload"
             findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "name the payload's message"))
         elif len(declared) != 1:
-            findings.append(_not_located(row, declared, index))
+            findings.append(_not_located(row.at("proto"), row.proto, declared, index))
         elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
             message = f"{row.proto} is declared in {declared[0]}, which is written from {table.file}"
             findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to a file of its own"))
@@ -46,16 +46,29 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
     return files
 
 
-def _not_located(row: Row, declared: Sequence[str], index: DeclarationIndex) -> Finding:
-    span = row.at("proto")
+def locate_anys(table: Table, index: DeclarationIndex, findings: list[Finding]) -> dict[str, str]:
+    """The file of each message that a row lists for an Any; a message that cannot be told is a finding."""
+    files: dict[str, str] = {}
+    for row in table.rows:
+        for path, types in row.anys.items():
+            for proto in types:
+                declared = index.files.get(proto, [])
+                if len(declared) == 1:
+                    files[proto] = declared[0]
+                else:
+                    findings.append(_not_located(row.at(f"any.{path}"), proto, declared, index))
+    return files
+
+
+def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Finding:
     if declared:
         help = "name all but one of them under proto.exclude"
-        return AMBIGUOUS_PROTO.at(span, f"{row.proto} is declared in {' and in '.join(declared)}", help)
-    if row.proto in index.excluded:
-        file = index.excluded[row.proto][0]
-        return EXCLUDED_PROTO.at(span, f"{row.proto} is declared in {file}, which proto.exclude leaves out")
-    help = nearest(row.proto, index.files, "is its file below proto.root?")
-    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {row.proto}", help)
+        return AMBIGUOUS_PROTO.at(span, f"{proto} is declared in {' and in '.join(declared)}", help)
+    if proto in index.excluded:
+        file = index.excluded[proto][0]
+        return EXCLUDED_PROTO.at(span, f"{proto} is declared in {file}, which proto.exclude leaves out")
+    help = nearest(proto, index.files, "is its file below proto.root?")
+    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto}", help)
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
@@ -94,12 +107,13 @@ def resolve(
     messages = RosMessages(table, schema, findings)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(messages.route(row) for row in sorted(located, key=lambda row: row.number))
-    rows = {row.proto for row in table.rows}
+    carried = {route.conversion.ros for route in routes}
     if table.whole:
         messages.check_enums()
     findings += _unimportable(table, schema)
     findings += _excluded(table, schema)
-    reached, enums = schema.reachable(envelope.message)
+    listed = {proto for row in table.rows for types in row.anys.values() for proto in types}
+    reached, enums = schema.reachable(envelope.message, *sorted(listed))
     return ir.Bridge(
         table=table.file,
         package=table.package,
@@ -111,7 +125,8 @@ def resolve(
         ),
         routes=routes,
         messages=tuple(sorted(messages.messages.values(), key=lambda message: message.name)),
-        nested=tuple(conversion for proto, conversion in sorted(messages.conversions.items()) if proto not in rows),
+        nested=tuple(conversion for ros, conversion in sorted(messages.conversions.items()) if ros not in carried),
+        anys=tuple(conversion for _, conversion in sorted(messages.anys.items())),
         wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
         wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
         bounds=tuple(bounds),

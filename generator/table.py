@@ -100,6 +100,12 @@ class Row(Placed):
     """By the path of the proto field."""
     lint: tuple[Lowered, ...]
     """What counts for less where it is about this row."""
+    presence: Mapping[str, bool] = field(default_factory=dict)
+    """Paths of proto fields, and whether a ROS field says that they are set."""
+    anys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Paths of google.protobuf.Any fields, and the messages that they may hold."""
+    recursion: int | None = None
+    """How often a message that holds itself may stand in itself; None where it must not."""
 
     @property
     def inbound(self) -> bool:

@@ -117,6 +117,11 @@ ROW = Object(
         "qos": Key(_QOS, "Quality of service, where it is not rclcpp's default."),
         "fields": Key(MapOf(_FIELD_PATH, Text()), "Renames: path of a proto field to the ROS field that takes it."),
         "ignore": Key(ListOf(_FIELD_PATH), "Paths of proto fields that no ROS field takes."),
+        "presence": Key(
+            MapOf(_FIELD_PATH, Boolean()), "Whether a ROS field says that a proto field is set, by its path."
+        ),
+        "any": Key(MapOf(_FIELD_PATH, ListOf(_PROTO_NAME, least=1)), "The messages that an Any may hold, by its path."),
+        "recursion": Key(Integer(1, 16), "How many levels of a message that holds itself are carried."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
         "bounds": Key(MapOf(_FIELD_PATH, _BOUND), "Path of a proto field to what a microcontroller has room for."),
         "lint": Key(_LOWERED, "Rules that count for less in what is about this row, its message and those in it."),

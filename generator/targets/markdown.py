@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from generator import ir
+from generator.msg_types import msg_type
 from generator.rendering import Files, header, render
 
 
@@ -33,7 +34,7 @@ def _view(message: ir.RosMessage, taken: Mapping[str, str]) -> dict[str, object]
     """A message for the template; ``taken`` maps its fields to the proto fields that they are taken from."""
     fields = [
         {
-            "type": f"{field.type.name}[]" if field.type.is_sequence else field.type.name,
+            "type": msg_type(field.type),
             "name": field.name,
             "source": taken.get(field.name, message.source),
             "comment": " ".join(field.comment.split()).replace("|", "\\|"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 from generator import ir
+from generator.msg_types import msg_type
 from generator.node_parameters import NODE_PARAMETERS
 from generator.rendering import Files, header, render
 
@@ -53,12 +54,6 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
 def _heading(message: ir.RosMessage, enum: str) -> str:
     """What stands above an enum's constants: which fields take them."""
     return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
-
-
-def msg_type(type: ir.RosType) -> str:
-    """A field's type as a .msg spells it."""
-    name = f"{type.package}/{type.name}" if type.package else type.name
-    return f"{name}[]" if type.is_sequence else name
 
 
 def _comment(text: str) -> list[str]:

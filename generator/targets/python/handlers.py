@@ -9,6 +9,7 @@ from generator import ir
 from generator.ir import ConversionKind
 from generator.rendering import Files, header, render
 from generator.targets.python import conversions, layout, spelling
+from generator.targets.python.bodies import attribute, members_constant
 from generator.targets.python.conversions import Converters
 from generator.targets.python.layout import Group
 
@@ -19,9 +20,9 @@ _LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does no
 def emit(bridge: ir.Bridge) -> Files:
     """The handlers, and the package that names them all."""
     converters = Converters(bridge)
-    by_proto = bridge.conversions()
+    by_ros = bridge.conversions()
     for route in bridge.routes:
-        pack = _pack(route.conversion, by_proto)
+        pack = _pack(route.conversion, by_ros)
         yield f"generated/handlers/{spelling.module(route.name)}.py", _handler(bridge, route, converters, pack)
     names = [(spelling.module(route.name), spelling.handler_class(route)) for route in bridge.routes]
     yield (
@@ -41,9 +42,9 @@ def emit(bridge: ir.Bridge) -> Files:
 def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _Pack | None) -> str:
     conversion = route.conversion
     runtime = ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
-    imports = [layout.import_from("runtime.handler", runtime)]
-    imports += [layout.import_from("runtime", ["cdr"])] if pack else []
-    view = conversions.view(conversion, converters, 4, tuple(imports))
+    imports = [("runtime.handler", name) for name in runtime]
+    imports += [("runtime", "cdr"), *pack.imports] if pack else []
+    view = conversions.view(conversion, converters, 4, extra_imports=imports)
     what = f"{conversion.local_name} {'to' if route.inbound else 'from'} {bridge.package}/msg/{conversion.ros}"
     return render(
         "handler.py.j2",
@@ -101,53 +102,70 @@ class _Pack:
     locals: tuple[str, ...]
     """Assignments of the nested payloads to names."""
     call: str
+    imports: tuple[tuple[str, str], ...]
+    """What it needs, by module."""
 
 
-class _VariableSizeError(Exception):
-    """The message has a part of variable size, or none at all."""
+class _NotFlatError(Exception):
+    """The message has a part of variable size, too many parts, or none at all."""
 
 
-def _pack(conversion: ir.Conversion, by_proto: Mapping[str, ir.Conversion]) -> _Pack | None:
-    """None for a message of variable size, or of no field, which the base class packs."""
-    flattener = _Flattener(by_proto)
+def _pack(conversion: ir.Conversion, by_ros: Mapping[str, ir.Conversion]) -> _Pack | None:
+    """None for a message that is no short list of values, which the base class packs."""
+    flattener = _Flattener(conversion, by_ros)
     try:
         flattener.add(conversion, "payload", ())
-    except _VariableSizeError:
-        return None
-    if len(flattener.values) > _LONGEST_PACK:
+    except _NotFlatError:
         return None
     call = Group("return _CDR.pack(", ["cdr.LITTLE_ENDIAN", *flattener.values], ")")
-    return _Pack(tuple(flattener.locals), layout.statement(call, 8))
+    return _Pack(tuple(flattener.locals), layout.statement(call, 8), tuple(flattener.imports))
 
 
 class _Flattener:
     """Collects the values of a payload in the order in which they are serialized."""
 
-    def __init__(self, by_proto: Mapping[str, ir.Conversion]) -> None:
-        self._by_proto = by_proto
-        self._names: set[str] = {"self", "payload", "cdr", "l"}  # l looks like 1
+    def __init__(self, payload: ir.Conversion, by_ros: Mapping[str, ir.Conversion]) -> None:
+        self._payload, self._by_ros = payload, by_ros
+        self._names: set[str] = {"self", "payload", "l", *spelling.RUNTIME_MODULES}  # l looks like 1
         self._held: dict[str, str] = {}
         self.locals: list[str] = []
         self.values: list[str | Group] = []
+        self.imports: list[tuple[str, str]] = []
 
     def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
         """Add what a conversion takes from the payload that is called ``holder``."""
-        if not conversion.fields:
-            raise _VariableSizeError
+        if not conversion.fields or conversion.cut:
+            raise _NotFlatError
         for field in conversion.fields:
-            if field.ros.type.is_sequence or field.ros.type.name == "string":
-                raise _VariableSizeError
-            *between, name = field.proto_path
+            if field.ros.type.is_sequence or field.ros.type.name == "string" or len(self.values) > _LONGEST_PACK:
+                raise _NotFlatError
             owner = holder
-            for depth, part in enumerate(between):
-                owner = self._hold(f"{owner}.{part}", (*path, *between[: depth + 1]))
-            if field.kind is ConversionKind.PRESENCE:
-                self.values.append(Group(f"{owner}.HasField(", [f'"{name}"'], ")"))
-            elif field.kind is ConversionKind.MESSAGE:
-                nested = self._hold(f"{owner}.{name}", (*path, *field.proto_path))
-                self.add(self._by_proto[field.proto], nested, (*path, *field.proto_path))
-            else:
-                self.values.append(f"{owner}.{name}")
+            for depth, part in enumerate(field.proto_path[:-1], start=1):
+                owner = self._hold(attribute(owner, part), (*path, *field.proto_path[:depth]))
+            self._add_field(conversion, field, owner, (*path, *field.proto_path))
+
+    def _add_field(
+        self, conversion: ir.Conversion, field: ir.FieldConversion, owner: str, path: tuple[str, ...]
+    ) -> None:
+        name = path[-1]
+        value = attribute(owner, name)
+        if field.kind in (ConversionKind.PRESENCE, ConversionKind.EMPTY):
+            self.values.append(Group(f"{owner}.HasField(", [f'"{name}"'], ")"))
+        elif field.kind is ConversionKind.MESSAGE:
+            nested = self._by_ros.get(field.converter)
+            if nested is None:  # an Any
+                raise _NotFlatError
+            self.add(nested, self._hold(value, path), path)
+        elif field.kind is ConversionKind.WHICH:
+            if conversion is not self._payload:  # the numbers of its members stand in another module
+                raise _NotFlatError
+            arguments = [owner, f'"{name}"', members_constant(field.ros.name)]
+            self.values.append(Group("oneof.number(", arguments, ")"))
+        elif field.kind is ConversionKind.WELL_KNOWN:
+            self.imports.append(("runtime.well_known", field.converter))
+            self.values.append(Group(f"*{field.converter}.parts(", [value, f'"{field.ros.name}"'], ")"))
+        else:
+            self.values.append(f"{value}.{field.wrapping.field}" if field.wrapping else value)
 
     def _hold(self, expression: str, path: tuple[str, ...]) -> str:
         """A local name for a nested payload, so that its attribute is looked up once."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 LINE_LENGTH = 88
 
@@ -34,16 +34,16 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Comprehension:
-    """A list comprehension."""
+    """A list comprehension, or a generator."""
 
     head: str
-    element: str | Group
-    loop: str
+    element: Item
+    loop: str | Group
     tail: str
 
     def flat(self) -> str:
         """On one line."""
-        return f"{self.head}{_flat(self.element)} {self.loop}{self.tail}"
+        return f"{self.head}{_flat(self.element)} {_flat(self.loop)}{self.tail}"
 
     def lines(self, indent: int) -> list[str]:
         """Its inside on one line, or element and loop on two."""
@@ -53,19 +53,21 @@ class Comprehension:
 
 @dataclass(frozen=True, slots=True)
 class Conditional:
-    """A value, or None where its condition does not hold."""
+    """A value, or another where its condition does not hold."""
 
     head: str
     value: Item
-    condition: str
+    condition: str | Group
+    otherwise: str = "None"
 
     def flat(self) -> str:
         """On one line."""
-        return f"{self.head}{_flat(self.value)} if {self.condition} else None"
+        return f"{self.head}{_flat(self.value)} if {_flat(self.condition)} else {self.otherwise}"
 
     def lines(self, indent: int) -> list[str]:
         """In parentheses, on one line or on three."""
-        parts = _one_or_more_lines(self.value, [f"if {self.condition}", "else None"], indent + 4)
+        clauses = [headed("if ", self.condition), f"else {self.otherwise}"]
+        parts = _one_or_more_lines(self.value, clauses, indent + 4)
         return [f"{' ' * indent}{self.head}(", *parts, f"{' ' * indent})"]
 
 
@@ -76,14 +78,19 @@ def _flat(item: Item) -> str:
     return item if isinstance(item, str) else item.flat()
 
 
-def _one_or_more_lines(value: Item, clauses: Sequence[str], indent: int) -> list[str]:
+def headed(head: str, item: Item) -> Item:
+    """An item with something before it."""
+    return f"{head}{item}" if isinstance(item, str) else replace(item, head=f"{head}{item.head}")
+
+
+def _one_or_more_lines(value: Item, clauses: Sequence[Item], indent: int) -> list[str]:
     """A value and the clauses that belong to it, on one line where they fit, else on one each."""
     margin = " " * indent
-    inner = f"{margin}{' '.join([_flat(value), *clauses])}"
+    inner = f"{margin}{' '.join(map(_flat, [value, *clauses]))}"
     if len(inner) <= LINE_LENGTH:
         return [inner]
-    value = value if isinstance(value, str) else statement(value, indent)
-    return [f"{margin}{part}" for part in (value, *clauses)]
+    parts = [part if isinstance(part, str) else statement(part, indent) for part in (value, *clauses)]
+    return [f"{margin}{part}" for part in parts]
 
 
 def _item_lines(item: Item, indent: int, force: bool = False) -> list[str]:
@@ -142,6 +149,22 @@ def import_from(module: str, names: Iterable[str]) -> str:
 def in_import_order(lines: Iterable[str]) -> list[str]:
     """Statements made by `import_from`, each once, in isort's order."""
     return sorted(set(lines), key=lambda line: natural_order(line.split(" ", 2)[1]))
+
+
+def import_block(imports: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """The import statements of modules and names, those of protobuf's library in a block before ours."""
+    names: dict[str, set[str]] = {}
+    statements: set[str] = set()
+    for module, name in imports:
+        if " as " in name:
+            statements.add(import_from(module, [name]))
+        else:
+            names.setdefault(module, set()).add(name)
+    statements |= {import_from(module, found) for module, found in names.items()}
+    ordered = in_import_order(statements)
+    theirs = [line for line in ordered if line.startswith("from google.")]
+    ours = [line for line in ordered if line not in theirs]
+    return (*theirs, "", *ours) if theirs else tuple(ours)
 
 
 def _member_order(name: str) -> tuple[int, list[tuple[str, int]]]:

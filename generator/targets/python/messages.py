@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from generator import ir
 from generator.rendering import Files, header, render
@@ -35,12 +36,15 @@ def _import(name: str) -> str:
 
 def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
     needed = {spelling.imported_annotation(field.type) for field in message.fields} - {None}
-    imports = [_import(field.type.name) for field in message.fields if field.type.is_message]
-    imports.append(layout.import_from("runtime.messages", ["Message", *(name for name in needed if name)]))
+    imports = [("runtime.messages", name) for name in ("Message", *needed) if name]
+    local = _local_classes(message)
+    imports += [
+        (module, name if name == local[name] else f"{name} as {local[name]}") for module, name in _classes(message)
+    ]
     type_name = f"{bridge.package}/msg/{message.name}"
     fields = [
         {
-            "statement": _field(field),
+            "statement": _field(field, local),
             "docstring": layout.docstring(field.comment, 4) if field.comment else "",
         }
         for field in message.fields
@@ -51,7 +55,7 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
         docstring=layout.docstring(f"{type_name}.", 0),
         class_docstring=layout.docstring(_about(message), 4),
         uses_dataclasses=any("dataclasses." in field["statement"] for field in fields),
-        imports=layout.in_import_order(imports),
+        imports=layout.import_block(imports),
         class_line=_class_line(message),
         type_line=layout.line(f'__msgtype__: ClassVar[str] = "{type_name}"', 4),
         type_hash=type_hash,
@@ -62,10 +66,28 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
     )
 
 
+def _classes(message: ir.RosMessage) -> set[tuple[str, str]]:
+    """The classes of its fields, each after its module."""
+    types = [field.type for field in message.fields if field.type.is_message]
+    return {
+        (
+            "runtime.interfaces" if type.package else f"generated.messages.{spelling.message_module(type.name)}",
+            spelling.class_of(type),
+        )
+        for type in types
+    }
+
+
+def _local_classes(message: ir.RosMessage) -> Mapping[str, str]:
+    """What each class is called in this module: inside a class, a constant hides a class of its name."""
+    constants = {constant.name for constant in message.constants}
+    return {name: f"{name}_" if name in constants else name for _, name in _classes(message)}
+
+
 def _about(message: ir.RosMessage) -> str:
     """The message's comment; where that is no sentence, below one that says where the message is from."""
     source = f"Made from {message.source}."
-    if not message.comment or re.fullmatch(r"(?!This )[A-Z].*\.", message.comment):
+    if not message.comment or re.fullmatch(r"(?!This )[A-Z].*\.(\n\nDeprecated\.)?", message.comment):
         return message.comment or source
     return f"{source}\n\n{message.comment}"
 
@@ -76,9 +98,11 @@ def _class_line(message: ir.RosMessage) -> str:
     return f"class {name}(Message):{suppression}"
 
 
-def _field(field: ir.RosField) -> str:
-    head = f"{field.name}: {spelling.annotation(field.type)} = "
-    group = layout.Group(f"{head}dataclasses.field(", [f"default_factory={_factory(field.type)}"], ")")
+def _field(field: ir.RosField, local: Mapping[str, str]) -> str:
+    name = local[spelling.class_of(field.type)] if field.type.is_message else ""
+    head = f"{field.name}: {spelling.annotation(field.type, name)} = "
+    factory = "list" if field.type.is_sequence else name
+    group = layout.Group(f"{head}dataclasses.field(", [f"default_factory={factory}"], ")")
     is_value = field.type.name == "uint8" or not (field.type.is_sequence or field.type.is_message)
     flat = head + spelling.default(field.type) if is_value else group.flat()
     if field.name == "l":
@@ -86,7 +110,3 @@ def _field(field: ir.RosField) -> str:
     if is_value or len(group.head) + 4 > layout.LINE_LENGTH:
         return layout.line(flat, 4)
     return layout.statement(group, 4)
-
-
-def _factory(type: ir.RosType) -> str:
-    return "list" if type.is_sequence else spelling.message_class(type.name)

@@ -16,6 +16,8 @@ _IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|imp
 _STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)
 _MODULE_NAME = re.compile(r"(?<=BuildTopDescriptorsAndMessages\(DESCRIPTOR, ')")
 _ENUM_ARGUMENT = re.compile(r"_Union\[(?P<enum>[\w.]+), str\]")
+_ENUM_MAP = re.compile(r"_Mapping\[(?P<key>int|bool|str), (?P<enum>[\w.]+)\]")
+_MAP_OF_SCALARS = re.compile(r"_containers\.ScalarMap\[(?:int|bool|str), (?P<value>[\w.]+)\]")
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -37,4 +39,11 @@ def _moved(text: str) -> str:
     )
     text = _MODULE_NAME.sub("generated.pb2.", text)
     text = text.replace("**kwargs) -> None", "**kwargs: object) -> None")
+    text = text.replace("_struct_pb2.NullValue", "int")  # protobuf's own stubs have it for no number
+    enums = {match["value"] for match in _MAP_OF_SCALARS.finditer(text)} - {"int", "float", "bool", "str", "bytes"}
+    text = _ENUM_MAP.sub(lambda match: _open_map(match) if match["enum"] in enums else match[0], text)
     return _ENUM_ARGUMENT.sub(lambda match: f"_Union[{match['enum']}, int, str]", text)
+
+
+def _open_map(match: re.Match[str]) -> str:
+    return f"_Mapping[{match['key']}, _Union[{match['enum']}, int]]"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from generator import ir, ledger
+from generator.msg_types import msg_type
 from generator.rendering import Files, header, render
 from generator.targets.python import layout, spelling
 
@@ -68,11 +69,26 @@ def _peer(peer: ir.Peer) -> layout.Group:
 
 
 def fingerprint(bridge: ir.Bridge) -> str:
-    """SHA-256 over the wire schema and the routes: equal where two machines mean the same by the same bytes."""
+    """SHA-256 over the wire schema, the routes, and what becomes of each field.
+
+    It is equal where two machines mean the same by the same bytes, and publish the same of it.
+    """
     routes = [
         f"{route.number} {route.name} {route.topic} {route.direction} {route.conversion.proto} {route.conversion.ros}"
         for route in bridge.routes
     ]
-    return hashlib.sha256(
-        "\n".join([*ledger.schema_lines(bridge.wire_messages, bridge.wire_enums), *routes]).encode()
-    ).hexdigest()
+    lines = [*ledger.schema_lines(bridge.wire_messages, bridge.wire_enums), *routes, *_meanings(bridge)]
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def _meanings(bridge: ir.Bridge) -> Iterator[str]:
+    """The ROS messages, and where each of their fields comes from."""
+    for message in bridge.messages:
+        yield from (f"{message.name} {msg_type(field.type)} {field.name}" for field in message.fields)
+        yield from (f"{message.name} {constant.name}={constant.value}" for constant in message.constants)
+    for ros, conversion in sorted(bridge.conversions().items()):
+        for field in conversion.fields:
+            source = " ".join(filter(None, [".".join(field.proto_path), field.kind.name, field.presence, field.which]))
+            yield f"{ros}.{field.ros.name} from {source}"
+    for any in bridge.anys:
+        yield from (f"{any.ros}.{member.field} from {member.proto}" for member in any.members)

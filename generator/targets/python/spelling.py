@@ -21,8 +21,16 @@ _ANNOTATIONS = {
     "float64": "Float64",
 }
 _DEFAULTS = {"bool": "False", "float32": "0.0", "float64": "0.0"}
-_TAKEN_CLASSES = frozenset({*_ANNOTATIONS.values(), "ClassVar", "Handler", "Message", "Qos", "Route"})
-_TAKEN_MODULES = frozenset({*dir(builtins), "cdr", "item", "message", "payload"})
+_TAKEN_CLASSES = frozenset(
+    {*_ANNOTATIONS.values(), "ClassVar", "Duration", "Handler", "Message", "Qos", "Route", "Time"}
+)
+RUNTIME_MODULES = frozenset(
+    {"cdr", "depth", "duration", "json_list", "json_struct", "json_value", "oneof", "timestamp"}
+)
+"""What generated code imports from the runtime as a module."""
+_TAKEN_MODULES = frozenset(
+    {*dir(builtins), *RUNTIME_MODULES, "item", "key", "keywords", "mapping", "message", "payload", "value"}
+)
 
 
 def handler_class(route: ir.Route) -> str:
@@ -56,6 +64,8 @@ def conversion_module(message: str) -> str:
 def proto_module(file: str) -> tuple[str, str]:
     """The package and the module of a .proto file's classes."""
     package, _, name = file.removesuffix(".proto").rpartition("/")
+    if package == "google/protobuf":  # its modules come with protobuf
+        return "google.protobuf", f"{name}_pb2"
     return ".".join(["generated.pb2", *filter(None, package.split("/"))]), f"{name}_pb2"
 
 
@@ -64,9 +74,14 @@ def proto_class(conversion: ir.Conversion) -> str:
     return f"{proto_module(conversion.file)[1]}.{conversion.local_name}"
 
 
-def annotation(type: ir.RosType) -> str:
-    """A field's annotation in a message class."""
-    element = message_class(type.name) if type.is_message else _ANNOTATIONS.get(type.name, "str")
+def class_of(type: ir.RosType) -> str:
+    """The class of a field that is a message; those of other packages have no other name."""
+    return type.name if type.package else message_class(type.name)
+
+
+def annotation(type: ir.RosType, message: str) -> str:
+    """A field's annotation in a message class; ``message`` is its own class where it is a message."""
+    element = message or _ANNOTATIONS.get(type.name, "str")
     if not type.is_sequence:
         return element
     return "bytes" if type.name == "uint8" else f"list[{element}]"

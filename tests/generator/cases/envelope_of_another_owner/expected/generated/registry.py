@@ -17,6 +17,6 @@ REGISTRY = Registry(
         GpsHandler(),
         ImuHandler(),
     ),
-    fingerprint="f477fd2591ea7b7995c9b188978a74f3eda42063d90e7cb70c61270a75e3e22e",
+    fingerprint="1395cf0088794b3b978a4c0686e650bc835ec20c4666273bdce17b04e81d9fc3",
     retired={},
 )

@@ -34,6 +34,6 @@ REGISTRY = Registry(
         ANameThatIsSoLongThatTwoOfThemNeverFitIntoOneLineHandler(),
         ShortHandler(),
     ),
-    fingerprint="dda969485b5ff261fd4125a8c869020feca3cb1f1751ff51c49444de3d8f5669",
+    fingerprint="0427d31785ef4cbb31d5186348c57b3e0522a1de97bd028bb2ff9d844acf7083",
     retired={},
 )

@@ -24,6 +24,6 @@ REGISTRY = Registry(
         TopHandler(),
         InnerHandler(),
     ),
-    fingerprint="ee0b824c859722ca4ca4c24291a7ccd6718e2a4609f49739e5530854778d60df",
+    fingerprint="7e9ff931109066f97af5280b2db366f455bf645d94638270d72fdcb6287c67ed",
     retired={},
 )

@@ -42,6 +42,6 @@ REGISTRY = Registry(
         ForwardedHandler(),
         SpreadHandler(),
     ),
-    fingerprint="16ba2d90d00a729f8855cbecbd39ca57c70ae1f27415b2c9a6a8eb47be9f95d0",
+    fingerprint="c32eb868c43f17de2ea637437c6434f05a210a8935ffc2b2266dfa656d66f7a2",
     retired={},
 )

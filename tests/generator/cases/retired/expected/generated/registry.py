@@ -14,7 +14,7 @@ REGISTRY = Registry(
     oneof="payload",
     peers=(Peer(name="board", port_parameter="dst_a_port", port=6000),),
     handlers=(NowHandler(),),
-    fingerprint="f3c894edf1b8d27e4d66b3cffbba026d003f59308cc88bc86bf0f696f31bd878",
+    fingerprint="5085db7a0e7dd685bebad6db9a2fa5a26c01b2c6e241de0ae30ec7e2e8000968",
     retired={
         1: "before",
         7: "never_published",

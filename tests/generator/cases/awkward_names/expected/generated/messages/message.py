@@ -31,7 +31,7 @@ class Message_(Message):  # noqa: N801  # the code here needs the name itself
     item: list[Item] = dataclasses.field(default_factory=list)
     payload: Payload = dataclasses.field(default_factory=Payload)
     cdr: Cdr = dataclasses.field(default_factory=Cdr)
-    bool: Bool_ = dataclasses.field(default_factory=Bool_)
+    bool_field: Bool_ = dataclasses.field(default_factory=Bool_)
     u_int8: UInt8_ = dataclasses.field(default_factory=UInt8_)
     class_var: ClassVar_ = dataclasses.field(default_factory=ClassVar_)
     annotated: Annotated = dataclasses.field(default_factory=Annotated)

@@ -22,7 +22,7 @@ class JointsHandler(Handler[gripper_pb2.Joints, Joints]):
         return Joints(
             small=bytes(payload.small),
             medium=list(payload.medium),
-            signed=list(payload.signed),
+            signed_field=list(payload.signed),
             codes=[HealthCode(code=item) for item in payload.codes],
         )
 
@@ -32,6 +32,6 @@ class JointsHandler(Handler[gripper_pb2.Joints, Joints]):
         return gripper_pb2.Joints(
             small=message.small,
             medium=message.medium,
-            signed=message.signed,
+            signed=message.signed_field,
             codes=[item.code for item in message.codes],
         )

@@ -30,5 +30,5 @@ class Joints(Message):
 
     small: bytes = b""
     medium: list[UInt16] = dataclasses.field(default_factory=list)
-    signed: list[Int8] = dataclasses.field(default_factory=list)
+    signed_field: list[Int8] = dataclasses.field(default_factory=list)
     codes: list[HealthCode] = dataclasses.field(default_factory=list)

@@ -24,8 +24,8 @@ class NewHandler(Handler[new_pb2.New, New]):
     def to_ros(payload: new_pb2.New) -> New:
         """The message that says what the payload says."""
         return New(
-            has_explicit=payload.HasField("explicit"),
-            explicit=payload.explicit,
+            has_explicit_field=payload.HasField("explicit"),
+            explicit_field=payload.explicit,
             implicit=payload.implicit,
             nested=new2.to_ros(payload.nested),
         )
@@ -34,7 +34,7 @@ class NewHandler(Handler[new_pb2.New, New]):
     def from_ros(message: New) -> new_pb2.New:
         """The payload that says what the message says."""
         return new_pb2.New(
-            explicit=message.explicit if message.has_explicit else None,
+            explicit=message.explicit_field if message.has_explicit_field else None,
             implicit=message.implicit,
             nested=new2.from_ros(message.nested),
         )

@@ -1,0 +1,139 @@
+"""What the value of one proto field becomes in ROS: its type, and the kind of conversion."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from generator import ir, naming, ros_enums, well_known
+from generator.deprecation import commented
+from generator.ir import ConversionKind
+from generator.protos import ProtoEnum, ProtoField, ProtoMessage
+
+if TYPE_CHECKING:
+    from generator.ros_messages import RosMessages
+
+
+@dataclass(frozen=True, slots=True)
+class _Value:
+    """What one value becomes."""
+
+    kind: ConversionKind
+    type: ir.RosType
+    converter: str = ""
+    member: str = ""
+    wrapping: ir.Wrapping | None = None
+    enum: str = ""
+
+
+class FieldTypes:
+    """Converts the fields of one ROS message, and collects the enums whose constants it needs."""
+
+    def __init__(self, messages: RosMessages, ros: str) -> None:
+        self._messages, self._schema, self._ros = messages, messages.schema, ros
+        self.enums: dict[str, ProtoEnum] = {}
+
+    def conversion(
+        self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...], name: str
+    ) -> ir.FieldConversion | None:
+        """The conversion of a field of a message at a level; None, with a finding, where it has none.
+
+        ``path`` leads to it from the payload, ``name`` is the ROS field's.
+        """
+        held = self._schema.messages.get(field.type_name)
+        if held is not None and held.map_entry:
+            return self._map(message, level, field, path, name)
+        if field.type_name == well_known.EMPTY and not (field.repeated or field.oneof or message.map_entry):
+            ros = ir.RosField(f"has_{name}", ir.RosType("bool"), _comment(message, field, path))
+            return ir.FieldConversion(path, ros, ConversionKind.EMPTY)
+        value = self._value(message, level, field, path)
+        if value is None:
+            return None
+        type = dataclasses.replace(value.type, is_sequence=field.repeated or value.type.is_sequence)
+        return ir.FieldConversion(
+            path,
+            ir.RosField(name, type, _comment(message, field, path), value.enum),
+            value.kind,
+            field.repeated,
+            converter=value.converter,
+            member=value.member,
+            wrapping=value.wrapping,
+        )
+
+    def _value(self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...]) -> _Value | None:
+        if field.type == "enum":
+            return self._enum(self._schema.enums[field.type_name])
+        if field.type not in ("message", "group"):
+            return self._scalar(field.type, field.repeated)
+        proto = field.type_name
+        if proto in well_known.TIMES:
+            module, type = well_known.time_type(proto)
+            return _Value(ConversionKind.WELL_KNOWN, type, module)
+        if proto in well_known.TEXTS:
+            return _Value(ConversionKind.JSON, ir.RosType("string"), well_known.TEXTS[proto])
+        if proto in well_known.WRAPPERS:
+            bare = self._scalar(well_known.WRAPPERS[proto], field.repeated)
+            return dataclasses.replace(bare, wrapping=ir.Wrapping(proto, "value"))
+        if proto == well_known.FIELD_MASK and not field.repeated:
+            paths = ir.RosType("string", is_sequence=True)
+            return _Value(ConversionKind.VALUE, paths, wrapping=ir.Wrapping(proto, "paths"))
+        nested = self._message(message, level, field, path)
+        return _Value(ConversionKind.MESSAGE, ir.RosType(nested, is_message=True), nested) if nested else None
+
+    def _scalar(self, type: str, repeated: bool) -> _Value:
+        if type != "bytes":
+            return _Value(ConversionKind.VALUE, ir.RosType(well_known.SCALARS[type]))
+        if not repeated:
+            return _Value(ConversionKind.VALUE, ir.RosType("uint8", is_sequence=True))
+        held = ir.RosType(self._messages.bytes_message(), is_message=True)  # ROS has no sequence of sequences
+        return _Value(ConversionKind.HELD, held, member="data")
+
+    def _enum(self, enum: ProtoEnum) -> _Value:
+        settings = self._messages.enum_message(enum)
+        if settings is not None:
+            return _Value(ConversionKind.HELD, ir.RosType(settings.ros, is_message=True), member=settings.field)
+        self.enums[enum.full_name] = enum
+        return _Value(ConversionKind.VALUE, ir.RosType(ros_enums.integer_type(enum)), enum=enum.full_name)
+
+    def _message(self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...]) -> str | None:
+        """The ROS message of a message field."""
+        holder, owner = self._owner(message, field)
+        types = self._messages.settings.anys.get((holder.full_name, owner.name))
+        if field.type_name == well_known.ANY and types:
+            ros = self._ros.removesuffix("Entry") if message.map_entry else f"{self._ros}{_camel(path)}"
+            return self._messages.any_message(holder, level, owner, ros, types)
+        return self._messages.nested_message(holder, level, owner, field.type_name)
+
+    def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
+        """The message and the field that somebody wrote: for a map's entry, whose it is."""
+        if not message.map_entry:
+            return message, field
+        holder = self._schema.messages[message.full_name.rpartition(".")[0]]
+        return holder, next(one for one in holder.fields if one.type_name == message.full_name)
+
+    def _map(
+        self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...], name: str
+    ) -> ir.FieldConversion | None:
+        entry = self._schema.messages[field.type_name]
+        ros = f"{self._ros}{_camel(path)}Entry"
+        self._messages.claim(ros, f"{self._ros}.{'.'.join(path)}", field.span)
+        types = FieldTypes(self._messages, ros)
+        key, value = (types.conversion(entry, level, part, (part.name,), part.name) for part in entry.fields)
+        if key is None or value is None:
+            return None
+        constants = tuple(ros_enums.constants_of(types.enums.values(), (), ros, field.span, self._messages.report))
+        self._messages.messages[ros] = ir.RosMessage(ros, (key.ros, value.ros), constants, "", entry.full_name)
+        field_of_entries = ir.RosField(name, ir.RosType(ros, True, True), _comment(message, field, path))
+        return ir.FieldConversion(
+            path, field_of_entries, ConversionKind.MESSAGE, True, entry=ir.MapEntry(ros, key, value)
+        )
+
+
+def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
+    """A field's comment; those in protobuf's own messages explain how its libraries are used."""
+    return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
+
+
+def _camel(path: tuple[str, ...]) -> str:
+    return naming.camel_case("_".join(path))

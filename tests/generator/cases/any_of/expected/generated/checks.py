@@ -1,0 +1,46 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""The wire schema from which this code was generated, and its check against what is loaded."""
+
+from __future__ import annotations
+
+from runtime.schema import check_descriptors
+
+MESSAGES = {
+    "Envelope": (
+        "1 packet Packet",
+        "2 imu sensors.IMU",
+    ),
+    "Inner": (
+        "1 detail google.protobuf.Any",
+        "2 stamp google.protobuf.Timestamp",
+    ),
+    "Packet": (
+        "1 content google.protobuf.Any",
+        "2 history repeated google.protobuf.Any",
+        "3 named repeated Packet.NamedEntry",
+        "4 raw google.protobuf.Any",
+        "5 inner Inner",
+    ),
+    "Packet.NamedEntry": (
+        "1 key string",
+        "2 value google.protobuf.Any",
+    ),
+    "google.protobuf.Any": (
+        "1 type_url string",
+        "2 value bytes",
+    ),
+    "google.protobuf.Timestamp": (
+        "1 seconds int64",
+        "2 nanos int32",
+    ),
+    "other.Gps2": ("1 data bytes",),
+    "sensors.Gps": ("1 latitude double",),
+    "sensors.IMU": ("1 x float",),
+}
+ENUMS: dict[str, tuple[str, ...]] = {}
+
+
+def check() -> None:
+    """Raise `runtime.RegistryError` where a loaded message is not the one that is meant."""
+    check_descriptors(MESSAGES, ENUMS)

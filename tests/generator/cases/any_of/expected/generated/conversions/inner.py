@@ -1,0 +1,31 @@
+# Generated from mapping.yaml and packet.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Inner to and from rover/msg/Inner."""
+
+from __future__ import annotations
+
+from generated.conversions import inner_detail
+from generated.messages import Inner
+from generated.pb2 import packet_pb2
+from runtime.well_known import timestamp
+
+
+def to_ros(payload: packet_pb2.Inner) -> Inner:
+    """The message that says what the payload says."""
+    return Inner(
+        detail=inner_detail.to_ros(payload.detail),
+        has_stamp=payload.HasField("stamp"),
+        stamp=timestamp.to_ros(payload.stamp, "Inner.stamp"),
+    )
+
+
+def from_ros(message: Inner) -> packet_pb2.Inner:
+    """The payload that says what the message says."""
+    return packet_pb2.Inner(
+        detail=inner_detail.from_ros(message.detail),
+        stamp=(
+            timestamp.from_ros(message.stamp, "Inner.stamp")
+            if message.has_stamp
+            else None
+        ),
+    )

@@ -1,0 +1,61 @@
+# Generated from mapping.yaml (row packet) and packet.proto; do not edit.
+# Regenerate with: roverlink generate
+"""packet (1): Packet to rover/msg/Packet on packet."""
+
+from __future__ import annotations
+
+from generated.conversions import (
+    any_,
+    inner,
+    packet_content,
+    packet_history,
+    packet_named,
+)
+from generated.messages import Packet, PacketNamedEntry
+from generated.pb2 import packet_pb2
+from runtime.entries import mapping
+from runtime.handler import Handler, Route
+
+
+class PacketHandler(Handler[packet_pb2.Packet, Packet]):
+    """Packet to the topic packet."""
+
+    route = Route(number=1, name="packet", topic="packet", direction="board_to_ros")
+    payload_type = packet_pb2.Packet
+    message_type = Packet
+
+    @staticmethod
+    def to_ros(payload: packet_pb2.Packet) -> Packet:
+        """The message that says what the payload says."""
+        return Packet(
+            has_content=payload.HasField("content"),
+            content=packet_content.to_ros(payload.content),
+            history=[packet_history.to_ros(item) for item in payload.history],
+            named=[
+                PacketNamedEntry(key=key, value=packet_named.to_ros(value))
+                for key, value in sorted(payload.named.items())
+            ],
+            raw=any_.to_ros(payload.raw),
+            inner=inner.to_ros(payload.inner),
+        )
+
+    @staticmethod
+    def from_ros(message: Packet) -> packet_pb2.Packet:
+        """The payload that says what the message says."""
+        return packet_pb2.Packet(
+            content=(
+                packet_content.from_ros(message.content)
+                if message.has_content
+                else None
+            ),
+            history=[packet_history.from_ros(item) for item in message.history],
+            named=mapping(
+                (
+                    (item.key, packet_named.from_ros(item.value))
+                    for item in message.named
+                ),
+                "named",
+            ),
+            raw=any_.from_ros(message.raw),
+            inner=inner.from_ros(message.inner),
+        )

@@ -1,0 +1,36 @@
+# Generated from mapping.yaml (Old); do not edit.
+# Regenerate with: roverlink generate
+"""rover/msg/Old."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.bare import Bare
+from runtime.messages import Float32, Message, UInt8
+
+
+@dataclass(slots=True)
+class Old(Message):
+    """Says too little.
+
+    Deprecated.
+    """
+
+    __msgtype__: ClassVar[str] = "rover/msg/Old"
+
+    OFF: ClassVar[int] = 0
+    LOUD: ClassVar[int] = 1
+    SHRILL: ClassVar[int] = 2
+
+    angle: Float32 = 0.0
+    """In degrees.
+
+    Deprecated.
+    """
+    bare: Float32 = 0.0
+    """Deprecated."""
+    mode: UInt8 = 0
+    inner: Bare = dataclasses.field(default_factory=Bare)

@@ -1,0 +1,65 @@
+# Generated from mapping.yaml (row old) and old.proto; do not edit.
+# Regenerate with: roverlink generate
+"""old (1): Old to rover/msg/Old on old."""
+
+from __future__ import annotations
+
+from generated.conversions import old_more, old_part, old_result
+from generated.messages import Old, OldByNumberEntry
+from generated.pb2 import old_pb2
+from runtime import oneof
+from runtime.entries import mapping
+from runtime.handler import Handler, Route
+from runtime.well_known import timestamp
+
+_WHICH_ONE = {"text": Old.ONE_TEXT, "part": Old.ONE_PART}
+
+
+class OldHandler(Handler[old_pb2.Old, Old]):
+    """Old to the topic old."""
+
+    route = Route(number=1, name="old", topic="old", direction="board_to_ros")
+    payload_type = old_pb2.Old
+    message_type = Old
+
+    @staticmethod
+    def to_ros(payload: old_pb2.Old) -> Old:
+        """The message that says what the payload says."""
+        return Old(
+            needed=payload.needed,
+            has_level=payload.HasField("level"),
+            level=payload.level,
+            levels=list(payload.levels),
+            result=old_result.to_ros(payload.result),
+            more=[old_more.to_ros(item) for item in payload.more],
+            by_number=[
+                OldByNumberEntry(key=key, value=value)
+                for key, value in sorted(payload.by_number.items())
+            ],
+            which_one=oneof.number(payload, "one", _WHICH_ONE),
+            text=payload.text,
+            part=old_part.to_ros(payload.part),
+            stamp=timestamp.to_ros(payload.stamp, "stamp"),
+            has_data=payload.HasField("data"),
+            data=payload.data,
+        )
+
+    @staticmethod
+    def from_ros(message: Old) -> old_pb2.Old:
+        """The payload that says what the message says."""
+        which_one = oneof.member(message.which_one, _WHICH_ONE, "which_one")
+        return old_pb2.Old(
+            needed=message.needed,
+            level=message.level if message.has_level else None,
+            levels=message.levels,
+            result=old_result.from_ros(message.result),
+            more=[old_more.from_ros(item) for item in message.more],
+            by_number=mapping(
+                ((item.key, item.value) for item in message.by_number),
+                "by_number",
+            ),
+            text=message.text if which_one == "text" else None,
+            part=old_part.from_ros(message.part) if which_one == "part" else None,
+            stamp=timestamp.from_ros(message.stamp, "stamp"),
+            data=message.data if message.has_data else None,
+        )

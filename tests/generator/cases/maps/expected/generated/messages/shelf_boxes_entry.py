@@ -1,0 +1,22 @@
+# Generated from mapping.yaml (stock.Shelf.BoxesEntry); do not edit.
+# Regenerate with: roverlink generate
+"""rover/msg/ShelfBoxesEntry."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from generated.messages.box import Box
+from runtime.messages import Message
+
+
+@dataclass(slots=True)
+class ShelfBoxesEntry(Message):
+    """Made from stock.Shelf.BoxesEntry."""
+
+    __msgtype__: ClassVar[str] = "rover/msg/ShelfBoxesEntry"
+
+    key: str = ""
+    value: Box = dataclasses.field(default_factory=Box)

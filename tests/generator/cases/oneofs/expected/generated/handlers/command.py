@@ -1,0 +1,86 @@
+# Generated from mapping.yaml (row command) and command.proto; do not edit.
+# Regenerate with: roverlink generate
+"""command (1): Command from rover/msg/Command on command."""
+
+from __future__ import annotations
+
+from google.protobuf import wrappers_pb2
+
+from generated.conversions import empty, move
+from generated.messages import Command
+from generated.pb2 import command_pb2
+from runtime import oneof
+from runtime.handler import Handler, Route
+from runtime.well_known import json_value, timestamp
+
+_WHICH_ACTION = {
+    "move": Command.ACTION_MOVE,
+    "stop": Command.ACTION_STOP,
+    "gear": Command.ACTION_GEAR,
+    "wake_at": Command.ACTION_WAKE_AT,
+    "scale": Command.ACTION_SCALE,
+    "setting": Command.ACTION_SETTING,
+    "raw": Command.ACTION_RAW,
+    "lights": Command.ACTION_LIGHTS,
+}
+_WHICH_TARGET = {"name": Command.TARGET_NAME}
+
+
+class CommandHandler(Handler[command_pb2.Command, Command]):
+    """Command from the topic command."""
+
+    route = Route(number=1, name="command", topic="command", direction="ros_to_board")
+    payload_type = command_pb2.Command
+    message_type = Command
+
+    @staticmethod
+    def to_ros(payload: command_pb2.Command) -> Command:
+        """The message that says what the payload says."""
+        return Command(
+            id=payload.id,
+            which_action=oneof.number(payload, "action", _WHICH_ACTION),
+            move=move.to_ros(payload.move),
+            stop=empty.to_ros(payload.stop),
+            gear=payload.gear,
+            wake_at=timestamp.to_ros(payload.wake_at, "wake_at"),
+            scale=payload.scale.value,
+            setting=(
+                json_value.to_ros(payload.setting, "setting")
+                if payload.HasField("setting")
+                else ""
+            ),
+            raw=payload.raw,
+            lights=payload.lights,
+            which_target=oneof.number(payload, "target", _WHICH_TARGET),
+            name=payload.name,
+        )
+
+    @staticmethod
+    def from_ros(message: Command) -> command_pb2.Command:
+        """The payload that says what the message says."""
+        which_action = oneof.member(message.which_action, _WHICH_ACTION, "which_action")
+        which_target = oneof.member(message.which_target, _WHICH_TARGET, "which_target")
+        return command_pb2.Command(
+            id=message.id,
+            move=move.from_ros(message.move) if which_action == "move" else None,
+            stop=empty.from_ros(message.stop) if which_action == "stop" else None,
+            gear=message.gear if which_action == "gear" else None,
+            wake_at=(
+                timestamp.from_ros(message.wake_at, "wake_at")
+                if which_action == "wake_at"
+                else None
+            ),
+            scale=(
+                wrappers_pb2.FloatValue(value=message.scale)
+                if which_action == "scale"
+                else None
+            ),
+            setting=(
+                json_value.from_ros(message.setting, "setting")
+                if which_action == "setting"
+                else None
+            ),
+            raw=message.raw if which_action == "raw" else None,
+            lights=message.lights if which_action == "lights" else None,
+            name=message.name if which_target == "name" else None,
+        )
