@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from generator import ir
 from generator.ir import ConversionKind
 from generator.targets.python import layout, spelling
-from generator.targets.python.layout import Comprehension, Conditional, Group, Item, headed
+from generator.targets.python.layout import Comparison, Comprehension, Conditional, Group, Item, headed
 
 _SAYS_WHAT_IS_SET = frozenset({ConversionKind.PRESENCE, ConversionKind.WHICH})
 _IN_THE_RUNTIME = frozenset({ConversionKind.WELL_KNOWN, ConversionKind.JSON})
@@ -183,7 +183,8 @@ class Bodies:
             return Conditional("", f"{self._google('google.protobuf.Empty')}()", source)
         value = self._from_ros_whole(field, source)
         if field.which:
-            return Conditional("", value, f'{which[field.which]} == "{field.proto_path[-1]}"')
+            chosen = Comparison("", which[field.which], f'"{field.proto_path[-1]}"')
+            return Conditional("", value, chosen)
         if field.presence:
             return Conditional("", value, f"message.{field.presence}")
         if field.kind is ConversionKind.JSON and not field.repeated and field.entry is None:

@@ -57,7 +57,7 @@ class Conditional:
 
     head: str
     value: Item
-    condition: str | Group
+    condition: str | Group | Comparison
     otherwise: str = "None"
 
     def flat(self) -> str:
@@ -71,7 +71,25 @@ class Conditional:
         return [f"{' ' * indent}{self.head}(", *parts, f"{' ' * indent})"]
 
 
-Item = str | Group | Comprehension | Conditional
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Whether two things are equal."""
+
+    head: str
+    left: str
+    right: str
+
+    def flat(self) -> str:
+        """On one line."""
+        return f"{self.head}{self.left} == {self.right}"
+
+    def lines(self, indent: int) -> list[str]:
+        """A side a line."""
+        margin = " " * indent
+        return [f"{margin}{self.head}{self.left}", f"{margin}== {self.right}"]
+
+
+Item = str | Group | Comprehension | Conditional | Comparison
 
 
 def _flat(item: Item) -> str:
@@ -106,7 +124,7 @@ def line(text: str, indent: int) -> str:
     return text if indent + len(text) <= LINE_LENGTH else f"{text}  # fmt: skip"
 
 
-def statement(group: Group | Comprehension | Conditional, indent: int = 0) -> str:
+def statement(group: Group | Comprehension | Conditional | Comparison, indent: int = 0) -> str:
     """A statement at a depth of indentation, without that indentation on its first line."""
     if indent + len(group.flat()) <= LINE_LENGTH:
         return group.flat()

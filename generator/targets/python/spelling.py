@@ -29,7 +29,12 @@ RUNTIME_MODULES = frozenset(
 )
 """What generated code imports from the runtime as a module."""
 _TAKEN_MODULES = frozenset(
-    {*dir(builtins), *RUNTIME_MODULES, "item", "key", "keywords", "mapping", "message", "payload", "value"}
+    {
+        *dir(builtins),
+        *RUNTIME_MODULES,
+        *("check_empty", "check_none", "holds", "item", "key", "keywords", "mapping", "message", "packed"),
+        *("payload", "unpacked", "value"),
+    }
 )
 
 

@@ -29,6 +29,9 @@ class NewestHandler(Handler[newest_pb2.Newest, Newest]):
             which_which=oneof.number(payload, "which", _WHICH_WHICH),
             a=payload.a,
             b=payload.b,
+            has_gear=payload.HasField("gear"),
+            gear=payload.gear,
+            gears=bytes(payload.gears),
         )
 
     @staticmethod
@@ -40,4 +43,6 @@ class NewestHandler(Handler[newest_pb2.Newest, Newest]):
             names=message.names,
             a=message.a if which_which == "a" else None,
             b=message.b if which_which == "b" else None,
+            gear=message.gear if message.has_gear else None,
+            gears=message.gears,
         )

@@ -1,0 +1,46 @@
+# Generated from mapping.yaml (row fixed) and any.proto; do not edit.
+# Regenerate with: roverlink generate
+"""fixed (3): Fixed to rover/msg/Fixed on fixed."""
+
+from __future__ import annotations
+
+from generated.conversions import duration_, oneof_, timestamp_
+from generated.messages import Fixed
+from generated.pb2 import any_pb2
+from runtime import oneof
+from runtime.handler import Handler, Route
+from runtime.well_known import timestamp
+
+_WHICH_CDR = {"a": Fixed.CDR_A}
+
+
+class FixedHandler(Handler[any_pb2.Fixed, Fixed]):
+    """Fixed to the topic fixed."""
+
+    route = Route(number=3, name="fixed", topic="fixed", direction="board_to_ros")
+    payload_type = any_pb2.Fixed
+    message_type = Fixed
+
+    @staticmethod
+    def to_ros(payload: any_pb2.Fixed) -> Fixed:
+        """The message that says what the payload says."""
+        return Fixed(
+            timestamp=timestamp_.to_ros(payload.timestamp),
+            duration=duration_.to_ros(payload.duration),
+            oneof=oneof_.to_ros(payload.oneof),
+            which_cdr=oneof.number(payload, "cdr", _WHICH_CDR),
+            a=payload.a,
+            stamp=timestamp.to_ros(payload.stamp, "stamp"),
+        )
+
+    @staticmethod
+    def from_ros(message: Fixed) -> any_pb2.Fixed:
+        """The payload that says what the message says."""
+        which_cdr = oneof.member(message.which_cdr, _WHICH_CDR, "which_cdr")
+        return any_pb2.Fixed(
+            timestamp=timestamp_.from_ros(message.timestamp),
+            duration=duration_.from_ros(message.duration),
+            oneof=oneof_.from_ros(message.oneof),
+            a=message.a if which_cdr == "a" else None,
+            stamp=timestamp.from_ros(message.stamp, "stamp"),
+        )
