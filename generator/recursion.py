@@ -56,13 +56,13 @@ class Levels:
                 also = [(first.at("recursion"), f"the row {first.name}")]
                 report(DISAGREEING_ROWS.at(row.at("recursion"), message, "give both rows the same recursion", also))
 
-    def is_recursive(self, holder: str, held: str) -> bool:
+    def _is_recursive(self, holder: str, held: str) -> bool:
         """Whether a field of a message leads back to that message."""
         return holder in self._circle and held in self._circle[holder]
 
     def of(self, holder: str, level: int, held: str) -> int:
         """The level of a message in another; `CUT` where it would be one too many."""
-        if not self.is_recursive(holder, held):
+        if not self._is_recursive(holder, held):
             return 1
         next_level = level if self._order[held] > self._order[holder] else level + 1
         circle = self._circle[holder]
@@ -70,10 +70,9 @@ class Levels:
             return 1  # the circle is found fault with when it closes
         return next_level if next_level <= self._bounds[circle][0] else CUT
 
-    def bound(self, message: str) -> int:
-        """How many levels a message has."""
-        circle = self._circle.get(message)
-        return self._bounds[circle][0] if circle in self._bounds else 1
+    def is_carried(self, holder: str, held: str) -> bool:
+        """Whether a field of a message leads back to that message, and a row says how often."""
+        return self._is_recursive(holder, held) and self._circle[holder] in self._bounds
 
 
 def _reachable(root: str, held: Mapping[str, Iterable[str]]) -> set[str]:

@@ -145,7 +145,7 @@ class MessageBuilder:
         said = self._messages.settings.presence.get((message.full_name, field.name))
         if said is not None:
             return said
-        recursive = self._messages.levels.is_recursive(message.full_name, field.type_name)
+        recursive = self._messages.levels.is_carried(message.full_name, field.type_name)
         return field.optional or field.type_name in well_known.WRAPPERS or recursive
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], level: int) -> str:

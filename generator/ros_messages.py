@@ -110,7 +110,8 @@ class RosMessages:
             told = f"{proto} is named by a keyword of Python, so that generated code cannot reach it"
             self.report(CANNOT_CONVERT.at(message.span, told, "rename it: no wire has its name"))
         if message.extendable:
-            self.report(EXTENSIONS.at(message.span, f"extensions of {proto} are not carried: no ROS field takes them"))
+            told = f"extensions of {proto} are not carried: no ROS field takes them"
+            self.report(EXTENSIONS.at(message.span, told, "make them fields of the message to carry them"))
         self._in_progress.append((proto, level))
         builder = MessageBuilder(self, message, shape, level)
         builder.add_fields(message, (), level)

@@ -1,4 +1,4 @@
-"""The IR, walked field by field: which value of a payload belongs where in a ROS message; no generated code in sight."""
+"""The IR, walked field by field: which value of a payload belongs where in a ROS message."""
 
 from __future__ import annotations
 
