@@ -67,6 +67,7 @@ class RosMessages:
         if ros not in known:
             fields = conversions[ros].fields if ros in conversions else ()
             held = [one.converter for one in fields if one.converter and not one.repeated]
+            held += [member.ros for member in self.anys[ros].members] if ros in self.anys else []
             known[ros] = 1 + sum(self._count(one, conversions, known) for one in held)
         return known[ros]
 

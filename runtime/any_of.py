@@ -40,12 +40,12 @@ def packed(message: ProtoMessage) -> Any:
 
 
 def check_empty(payload: Any, place: str) -> None:
-    """Raise `ConversionError` where an Any holds something: none of what the table lists."""
+    """Raise `ConversionError` where an Any holds something: none of what a ROS 2 message has a field for."""
     if payload.type_url or payload.value:
-        raise ConversionError(f"it holds {payload.type_url!r}, which the table does not list", place)
+        raise ConversionError(f"it holds {payload.type_url!r}, for which the ROS 2 message has no field", place)
 
 
 def check_none(which: int, place: str) -> None:
     """Raise `ConversionError` where a number says that something is held: none of what the table lists."""
     if which:
-        raise ConversionError(f"{which} stands for nothing that the table lists", f"{place}.which")
+        raise ConversionError(f"{which} stands for none of the messages that it may hold", f"{place}.which")

@@ -11,11 +11,13 @@ from golden import Case, passing_cases
 
 _CROSSCHECK = Path(__file__).parent / "crosscheck.py"
 _ABOUT_OTHER_THINGS = {
-    *("comments", "envelope_of_another_owner", "extensions", "ledger_merge_conflict"),
+    *("comments", "deprecated", "envelope_of_another_owner", "extensions", "ledger_merge_conflict"),
     *("ledger_one_number_in_two_branches", "only_what_is_needed", "qos_and_peers", "retired"),
     "tab107_topic_changed",
 }
-_LESS_LIKELY_TO_BREAK = {"empty_messages", "long_names", "one_message_in_two_rows", "packages"}
+_LESS_LIKELY_TO_BREAK = {
+    *("empty_messages", "long_constructs", "long_names", "names_of_python", "one_message_in_two_rows", "packages"),
+}
 _CASES = [
     pytest.param(case, marks=[pytest.mark.slow] if case.folder.name in _LESS_LIKELY_TO_BREAK else [])
     for case in passing_cases()
