@@ -13,10 +13,9 @@ from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.tree import Tree
 from generator.findings import Finding, Severity, Span
 from generator.protos import ProtoMessage, Schema
-from generator.ros_fields import unusable
 from generator.rules import modules
 
-_FIELD_NAME, _MESSAGE_NAME, _ROS_NAME = "CNV104", "CNV106", "ROS101"
+_FIELD_NAMES, _ROS_NAME = ("CNV104", "CNV105"), "ROS101"
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
 """Rules without which what is generated would make no sense."""
 _MANY_ROWS = 3
@@ -90,22 +89,14 @@ def _cure_row(place: _Place, finding: Finding, draft: Draft) -> bool:
         return finding.rule.id != "CNV110" and _rename_message(row, draft)
     if place.field in row.ignore:
         return False
-    if finding.rule.id == _FIELD_NAME and place.own and place.field not in row.fields:
-        name = _field_name(place.field)
-        if not unusable(name) and name not in row.fields.values():
-            row.fields[place.field] = name
-            return True
+    if finding.rule.id in _FIELD_NAMES and place.own and place.field not in row.fields:
+        row.fields[place.field] = f"{naming.field_name(place.field)}_field"
+        return True
     if finding.severity is Severity.WARNING:
         return False
     row.fields.pop(place.field, None)
     row.ignore[place.field] = finding.message
     return True
-
-
-def _field_name(name: str) -> str:
-    """A name that ROS takes for a field: ``motorId`` becomes ``motor_id``."""
-    plain = re.sub(r"_+", "_", naming.snake_case(name)).strip("_")
-    return f"{plain}_" if not plain or plain[0].isdigit() else plain
 
 
 def _rename_message(row: DraftRow, draft: Draft) -> bool:

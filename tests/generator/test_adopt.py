@@ -160,8 +160,9 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     plant(tmp_path / "protos", _AWKWARD)
     adoption = _adopted(tmp_path)
     rows = {row.name: row for row in adoption.draft.rows}
-    assert {route.name for route in adoption.compiled.bridge.routes} == {"off", "status", "motor", "again"}
-    assert rows["motor"].ros == "MotorState"
+    routes = {route.name: route for route in adoption.compiled.bridge.routes}
+    assert routes.keys() == {"off", "status", "motor", "again"}
+    assert routes["motor"].conversion.ros == "MotorState"
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
     assert 'name: "off"' in _table(adoption)
