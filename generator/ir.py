@@ -61,6 +61,10 @@ class Peer:
     parameter: str
     port: int
     strip_trailing_zeros: bool
+    sources: tuple[str, ...] = ()
+    """Addresses and networks from which it speaks; empty for any."""
+    source_rate: int | None = None
+    """Datagrams a second that are taken from each of its addresses; None for any number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,6 +229,16 @@ class Qos:
 
 
 @dataclass(frozen=True, slots=True)
+class Deadman:
+    """What a peer is told when the topic that commands it falls silent."""
+
+    after_ms: int
+    repeat_ms: int
+    send: tuple[tuple[str, bool | int | float | str | bytes], ...]
+    """Values by the dotted path of the proto field."""
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """One row of the table, resolved."""
 
@@ -237,6 +251,10 @@ class Route:
     qos: Qos
     forward: tuple[str, ...]
     conversion: Conversion
+    deadman: Deadman | None = None
+    max_rate: int | None = None
+    """Most messages a second; None for any number."""
+    priority: int = 0
 
 
 @dataclass(frozen=True, slots=True)

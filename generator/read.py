@@ -10,6 +10,7 @@ from generator import ir, naming
 from generator.findings import Finding, FindingsError, Rule
 from generator.table import (
     Bound,
+    DeadmanSettings,
     EnumSettings,
     EnvelopeSettings,
     Lowered,
@@ -27,6 +28,7 @@ CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
 
 _USUAL_TARGETS = ("python", "ros2", "markdown")
 _FIRST_PORT = 6000
+_REPEAT_MS = 1000
 _MAINTAINER = "unnamed <unnamed@example.com>"  # package.xml wants one; example.com receives nothing (RFC 2606)
 
 
@@ -104,6 +106,8 @@ def _peers(item: Item) -> Iterator[PeerSettings]:
             peer.get("port", _FIRST_PORT + index),
             peer.get("strip_trailing_zeros", False),
             peer.get("max_size"),
+            peer.texts("sources"),
+            peer.get("source_rate"),
         )
 
 
@@ -128,7 +132,17 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         presence={path: entry.value for path, entry in item.entry("presence").entries.items()},
         anys={path: tuple(type.value for type in entry.items) for path, entry in item.entry("any").entries.items()},
         recursion=item.get("recursion"),
+        deadman=_deadman(item.entry("deadman")),
+        max_rate=item.get("max_rate"),
+        priority=item.get("priority", 0),
     )
+
+
+def _deadman(item: Item) -> DeadmanSettings | None:
+    if not item.has("after", "send"):
+        return None
+    send = {path: entry.value for path, entry in item.entry("send").entries.items()}
+    return DeadmanSettings(item.span, item.spans(), item.get("after"), item.get("repeat", _REPEAT_MS), send)
 
 
 def _lowered(item: Item) -> Iterator[Lowered]:

@@ -11,6 +11,7 @@ from pathlib import PurePosixPath
 
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
+from generator.guards import guarded
 from generator.ledger import Ledger
 from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
@@ -106,7 +107,9 @@ def resolve(
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
     located = [row for row in table.rows if row.proto in schema.messages]
-    routes = tuple(messages.route(row) for row in sorted(located, key=lambda row: row.number))
+    routes = tuple(
+        guarded(messages.route(row), row, schema, findings) for row in sorted(located, key=lambda row: row.number)
+    )
     carried = {route.conversion.ros for route in routes}
     if table.whole:
         messages.check_enums()
@@ -120,7 +123,7 @@ def resolve(
         maintainer=table.maintainer,
         envelope=envelope,
         peers=tuple(
-            ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros)
+            ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros, peer.sources, peer.source_rate)
             for peer in sorted(table.peers, key=lambda peer: peer.name)
         ),
         routes=routes,

@@ -57,6 +57,10 @@ class PeerSettings(Placed):
     strip_trailing_zeros: bool
     max_size: int | None
     """Largest envelope in bytes that it can take or send; None where it has memory enough."""
+    sources: tuple[str, ...] = ()
+    """Addresses and networks from which it speaks; empty for any."""
+    source_rate: int | None = None
+    """Datagrams a second that are taken from each of its addresses; None for any number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,16 @@ class Bound:
     """Bytes of a text or of `bytes`."""
     count: int | None
     """Values of a repeated field."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeadmanSettings(Placed):
+    """What a peer is told when the topic that commands it falls silent."""
+
+    after_ms: int
+    repeat_ms: int
+    send: Mapping[str, str]
+    """Values as they are written, by the path of the proto field."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +120,10 @@ class Row(Placed):
     """Paths of google.protobuf.Any fields, and the messages that they may hold."""
     recursion: int | None = None
     """How often a message that holds itself may stand in itself; None where it must not."""
+    deadman: DeadmanSettings | None = None
+    max_rate: int | None = None
+    """Most messages a second."""
+    priority: int = 0
 
     @property
     def inbound(self) -> bool:

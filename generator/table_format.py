@@ -5,7 +5,9 @@ Said once, for the reader (`generator.read`) and for the JSON Schema by which ed
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from ipaddress import IPv4Network
 from typing import Any
 
 FORMAT_VERSION = 1
@@ -34,6 +36,43 @@ class Integer:
 @dataclass(frozen=True, slots=True)
 class Boolean:
     """``true`` or ``false``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Duration:
+    """A time with its unit, ``500ms`` or ``2s``; in a table it is a number of milliseconds."""
+
+    minimum: int
+    """In milliseconds, as `maximum`."""
+    maximum: int
+
+    pattern = r"([1-9][0-9]{0,9})(ms|s)"
+
+    def read(self, text: str) -> int | None:
+        """The milliseconds that a text says; None where it says none that may stand here."""
+        found = re.fullmatch(self.pattern, text)
+        milliseconds = int(found[1]) * (1000 if found[2] == "s" else 1) if found else 0
+        return milliseconds if self.minimum <= milliseconds <= self.maximum else None
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """An IPv4 address, or a network of them, ``10.0.0.0/24``."""
+
+    pattern = r"[0-9]{1,3}(\.[0-9]{1,3}){3}(/[0-9]{1,2})?"
+
+    def fault(self, text: str) -> str:
+        """Why a text is none, and what would be one; empty where it is one."""
+        try:
+            network = IPv4Network(text, strict=False)
+        except ValueError:
+            return "an IPv4 address or network, such as 10.0.0.7 or 10.0.0.0/24"
+        return "" if text in (str(network), str(network.network_address)) else f"the network is {network}"
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A number, a text, ``true`` or ``false``, as it is written; who knows its meaning checks it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +107,8 @@ class Object:
     keys: dict[str, Key]
 
 
-Type = Text | Integer | Boolean | ListOf | MapOf | Object
+Leaf = Text | Integer | Boolean | Duration | Network | Scalar
+Type = Leaf | ListOf | MapOf | Object
 
 _PROTO_NAME = Text(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*", "SensorBoardIMUInfo")
 _FIELD_PATH = Text(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*", "gps_sensor_1")
@@ -84,6 +124,13 @@ _QOS = Object(
         "durability": Key(Text(choices=("volatile", "transient_local")), "Whether late subscribers get the last ones."),
         "history": Key(Text(choices=("keep_last", "keep_all")), "What is kept for slow subscribers."),
         "depth": Key(Integer(1, 1_000_000), "How many are kept with keep_last; the same as the row's queue."),
+    }
+)
+_DEADMAN = Object(
+    {
+        "after": Key(Duration(10, 3_600_000), "How long the topic may be silent, such as 500ms.", True),
+        "send": Key(MapOf(_FIELD_PATH, Scalar()), "What stops it: proto fields and values; others are zero.", True),
+        "repeat": Key(Duration(10, 3_600_000), "How often that is sent again while the topic is silent; 1s if absent."),
     }
 )
 _LOWERED = MapOf(
@@ -124,6 +171,9 @@ ROW = Object(
         "recursion": Key(Integer(1, 16), "How many levels of a message that holds itself are carried."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
         "bounds": Key(MapOf(_FIELD_PATH, _BOUND), "Path of a proto field to what a microcontroller has room for."),
+        "deadman": Key(_DEADMAN, "What a peer is told when the topic that commands it falls silent."),
+        "max_rate": Key(Integer(1, 1_000_000), "Most messages a second; of more, the newest passes on."),
+        "priority": Key(Integer(0, 9), "Topics to peers are served by it, 9 first; 0 where absent."),
         "lint": Key(_LOWERED, "Rules that count for less in what is about this row, its message and those in it."),
     }
 )
@@ -201,6 +251,14 @@ TABLE = Object(
                         "strip_trailing_zeros": Key(
                             Boolean(), "Whether datagrams to this peer are sent without their trailing zero bytes."
                         ),
+                        "sources": Key(
+                            ListOf(Network(), least=1),
+                            "Addresses and networks from which this peer speaks; any where absent.",
+                        ),
+                        "source_rate": Key(
+                            Integer(1, 10_000_000),
+                            "Datagrams a second that are taken from each of its addresses; any number where absent.",
+                        ),
                     }
                 ),
             ),
@@ -240,6 +298,10 @@ def _schema_of(type: Type) -> dict[str, Any]:
         return {"type": "integer", "minimum": type.minimum, "maximum": type.maximum}
     if isinstance(type, Boolean):
         return {"type": "boolean"}
+    if isinstance(type, Scalar):
+        return {"type": ["string", "number", "boolean"]}
+    if isinstance(type, (Duration, Network)):
+        return {"type": "string", "pattern": f"^({type.pattern})$"}
     if isinstance(type, ListOf):
         return _list_schema(type)
     if isinstance(type, MapOf):
@@ -254,7 +316,7 @@ def _list_schema(type: ListOf) -> dict[str, Any]:
     schema: dict[str, Any] = {"type": "array", "items": _schema_of(type.item)}
     if type.least:
         schema["minItems"] = type.least
-    if isinstance(type.item, Text):
+    if isinstance(type.item, (Text, Network)):
         schema["uniqueItems"] = True
     return schema
 

@@ -15,7 +15,7 @@ import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, nearest
-from generator.table_format import Boolean, Integer, ListOf, MapOf, Object, Text, Type
+from generator.table_format import Boolean, Duration, Integer, Leaf, ListOf, MapOf, Network, Object, Scalar, Text, Type
 
 UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
 SYNTAX = Rule("MAP102", "yaml-syntax")
@@ -27,6 +27,15 @@ SURPRISING_SCALAR = Rule("MAP107", "surprising-scalar")
 BAD_VALUE = Rule("MAP108", "bad-value")
 
 _LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
+_NULL = "tag:yaml.org,2002:null"
+_WANTED = {
+    Text: "a string",
+    Integer: "a number",
+    Boolean: "true or false",
+    Duration: "a time",
+    Network: "an address or a network",
+    Scalar: "a number, a text, true or false",
+}
 
 
 @dataclass(slots=True)
@@ -186,7 +195,7 @@ class _Reader:
         if len(items) < type.least:
             self.findings.append(BAD_VALUE.at(self._span(node), f"{what} is empty"))
         item = Item(None, self._span(node), items=[item for item in items if item is not None])
-        if isinstance(type.item, Text):
+        if isinstance(type.item, (Text, Network)):
             self._check_unique(item, what)
         return item
 
@@ -197,15 +206,22 @@ class _Reader:
                 message = f"{what} holds {item.value!r} twice"
                 self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))
 
-    def _scalar(self, node: Node, type: Text | Integer | Boolean, what: str) -> Item | None:
+    def _scalar(self, node: Node, type: Leaf, what: str) -> Item | None:
         if not isinstance(node, ScalarNode):
-            wanted = {Text: "a string", Integer: "a number", Boolean: "true or false"}[type.__class__]
-            self._wrong(node, what, wanted)
+            self._wrong(node, what, _WANTED[type.__class__])
             return None
         if isinstance(type, Integer):
             value: Any = self._integer(node, type, what)
         elif isinstance(type, Boolean):
             value = self._boolean(node, what)
+        elif isinstance(type, Duration):
+            value = self._duration(node, type, what)
+        elif isinstance(type, Network):
+            value = self._network(node, type, what)
+        elif isinstance(type, Scalar):
+            value = None if node.tag == _NULL else node.value
+            if value is None:
+                self._wrong(node, what, _WANTED[Scalar])
         else:
             value = self._text(node, type, what)
         return None if value is None else Item(value, self._span(node))
@@ -232,8 +248,23 @@ class _Reader:
             return None
         return bool(node.value == "true")
 
+    def _duration(self, node: ScalarNode, type: Duration, what: str) -> int | None:
+        milliseconds = type.read(node.value)
+        if milliseconds is None:
+            message = f"{what} is {node.value!r}; it must be from {type.minimum} ms to {type.maximum // 1000} s"
+            help = "a whole number and its unit, such as 500ms or 2s"
+            self.findings.append(BAD_VALUE.at(self._span(node), message, help))
+        return milliseconds
+
+    def _network(self, node: ScalarNode, type: Network, what: str) -> str | None:
+        if fault := type.fault(node.value):
+            message = f"{what} is {node.value!r}, which is no address and no network"
+            self.findings.append(BAD_VALUE.at(self._span(node), message, fault))
+            return None
+        return str(node.value)
+
     def _text(self, node: ScalarNode, type: Text, what: str) -> str | None:
-        if node.tag == "tag:yaml.org,2002:null":
+        if node.tag == _NULL:
             self._wrong(node, what, "a string")
             return None
         if node.tag != "tag:yaml.org,2002:str":

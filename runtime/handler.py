@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from runtime import cdr
 from runtime.errors import ConversionError
@@ -33,6 +34,18 @@ class Qos:
 
 
 @dataclass(frozen=True, slots=True)
+class Deadman:
+    """What a peer is told when the topic that commands it falls silent."""
+
+    after_ms: int
+    """How long the topic may be silent."""
+    send: Mapping[str, Any]
+    """The payload that stops it: values by the dotted path of the proto field; the others are zero."""
+    repeat_ms: int = 1000
+    """How often that is sent again while the topic is silent."""
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """One row of the table: what travels under which number, between which peer and which topic."""
 
@@ -47,6 +60,11 @@ class Route:
     qos: Qos = Qos()
     forward: tuple[str, ...] = ()
     """Peers that also get the raw datagram."""
+    deadman: Deadman | None = None
+    max_rate: int | None = None
+    """Most messages a second, of which the newest pass; None for any number."""
+    priority: int = 0
+    """Topics to peers are served by it, the largest first."""
 
     @property
     def inbound(self) -> bool:

@@ -32,6 +32,10 @@ class Peer:
     """The default of that parameter."""
     strip_trailing_zeros: bool = False
     """Whether datagrams to this peer are sent without their trailing zero bytes."""
+    sources: tuple[str, ...] = ()
+    """IPv4 addresses and networks from which it speaks; empty for any."""
+    source_rate: int | None = None
+    """Datagrams a second that are taken from each of its addresses; None for any number."""
 
 
 @dataclass(frozen=True)

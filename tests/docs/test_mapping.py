@@ -84,9 +84,11 @@ def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     assert documented["messages[].qos.reliability"] == row.qos.reliability
     assert documented["messages[].qos.durability"] == row.qos.durability
     assert documented["messages[].qos.history"] == row.qos.history
+    assert documented["messages[].priority"] == str(row.priority)
     assert row.ros == "ProbeReport"
     nothing = {"proto.exclude": table.proto.exclude, "retired": table.retired, "enums": table.enums}
     nothing |= {"messages[].lint": row.lint, "lint": table.lint, "peers.<peer>.max_size": peer.max_size}
+    nothing |= {"messages[].deadman": row.deadman, "messages[].max_rate": row.max_rate}
     nothing |= {"messages[].fields": row.fields, "messages[].ignore": row.ignore, "messages[].forward": row.forward}
     assert {key: documented[key] for key in nothing if not nothing[key]} == dict.fromkeys(nothing, "none")
 

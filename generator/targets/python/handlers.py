@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -41,7 +42,8 @@ def emit(bridge: ir.Bridge) -> Files:
 
 def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _Pack | None) -> str:
     conversion = route.conversion
-    runtime = ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
+    runtime = ["Deadman"] if route.deadman else []
+    runtime += ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
     imports = [("runtime.handler", name) for name in runtime]
     imports += [("runtime", "cdr"), *pack.imports] if pack else []
     view = conversions.view(conversion, converters, 4, extra_imports=imports)
@@ -90,6 +92,31 @@ def _route_arguments(route: ir.Route) -> Iterator[str | Group]:
     if route.forward:
         peers = [f'"{peer}"' for peer in route.forward]
         yield Group("forward=(", peers, ")") if len(peers) > 1 else f"forward=({peers[0]},)"
+    if route.deadman:
+        yield _deadman(route.deadman)
+    if route.max_rate is not None:
+        yield f"max_rate={route.max_rate}"
+    if route.priority:
+        yield f"priority={route.priority}"
+
+
+def _deadman(deadman: ir.Deadman) -> Group:
+    values = [f'"{path}": {_literal(value)}' for path, value in deadman.send]
+    times = [f"after_ms={deadman.after_ms}", f"repeat_ms={deadman.repeat_ms}"]
+    return Group("deadman=Deadman(", [*times, Group("send={", values, "}")], ")")
+
+
+def _literal(value: bool | int | float | str | bytes) -> str:
+    """A value as black writes it: strings in double quotes, unless the others need fewer escapes."""
+    if isinstance(value, bytes):
+        return 'b"' + "".join(f"\\x{byte:02x}" for byte in value) + '"'
+    if not isinstance(value, str):
+        return repr(value)
+    inside = json.dumps(value, ensure_ascii=False)[1:-1]
+    if value.count('"') <= value.count("'"):
+        return f'"{inside}"'
+    single = inside.replace("'", r"\'").replace(r"\"", '"')
+    return f"'{single}'"
 
 
 # --- the hot path: one struct call for a message of fixed size --------------------------------------------------

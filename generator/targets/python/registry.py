@@ -63,9 +63,16 @@ def _field(field: ir.WireField) -> str:
 
 
 def _peer(peer: ir.Peer) -> layout.Group:
-    arguments = [f'name="{peer.name}"', f'port_parameter="{peer.parameter}"', f"port={peer.port}"]
+    arguments: list[layout.Item] = [f'name="{peer.name}"', f'port_parameter="{peer.parameter}"', f"port={peer.port}"]
     arguments += ["strip_trailing_zeros=True"] if peer.strip_trailing_zeros else []
+    arguments += [layout.Group("sources=(", _sources(peer), ")")] if peer.sources else []
+    arguments += [f"source_rate={peer.source_rate}"] if peer.source_rate is not None else []
     return layout.Group("Peer(", arguments, ")")
+
+
+def _sources(peer: ir.Peer) -> list[str]:
+    quoted = [f'"{source}"' for source in peer.sources]
+    return quoted if len(quoted) > 1 else [f"{quoted[0]},"]
 
 
 def fingerprint(bridge: ir.Bridge) -> str:

@@ -1,0 +1,33 @@
+# Generated from mapping.yaml (row idle) and all.proto; do not edit.
+# Regenerate with: roverlink generate
+"""idle (3): Idle from rover/msg/Idle on idle."""
+
+from __future__ import annotations
+
+from generated.messages import Idle
+from generated.pb2 import all_pb2
+from runtime.handler import Deadman, Handler, Route
+
+
+class IdleHandler(Handler[all_pb2.Idle, Idle]):
+    """Idle from the topic idle."""
+
+    route = Route(
+        number=3,
+        name="idle",
+        topic="idle",
+        direction="ros_to_board",
+        deadman=Deadman(after_ms=10, repeat_ms=1000, send={}),
+    )
+    payload_type = all_pb2.Idle
+    message_type = Idle
+
+    @staticmethod
+    def to_ros(_payload: all_pb2.Idle) -> Idle:
+        """The message that says what the payload says."""
+        return Idle()
+
+    @staticmethod
+    def from_ros(_message: Idle) -> all_pb2.Idle:
+        """The payload that says what the message says."""
+        return all_pb2.Idle()

@@ -1,0 +1,39 @@
+# Generated from mapping.yaml; do not edit.
+# Regenerate with: roverlink generate
+"""Every row's handler, with the envelope they travel in."""
+
+from __future__ import annotations
+
+from generated.handlers import ArmHandler, DriveHandler, IdleHandler, SensorHandler
+from generated.pb2 import envelope_pb2
+from runtime.registry import Peer, Registry
+
+REGISTRY = Registry(
+    package="rover",
+    envelope=envelope_pb2.Envelope,
+    oneof="payload",
+    peers=(
+        Peer(
+            name="base",
+            port_parameter="dst_a_port",
+            port=6000,
+            sources=("192.168.1.2",),
+        ),
+        Peer(
+            name="board",
+            port_parameter="dst_b_port",
+            port=6001,
+            sources=("10.0.0.7", "10.0.1.0/24"),
+            source_rate=2000,
+        ),
+        Peer(name="other", port_parameter="dst_c_port", port=6002),
+    ),
+    handlers=(
+        DriveHandler(),
+        ArmHandler(),
+        IdleHandler(),
+        SensorHandler(),
+    ),
+    fingerprint="b3b4954ec8db43975c3f7c4280f7c81393fb12f9fc629e3ab63ed5bda042b7a3",
+    retired={},
+)
