@@ -46,6 +46,10 @@ class Reason(str, Enum):
     WRONG_DIRECTION = "wrong_direction"
     CONVERSION = "conversion"
     NOT_PUBLISHED = "not_published"
+    SUPERSEDED = "superseded"
+    UNKNOWN_SOURCE = "unknown_source"
+    WRONG_SOURCE = "wrong_source"
+    OVER_RATE = "over_rate"
 
 
 class DatagramError(RoverlinkError):

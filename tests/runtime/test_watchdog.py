@@ -1,0 +1,74 @@
+"""When the stop is due: with the times as values, and no clock."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime.watchdog import Watchdog
+
+
+def _due(watchdog: Watchdog, *times: float) -> list[float]:
+    """Those of some times at which the stop is due."""
+    return [now for now in times if watchdog.is_due(now)]
+
+
+def test_the_stop_is_due_once_the_topic_was_silent_long_enough() -> None:
+    """Counted from the last message that passed on; then again at the low rate."""
+    watchdog = Watchdog(0.5, 2.0, now=0.0)
+    watchdog.spoke(0.3)
+    assert _due(watchdog, 0.5, 0.79, 0.8, 0.9, 2.7, 2.8, 4.0, 4.8) == [0.8, 2.8, 4.8]
+    assert watchdog.silent
+
+
+def test_a_topic_that_speaks_is_never_stopped() -> None:
+    """However long it goes on."""
+    watchdog = Watchdog(0.5, 2.0, now=0.0)
+    for tick in range(1000):
+        watchdog.spoke(tick * 0.4)
+        assert not watchdog.is_due(tick * 0.4 + 0.39)
+
+
+def test_a_topic_that_speaks_again_is_watched_as_before() -> None:
+    """The stop ends with the first message, and comes back after the same silence."""
+    watchdog = Watchdog(0.5, 2.0, now=0.0)
+    assert _due(watchdog, 0.5) == [0.5]
+    watchdog.spoke(10.0)
+    assert not watchdog.silent
+    assert _due(watchdog, 10.4, 10.5) == [10.5]
+
+
+def test_a_topic_that_never_spoke_is_silent() -> None:
+    """What commanded the peer before we started is not known."""
+    assert _due(Watchdog(0.5, 1.0, now=100.0), 100.4, 100.5) == [100.5]
+
+
+def test_a_publisher_that_leaves_is_not_waited_for() -> None:
+    """The stop is due at once, but not once more for having left."""
+    watchdog = Watchdog(0.5, 2.0, now=0.0)
+    watchdog.spoke(1.0)
+    watchdog.lost_publisher()
+    assert _due(watchdog, 1.01, 1.02) == [1.01]
+    watchdog.lost_publisher()
+    assert _due(watchdog, 1.03, 3.0, 3.01) == [3.01]
+
+
+@given(st.lists(st.tuples(st.floats(0, 3), st.booleans()), max_size=60))
+def test_whatever_happens_silence_is_never_longer_than_after(events: list[tuple[float, bool]]) -> None:
+    """Asked at its own times, the watchdog tells of every silence just when it is long enough."""
+    watchdog = Watchdog(0.5, 1.0, now=0.0)
+    now = last = 0.0
+    for wait, speaks in events:
+        until = now + wait
+        while watchdog.next_due <= until:
+            due = watchdog.next_due
+            assert watchdog.is_due(due)
+            assert due >= last + 0.5 or math.isclose(due, last + 0.5)
+            assert watchdog.next_due > due
+        now = until
+        if speaks:
+            watchdog.spoke(now)
+            last = now
+        assert watchdog.next_due <= now + 1.0
