@@ -28,6 +28,7 @@ _COMMANDS = (
     "listen",
     "echo",
     "pub",
+    "simulate",
     "demo",
 )
 

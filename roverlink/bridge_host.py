@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import signal
 import subprocess
 import sys
@@ -23,6 +24,8 @@ class BridgeHost(Protocol):
 
     port: int
     """The UDP port on which it listens."""
+    pid: int
+    """The process that it runs in."""
 
     def middleware(self, node: NodeIdentity) -> Middleware:
         """A middleware that sees the bridge's topics."""
@@ -38,19 +41,21 @@ class BridgeHost(Protocol):
 class BridgeProcess:
     """``roverlink run`` as a child, over DDS."""
 
-    def __init__(self, project: Path | None, ports: dict[str, int]) -> None:
+    def __init__(self, project: Path | None, ports: dict[str, int], log_level: str = "warn") -> None:
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
         command += ["--project", str(project)] if project else []
         command += ["--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'"]
+        command += ["--log-level", log_level]
         for name, port in ports.items():
             command += ["-p", f"{name}:={port}"]
         self._command = command
-        self.port = 0
+        self.port = self.pid = 0
 
     def __enter__(self) -> BridgeProcess:
         self._child = subprocess.Popen(  # noqa: S603  # our own program
             self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
+        self.pid = self._child.pid
         self._output = cast(IO[str], self._child.stdout)
         self._log = cast(IO[str], self._child.stderr)
         threading.Thread(target=self._pass_on, daemon=True).start()
@@ -92,13 +97,13 @@ class BridgeProcess:
 class BridgeThread:
     """A bridge in a thread of this process, over memory."""
 
-    def __init__(self, registry: Registry, ports: dict[str, int]) -> None:
+    def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
         self._graph = Graph()
         settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports})
-        self._bridge = Bridge(
-            registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logging.getLogger("bridge")
-        )
-        self.port = self._bridge.port
+        logger = logging.getLogger("bridge")
+        logger.setLevel(log_level.upper())
+        self._bridge = Bridge(registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logger)
+        self.port, self.pid = self._bridge.port, os.getpid()
         self._thread = threading.Thread(target=self._bridge.run, daemon=True)
 
     def __enter__(self) -> BridgeThread:

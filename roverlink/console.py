@@ -105,6 +105,15 @@ def project_folder(given: Path | None) -> Path | None:
     return None
 
 
+def keep_to_ourselves() -> None:
+    """Stay on this host, and out of the ROS 2 domain of anyone else on it.
+
+    The ports of a domain above 100 are among those that Linux hands out to anybody.
+    """
+    os.environ["ROS_LOCALHOST_ONLY"] = "1"
+    os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
+
+
 class _RosFormatter(logging.Formatter):
     """``[INFO] [1700000000.123456] [udp_forwarder]: text``, as ROS 2 nodes log."""
 

@@ -13,6 +13,26 @@ P = TypeVar("P", bound="ProtoMessage")
 _PERIOD_S = 6.0
 _LIST_LENGTH = 3
 _ANY = "google.protobuf.Any"
+_SIGNALS = {
+    "latitude": (50.0647, 0.0005),
+    "longitude": (19.945, 0.0005),
+    "altitude": (219.0, 3.0),
+    "heading": (180.0, 90.0),
+    "hdop": (1.2, 0.4),
+    "vdop": (1.8, 0.5),
+    "satellites": (9.0, 3.0),
+    "temperature": (31.0, 6.0),
+    "voltage": (24.0, 1.5),
+    "rpm": (300.0, 280.0),
+    "ph": (7.0, 0.6),
+    "pressure": (101.3, 0.8),
+    "mass": (212.5, 20.0),
+    "confidence": (0.8, 0.15),
+    "gyro": (0.0, 0.3),
+    "mag": (0.0, 40.0),
+}
+"""Middle and swing of what a field measures, by a word of its name; of any other number they are 0 and 10."""
+_GRAVITY = -9.81
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
@@ -57,11 +77,20 @@ def _value(field: Any, seconds: float) -> Any:
         values = field.enum_type.values
         return values[int(seconds) % len(values)].number
     if field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
-        return round(10 * swing, 3)
+        middle, width = _signal(field.name) or (0.0, 10.0)
+        return round(middle + width * swing, 6)
     if field.cpp_type == field.CPPTYPE_BOOL:
         return swing > 0
     if field.type == field.TYPE_STRING:
         return f"{field.name} {int(seconds)}"
     if field.type == field.TYPE_BYTES:
         return int(100 + 100 * swing).to_bytes(2, "little")
-    return int(50 + 50 * swing)
+    middle, width = _signal(field.name) or (50.0, 50.0)
+    return int(middle + width * swing)
+
+
+def _signal(name: str) -> tuple[float, float] | None:
+    """Middle and swing of a field, where its name says what it measures."""
+    if name == "accel_z":
+        return _GRAVITY, 0.4
+    return next((_SIGNALS[word] for word in name.split("_") if word in _SIGNALS), None)

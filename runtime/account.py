@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,8 +29,16 @@ class Account:
     """Datagrams that were not bridged, by reason."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused, by the name of the peer."""
+    taken: Counter[str] = field(default_factory=Counter)
+    """Messages that topics gave, by the name of the payload."""
     refused: Counter[str] = field(default_factory=Counter)
     """Messages of topics that did not become a datagram, by the name of the payload."""
+    superseded: Counter[str] = field(default_factory=Counter)
+    """Messages of topics that a newer one took the place of, by the name of the payload."""
+    failed: Counter[str] = field(default_factory=Counter)
+    """Messages of topics whose datagram the network refused, by the name of the payload."""
+    stops: Counter[str] = field(default_factory=Counter)
+    """Datagrams that told a peer to stop, by the name of the payload; no message stands behind them."""
     kernel_drops: int = 0
     """Datagrams that the kernel dropped because nobody had read the earlier ones yet."""
 
@@ -42,7 +50,11 @@ class Account:
             "sent": self.sent.total(),
             "forwarded": self.forwarded.total(),
             "dropped": {reason: count for reason, count in sorted(self.dropped.items()) if count},
+            "taken": self.taken.total(),
             "refused": dict(sorted(self.refused.items())),
+            "superseded": dict(sorted(self.superseded.items())),
+            "failed": dict(sorted(self.failed.items())),
+            "stops": dict(sorted(self.stops.items())),
             "unsent": dict(sorted(self.unsent.items())),
             "kernel_drops": self.kernel_drops,
             "by_payload": {
@@ -51,6 +63,10 @@ class Account:
             },
         }
 
+    def discrepancies(self) -> list[str]:
+        """As the function of this name, of the counts as they stand. Only at rest do they have to agree."""
+        return discrepancies(self.as_dict())
+
     def summary(self) -> str:
         """The account in one line."""
         dropped = ", ".join(f"{reason} {count}" for reason, count in sorted(self.dropped.items()) if count) or "none"
@@ -58,6 +74,21 @@ class Account:
             f"received {self.received}, published {self.published.total()}, sent {self.sent.total()}, "
             f"forwarded {self.forwarded.total()}; dropped: {dropped}; by the kernel: {self.kernel_drops}"
         )
+
+
+def discrepancies(account: Mapping[str, Any]) -> list[str]:
+    """Where the sums of an account (`Account.as_dict`) do not agree; empty where they do.
+
+    Every datagram that was received is published or dropped for a reason; every message that a topic gave is sent,
+    refused, superseded, or failed in the network.
+    """
+    dropped = sum(account["dropped"].values())
+    ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
+    sums = [
+        ("datagrams received", account["received"], "published and dropped", account["published"] + dropped),
+        ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
+    ]
+    return [f"{one} {what}, but {other} {ends}" for what, one, ends, other in sums if one != other]
 
 
 class ThrottledWarnings:

@@ -186,6 +186,7 @@ class Bridge:
 
     def _to_peer(self, handler: AnyHandler, destination: Destination, messages: Sequence[bytes]) -> None:
         name = handler.route.name
+        self.account.taken[name] += len(messages)
         datagrams = []
         for message in messages:
             try:
@@ -193,8 +194,11 @@ class Bridge:
             except ConversionError as error:
                 self.account.refused[name] += 1
                 self._warnings.warn(name, f"not sent: {error}")
-        if sent := self._send(datagrams, destination):
+        sent = self._send(datagrams, destination)
+        if sent:
             self.account.sent[name] += sent
+        if failed := len(datagrams) - sent:
+            self.account.failed[name] += failed
 
     def _warn_of_small_buffer(self) -> None:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer

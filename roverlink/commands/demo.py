@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
-import os
 import socket
 import time
 from collections.abc import Iterator, Sequence
@@ -18,7 +17,7 @@ from rich.live import Live
 
 from roverlink import bridge_host, crossings, topics
 from roverlink.bridge_host import BridgeHost
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
 from roverlink.crossings import Crossing
 from roverlink.simulation import payload_at
 from runtime import Registry, Translator, cdr, load_registry
@@ -55,7 +54,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show the bridge at work; exit code 1 where a message did not cross."""
-    _keep_to_ourselves()
+    keep_to_ourselves()
     project = project_folder(arguments.project)
     registry = load_registry(project)
     console = Console()
@@ -75,15 +74,6 @@ def run(arguments: argparse.Namespace) -> int:
     if missing:
         console.print(f"[red]did not cross: {', '.join(missing)}")
     return FINDINGS if missing else OK
-
-
-def _keep_to_ourselves() -> None:
-    """Stay on this host, and out of the ROS 2 domain of anyone else on it.
-
-    The ports of a domain above 100 are among those that Linux hands out to anybody.
-    """
-    os.environ["ROS_LOCALHOST_ONLY"] = "1"
-    os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
 
 
 def _peer_socket() -> socket.socket:

@@ -16,7 +16,7 @@ from generated.registry import REGISTRY
 from roverlink import bridge_host, crossings
 from roverlink.__main__ import main
 from roverlink.bridge_host import BridgeProcess, BridgeThread
-from roverlink.commands import demo
+from roverlink.console import keep_to_ourselves
 from roverlink.crossings import Crossing
 from roverlink.simulation import payload_at
 from runtime import SetupError
@@ -188,9 +188,9 @@ def test_the_demo_keeps_to_itself(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "0")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    demo._keep_to_ourselves()
+    keep_to_ourselves()
     assert os.environ["ROS_LOCALHOST_ONLY"] == "1"
     assert 0 < int(os.environ["ROS_DOMAIN_ID"]) <= 100
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    demo._keep_to_ourselves()
+    keep_to_ourselves()
     assert os.environ["ROS_DOMAIN_ID"] == "7"

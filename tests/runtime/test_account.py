@@ -84,7 +84,11 @@ def _account() -> Account:
         forwarded=Counter(basestation=5),
         dropped=Counter(malformed=3, empty=0, conversion=1),
         unsent=Counter(hardware=1),
+        taken=Counter(drive_motor=4, arm_ctrl=1),
         refused=Counter(arm_ctrl=1),
+        superseded=Counter(drive_motor=1),
+        failed=Counter(drive_motor=1),
+        stops=Counter(drive_motor=3),
         kernel_drops=7,
     )
 
@@ -99,7 +103,11 @@ def test_the_account_as_plain_values() -> None:
         "sent": 2,
         "forwarded": 5,
         "dropped": {"conversion": 1, "malformed": 3},
+        "taken": 5,
         "refused": {"arm_ctrl": 1},
+        "superseded": {"drive_motor": 1},
+        "failed": {"drive_motor": 1},
+        "stops": {"drive_motor": 3},
         "unsent": {"hardware": 1},
         "kernel_drops": 7,
         "by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}},
@@ -112,3 +120,14 @@ def test_the_account_in_one_line() -> None:
         "received 10, published 5, sent 2, forwarded 5; dropped: conversion 1, malformed 3; by the kernel: 7"
     )
     assert "dropped: none" in Account().summary()
+
+
+def test_sums_that_do_not_agree_are_told() -> None:
+    """What was received and taken has to be found again; of an empty account nothing is missing."""
+    assert Account().discrepancies() == []
+    assert _account().discrepancies() == ["10 datagrams received, but 9 published and dropped"]
+    account = _account()
+    account.published["imu_info"] += 1
+    assert account.discrepancies() == []
+    account.sent["drive_motor"] += 1
+    assert account.discrepancies() == ["5 messages taken, but 6 sent, refused, superseded and failed"]

@@ -1,0 +1,223 @@
+"""``roverlink simulate``: boards and a basestation that are not there, for tests, demos and other teams."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import importlib.util
+import itertools
+import json
+import math
+import random
+import time
+from collections.abc import Iterator
+
+from roverlink import bridge_host, topics
+from roverlink.bridge_host import BridgeHost
+from roverlink.commands.send import destination_of
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_project,
+    command,
+    keep_to_ourselves,
+    project_folder,
+    rate,
+    seconds,
+)
+from roverlink.reckoning import Reckoning, fate, resident_bytes
+from roverlink.scenarios import SCENARIOS, Stream, World, emissions
+from roverlink.simulated_peers import Arrivals, Senders
+from roverlink.simulation import payload_at
+from runtime import Registry, Translator, load_registry, parameters
+from runtime.middleware import Middleware, Publisher
+from runtime.registry import AnyHandler
+
+_LOG_LEVEL = "error"  # what it warns of is what the account says in the end
+_RATE_OF_A_ROW_HZ = 20.0
+_COMMANDS_HZ = 20.0
+_PREPARED = 5000
+_PREPARED_FROM_HZ = 1000.0
+_TICK_S = 0.002
+_SETTLE_S = 0.3
+_PATIENCE_S = 20.0
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "simulate",
+        "send what boards and a basestation would, in good days and in bad ones",
+        "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
+        "Send what the boards and the basestation of the table would send, to a bridge that runs (--to), or to one\n"
+        "that is started for it (--bridge). With --bridge it ends with an account in which every datagram is found\n"
+        "again, and with exit code 1 where the sums do not agree or the bridge's memory has grown.\n\nscenarios:\n"
+        + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+    )
+    add_project(parser)
+    target = parser.add_mutually_exclusive_group()
+    target.add_argument(
+        "--to",
+        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
+        metavar="HOST:PORT",
+        help="the bridge (default: %(default)s)",
+    )
+    target.add_argument(
+        "--bridge", choices=("dds", "memory"), help="start a bridge, over ROS 2's wire or in memory, and reckon up"
+    )
+    parser.add_argument(
+        "--scenario",
+        action="append",
+        default=[],
+        choices=tuple(SCENARIOS),
+        help="what goes wrong; may be given more than once (default: nothing)",
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all chance (default: %(default)s)")
+    parser.add_argument(
+        "--rate", type=rate, metavar="HZ", help=f"datagrams a second in all (default: {_RATE_OF_A_ROW_HZ:g} a row)"
+    )
+    parser.add_argument(
+        "--seconds", type=seconds, default=math.inf, metavar="S", help="how long (default: until Ctrl-C)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the account as a JSON object")
+    parser.set_defaults(run=run)
+
+
+def _summary(name: str) -> str:
+    return str(SCENARIOS[name].__doc__).partition("\n")[0]
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate; exit code 1 where a bridge of our own does not add up."""
+    registry = load_registry(project_folder(arguments.project))
+    longest = parameters.defaults(registry)["max_datagram"]
+    world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
+    hertz = arguments.rate or _RATE_OF_A_ROW_HZ * len(world.inbound)
+    stream = emissions(world, hertz, arguments.scenario)
+    if hertz >= _PREPARED_FROM_HZ:
+        stream = _repeated(stream, _PREPARED)
+    if arguments.bridge is None:
+        return _to_a_bridge(arguments, world, stream)
+    return _with_a_bridge(arguments, world, stream)
+
+
+def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
+    reckoning = Reckoning()
+    with Senders(destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
+        for _ in _play(stream, arguments.seconds, senders, reckoning, world):
+            pass
+    if arguments.json:
+        print(json.dumps({"sent": dict(sorted(reckoning.sent.items())), "unsendable": reckoning.unsendable}))
+        return OK
+    ends = ", ".join(f"{count} {end}" for end, count in reckoning.sent.most_common())
+    print(f"sent {reckoning.sent.total()} datagrams to {arguments.to}; a bridge makes of them: {ends or 'nothing'}")
+    return OK
+
+
+def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
+    keep_to_ourselves()
+    reckoning = Reckoning()
+    with contextlib.ExitStack() as stack:
+        arrivals = stack.enter_context(Arrivals(world.registry))
+        host = stack.enter_context(_host(arguments, world.registry, arrivals))
+        senders = stack.enter_context(Senders(("127.0.0.1", host.port)))
+        middleware = stack.enter_context(host.middleware(topics.identity("simulate")))
+        nodes = _Nodes(world.registry, middleware)
+        with contextlib.suppress(KeyboardInterrupt):
+            for now in _play(stream, arguments.seconds, senders, reckoning, world):
+                reckoning.commands += nodes.publish(now)
+                _watch_memory(host, now, reckoning)
+        time.sleep(_SETTLE_S)
+        reckoning.account = host.stop()
+        _wait_for(arrivals, reckoning)
+    return _report(reckoning, as_json=arguments.json)
+
+
+def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals) -> BridgeHost:
+    if arguments.bridge == "dds" and importlib.util.find_spec("cyclonedds"):
+        return bridge_host.BridgeProcess(project_folder(arguments.project), arrivals.ports, _LOG_LEVEL)
+    return bridge_host.BridgeThread(registry, arrivals.ports, _LOG_LEVEL)
+
+
+class _Nodes:
+    """The ROS 2 nodes that command the peers."""
+
+    def __init__(self, registry: Registry, middleware: Middleware) -> None:
+        self._publishers: list[tuple[AnyHandler, Publisher]] = []
+        for handler in registry.handlers:
+            if not handler.route.inbound:
+                topic = topics.full_topic(handler.route.topic)
+                publisher = middleware.publisher(topic, handler.message_type, handler.route.qos)
+                self._publishers.append((handler, publisher))
+        self._next = 0.0
+
+    def publish(self, now: float) -> int:
+        """Publish what is due, once the bridge listens; returns how many messages."""
+        if now < self._next:
+            return 0
+        self._next = now + 1 / _COMMANDS_HZ
+        return sum(
+            publisher.publish([handler.to_cdr(payload_at(handler.payload_type, now))])
+            for handler, publisher in self._publishers
+            if publisher.has_subscribers()
+        )
+
+
+def _repeated(stream: Stream, count: int) -> Stream:
+    """The first of a stream again and again: making them takes longer than sending them."""
+    prepared = list(itertools.islice(stream, count))
+    length = prepared[-1].at + prepared[-1].at / count
+    for start in itertools.count():
+        for emission in prepared:
+            yield dataclasses.replace(emission, at=start * length + emission.at)
+
+
+def _play(stream: Stream, length: float, senders: Senders, reckoning: Reckoning, world: World) -> Iterator[float]:
+    """Send each datagram at its time; gives the time, in seconds, every now and then."""
+    translator, fates = Translator(world.registry), dict[bytes, str]()
+    start = time.monotonic()
+    next_tick = 0.0
+    for emission in stream:
+        if emission.at >= length:
+            return
+        while (now := time.monotonic() - start) < emission.at or now >= next_tick:
+            next_tick = now + _TICK_S
+            yield now
+            time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
+        if not senders.send(emission):
+            reckoning.unsendable += 1
+            continue
+        end = fates.get(emission.datagram)
+        if end is None:
+            end = fate(emission.datagram, translator, world.longest)
+            if len(fates) < 2 * _PREPARED:
+                fates[emission.datagram] = end
+        reckoning.sent[end] += 1
+
+
+def _watch_memory(host: BridgeHost, now: float, reckoning: Reckoning) -> None:
+    if now >= len(reckoning.memory) + 1 and (size := resident_bytes(host.pid)) is not None:
+        reckoning.memory.append(size)
+
+
+def _wait_for(arrivals: Arrivals, reckoning: Reckoning) -> None:
+    """Let the peers take what has arrived; the bridge sends no more."""
+    account = reckoning.account
+    out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
+    deadline = time.monotonic() + _PATIENCE_S
+    while arrivals.count + arrivals.lost < out and time.monotonic() < deadline:
+        time.sleep(_TICK_S)
+    reckoning.arrived, reckoning.lost_at_peers = arrivals.count, arrivals.lost
+
+
+def _report(reckoning: Reckoning, *, as_json: bool) -> int:
+    faults = reckoning.faults()
+    if as_json:
+        print(json.dumps(reckoning.as_dict()))
+    else:
+        print("\n".join(reckoning.lines()))
+        print("the sums agree" if not faults else "\n".join(f"wrong: {fault}" for fault in faults))
+    return FINDINGS if faults else OK

@@ -1,0 +1,195 @@
+"""`roverlink simulate`: streams that a seed repeats, scenarios that do what they say, and sums that agree."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import random
+import socket
+from collections import Counter, defaultdict
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from generated.registry import REGISTRY
+from roverlink.reckoning import PUBLISHED, Reckoning, fate
+from roverlink.scenarios import SCENARIOS, Emission, World, emissions, steady
+from roverlink.simulation import payload_at
+from runtime import Translator
+from runtime.envelope import restore
+
+Start = Callable[..., Any]
+_LONGEST = 1472
+_TRANSLATOR = Translator(REGISTRY)
+
+
+def _world(seed: int = 1) -> World:
+    return World(REGISTRY, random.Random(seed), _LONGEST)  # noqa: S311  # repeatable, not secret
+
+
+def _first(count: int, *names: str, seed: int = 1, rate: float = 300.0) -> list[Emission]:
+    return list(itertools.islice(emissions(_world(seed), rate, list(names)), count))
+
+
+def _fates(stream: list[Emission]) -> Counter[str]:
+    return Counter(fate(emission.datagram, _TRANSLATOR, _LONGEST) for emission in stream)
+
+
+@pytest.mark.parametrize("names", [[name] for name in SCENARIOS] + [list(SCENARIOS), list(reversed(SCENARIOS))])
+def test_a_seed_gives_one_stream_in_the_order_of_time(names: list[str]) -> None:
+    """Whatever the scenario, and all of them at once."""
+    stream = _first(2000, *names)
+    assert stream == _first(2000, *names)
+    assert [emission.at for emission in stream] == sorted(emission.at for emission in stream)
+
+
+def test_in_good_days_every_row_speaks_and_everything_is_published() -> None:
+    """As often as any other, at the rate that was asked for."""
+    stream = _first(1500)
+    assert set(Counter(emission.name for emission in stream).values()) == {100}
+    assert stream[-1].at == pytest.approx(1499 / 300)
+    assert _fates(stream) == {PUBLISHED: 1500}
+
+
+def test_lossy_loses_repeats_and_reorders() -> None:
+    """Nothing is invented: every datagram is one of the stream's."""
+    plain = [emission.datagram for emission in _first(15_000, rate=15_000) if emission.name == "imu_info"]
+    lossy = [emission.datagram for emission in _first(13_000, "lossy", rate=15_000) if emission.name == "imu_info"]
+    order = {datagram: index for index, datagram in enumerate(plain)}
+    counts = Counter(order[datagram] for datagram in lossy)
+    assert 750 < len(counts) < 950
+    assert 20 < sum(count > 1 for count in counts.values()) < 80
+    positions = [order[datagram] for datagram in lossy]
+    assert sum(later < earlier for earlier, later in itertools.pairwise(positions)) > 10
+
+
+def test_stale_repeats_values_for_seconds() -> None:
+    """The stream goes on at its rate; what it says does not."""
+    by_name = defaultdict(list)
+    for emission in _first(1500, "stale"):
+        by_name[emission.name].append(emission.datagram)
+    assert all(len(set(datagrams)) < 30 for datagrams in by_name.values())
+    assert sum(map(len, by_name.values())) == 1500
+
+
+def test_old_schema_has_payloads_of_no_row_and_fields_that_nobody_knows() -> None:
+    """The first are dropped, the second published."""
+    fates = _fates(_first(2000, "old-schema"))
+    assert set(fates) == {PUBLISHED, "unknown_payload"}
+    assert 100 < fates["unknown_payload"] < 300
+
+
+def test_padded_means_what_the_stream_means() -> None:
+    """Padding and stripping change bytes, and no envelope."""
+    plain, padded = _first(1000), _first(1000, "padded")
+    assert sum(a.datagram != b.datagram for a, b in zip(plain, padded)) > 200
+    assert [restore(a.datagram) for a in plain] == [restore(b.datagram) for b in padded]
+
+
+def test_malformed_gives_every_reason_that_lies_in_a_datagram() -> None:
+    """And four fifths as they were."""
+    fates = _fates(_first(5000, "malformed"))
+    assert {"empty", "malformed", "oversized", "unknown_payload", "wrong_direction"} <= set(fates)
+    assert 4000 < fates[PUBLISHED] < 4600
+
+
+def test_flood_is_one_row_that_says_the_same_a_hundred_times() -> None:
+    """The others go on as before."""
+    counts = Counter(emission.name for emission in _first(10_000, "flood"))
+    (_, most), *others = counts.most_common()
+    assert most > 8000
+    assert len(others) == 14
+
+
+def test_reboot_is_a_silence_and_a_start_at_zero() -> None:
+    """In another life, which has a port of its own."""
+    stream = [emission for emission in _first(4000, "reboot") if emission.peer == "hardware"]
+    gaps = [b for a, b in itertools.pairwise(stream) if b.at - a.at > 0.9]
+    assert gaps
+    assert [emission.life for emission in gaps] == list(range(1, len(gaps) + 1))
+    reborn = next(emission for emission in stream if emission.life and emission.name == "imu_info")
+    said = _TRANSLATOR.parse(reborn.datagram).imu_info  # type: ignore[attr-defined]
+    newborn = payload_at(type(said), 0.0)
+    assert said.accel_x == pytest.approx(newborn.accel_x, abs=1.0)
+
+
+def test_numbers_of_no_row_are_retired_ones_where_there_are_any() -> None:
+    """A board that was not flashed for years sends what the table has retired."""
+    assert _world().unused_number() == 22
+    assert next(steady(_world(), 10.0)).at == 0.0
+
+
+def test_a_bridge_in_memory_adds_up(done: Start) -> None:
+    """Every scenario at once; each datagram is found, as published or with the reason of its drop."""
+    scenarios = itertools.chain.from_iterable(("--scenario", name) for name in SCENARIOS)
+    code, output, errors = done("simulate", "--bridge", "memory", "--seconds", 2, "--rate", 1500, "--json", *scenarios)
+    assert code == 0, output + errors
+    account = json.loads(output)
+    assert account["faults"] == []
+    assert sum(account["sent"].values()) == account["bridge"]["received"] + account["bridge"]["kernel_drops"]
+    assert account["bridge"]["dropped"].keys() >= {"malformed", "oversized", "unknown_payload"}
+    assert account["commands"] > 0
+
+
+def test_the_account_is_told_in_words(done: Start) -> None:
+    """Line by line, with the verdict at the end."""
+    code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
+    assert code == 0
+    assert "datagrams were sent to the bridge:" in output
+    assert output.splitlines()[-1] == "the sums agree"
+
+
+def test_a_bridge_of_somebody_elses_gets_the_stream(done: Start) -> None:
+    """Without an account: who listens there is not known."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        code, output, _ = done("simulate", "--to", f"127.0.0.1:{sock.getsockname()[1]}", "--seconds", 0.2, "--json")
+        sock.setblocking(False)
+        assert code == 0
+        said = json.loads(output)
+        assert said["sent"] == {PUBLISHED: 60}
+        assert sum(1 for _ in iter(lambda: _arrived(sock), b"")) == 60
+
+
+def _arrived(sock: socket.socket) -> bytes:
+    try:
+        return sock.recv(65_536)
+    except BlockingIOError:
+        return b""
+
+
+def _account(**changed: Any) -> dict[str, Any]:
+    account: dict[str, Any] = {"received": 10, "published": 8, "dropped": {"malformed": 2}, "kernel_drops": 0}
+    account |= {"taken": 3, "sent": 3, "refused": {}, "superseded": {}, "failed": {}, "stops": {}, "forwarded": 0}
+    return account | changed
+
+
+@pytest.mark.parametrize(
+    ("changed", "fault"),
+    [
+        ({}, None),
+        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 received"),
+        ({"published": 7}, "10 datagrams received, but 9 published and dropped"),
+        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams were malformed, but 1 counted as that"),
+        ({"sent": 2}, "3 messages taken, but 2 sent"),
+        ({"forwarded": 1}, "the bridge sent 4 datagrams to the peers, but 3 arrived"),
+        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 taken"),
+    ],
+)
+def test_sums_that_do_not_agree_are_told(changed: dict[str, Any], fault: str | None) -> None:
+    """Each by the numbers that contradict each other."""
+    reckoning = Reckoning(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account(**changed))
+    assert bool(reckoning.faults()) == (fault is not None)
+    assert fault is None or any(found.startswith(fault) for found in reckoning.faults())
+
+
+def test_memory_that_grows_is_told() -> None:
+    """After a while in which it may."""
+    mebibyte = 1024 * 1024
+    flat = [40 * mebibyte] * 4 + [60 * mebibyte] * 12
+    reckoning = Reckoning(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account())
+    reckoning.memory = flat
+    assert reckoning.faults() == []
+    reckoning.memory = [*flat, 70 * mebibyte]
+    assert reckoning.faults() == ["the bridge's memory grew from 60.0 MiB to 70.0 MiB"]
