@@ -24,6 +24,7 @@ NODE_PARAMETERS = (
     NodeParameter("listen_address", _EVERY_ADDRESS, "address of the interface to listen on"),
     NodeParameter("dst_ip", "127.0.0.1", "the host that has the peers' ports"),
     NodeParameter("forward_policy", "mapping", "mapping: as each row's forward says; all: every datagram to all peers"),
+    NodeParameter("source_policy", "mapping", "mapping: who may speak as each peer's sources say; any: everybody"),
     NodeParameter("max_datagram", 1472, "longest datagram in bytes that is taken"),
     NodeParameter("receive_buffer", 4_194_304, "bytes that the kernel is asked to hold for the bridge"),
 )

@@ -2,7 +2,8 @@
 
 Two threads do the work. `Receiver` takes datagrams from the socket, and there they are translated, published and
 forwarded; publishing never waits (see `Publisher`), so neither does receiving. The middleware's thread calls back with
-what topics say, and there it is translated and sent.
+what topics say, and there it is translated and sent. Where the table limits rates, or tells what stops a peer, a third
+one keeps the time.
 """
 
 from __future__ import annotations
@@ -12,15 +13,21 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from runtime import udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
+from runtime.admission import Admission
 from runtime.destination import Destination
-from runtime.errors import ConversionError, DatagramError, Reason
-from runtime.middleware import Middleware, Publisher
+from runtime.errors import DatagramError, Reason
+from runtime.inlet import Inlet, PacedInlet
+from runtime.middleware import Middleware
+from runtime.outlet import Outlet
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
+from runtime.sources import restrict
+from runtime.timekeeper import Tended, Timekeeper
 from runtime.translator import Translator
 
 NODE = "udp_forwarder"
@@ -30,7 +37,7 @@ NODE = "udp_forwarder"
 class _Lane(NamedTuple):
     """Where an inbound row's messages and datagrams go."""
 
-    publish: Callable[[Sequence[bytes]], int]
+    inlet: Inlet
     forward: tuple[Destination, ...]
 
 
@@ -53,12 +60,14 @@ class Bridge:
         addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
-        self._receiver = udp.Receiver(self._socket, parameters.max_datagram + 1, self._handle)
+        self._receiver = self._receiver_of(parameters)
         self._lanes: dict[str, _Lane] = {}
+        self._outlets: list[Outlet] = []
+        self._paced: list[PacedInlet] = []
         self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
         self._next_look = 0.0
         self._failure: BaseException | None = None
-        self._unsent_lock = threading.Lock()
+        self._counting = threading.Lock()
 
     @property
     def port(self) -> int:
@@ -67,18 +76,30 @@ class Bridge:
         return port
 
     def __enter__(self) -> Bridge:
-        for handler in self._registry.handlers:
-            if handler.route.inbound:
-                self._lanes[handler.route.name] = _Lane(self._publisher(handler).publish, self._forward_of(handler))
-            else:
-                self._subscribe(handler)
+        inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
+        for handler in inbound:
+            self._lanes[handler.route.name] = _Lane(self._inlet(handler), self._forward_of(handler))
+        outbound = [handler for handler in self._registry.handlers if not handler.route.inbound]
+        self._outlets = [self._outlet(handler) for handler in outbound]
+        tended: list[Tended] = [*self._paced, *(outlet for outlet in self._outlets if outlet.is_tended)]
+        self._timekeeper = Timekeeper(tended, self._fail)
+        for inlet in self._paced:
+            inlet.wake = self._timekeeper.wake
+        for handler, outlet in zip(outbound, self._outlets):
+            self._subscribe(handler, outlet)
         self._warn_of_small_buffer()
+        self._timekeeper.__enter__()
         self._receiver.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._receiver.__exit__()
+        self._timekeeper.__exit__()
+        for inlet in self._paced:
+            inlet.end()
         self._middleware.close()
+        for outlet in self._outlets:
+            outlet.end()
         self._count_lost()
         self._socket.close()
         for destination in self._destinations.values():
@@ -96,23 +117,45 @@ class Bridge:
 
     # --- peers to topics ---
 
+    def _receiver_of(self, parameters: Parameters) -> udp.Receiver[Any]:
+        """The receiver; only where the table restricts who may speak does it look at addresses."""
+        size = parameters.max_datagram + 1
+        if parameters.source_policy == "any" or not restrict(self._registry.peers):
+            return udp.Receiver(self._socket, size, self._handle)
+        self._admission = Admission(self._registry, self._drop)
+        return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
+
     def _handle(self, batch: udp.Batch) -> None:
-        self.account.received += len(batch)
+        self._count_received(len(batch))
+        self._bridge(batch, self._translator)
+
+    def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
+        """Bridge what comes from who may speak, each as far as it may."""
+        self._count_received(len(batch))
+        for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
+            self._bridge(datagrams, translator)
+
+    def _count_received(self, count: int) -> None:
+        self.account.received += count
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
             self._count_lost()
-        messages, forwards = self._translated(self._without_oversized(batch))
+
+    def _bridge(self, batch: udp.Batch, translator: Translator) -> None:
+        messages, forwards = self._translated(self._without_oversized(batch), translator)
         for name, run in messages.items():
-            self._publish(name, run)
+            self._lanes[name].inlet.take(run)
         for destination, datagrams in forwards.items():
             if sent := self._send(datagrams, destination):
                 self.account.forwarded[destination.peer] += sent
 
-    def _translated(self, batch: udp.Batch) -> tuple[dict[str, list[bytes]], dict[Destination, list[bytes]]]:
+    def _translated(
+        self, batch: udp.Batch, translator: Translator
+    ) -> tuple[dict[str, list[bytes]], dict[Destination, list[bytes]]]:
         """The messages to publish, by the name of the payload, and the datagrams to hand on as they are."""
         messages: defaultdict[str, list[bytes]] = defaultdict(list)
         forwards = dict.fromkeys(self._to_all, batch)
-        receive, lanes = self._translator.receive, self._lanes
+        receive, lanes = translator.receive, self._lanes
         for datagram in batch:
             try:
                 name, message = receive(datagram)
@@ -131,24 +174,18 @@ class Bridge:
             self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
         return fitting
 
-    def _publish(self, name: str, messages: list[bytes]) -> None:
-        accepted = self._lanes[name].publish(messages)
-        self.account.published[name] += accepted
-        number = self._registry.by_name[name].route.number
-        for _ in messages[accepted:]:
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{name} ({number}): its subscribers are too slow"))
-
     def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
         """How many datagrams went out; those that the network refuses are counted and warned of."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
-            with self._unsent_lock:  # both directions come here
+            with self._counting:  # all threads come here
                 self.account.unsent[destination.peer] += 1
             self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
         return len(datagrams) - len(refusals)
 
     def _drop(self, error: DatagramError) -> None:
-        self.account.dropped[error.reason.value] += 1
+        with self._counting:  # the receiving thread and the timekeeper's come here
+            self.account.dropped[error.reason.value] += 1
         self._warnings.warn(error.reason.value, f"dropped: {error}")
 
     def _count_lost(self) -> None:
@@ -162,43 +199,42 @@ class Bridge:
 
     # --- topics to peers ---
 
-    def _publisher(self, handler: AnyHandler) -> Publisher:
-        return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
+    def _inlet(self, handler: AnyHandler) -> Inlet:
+        route = handler.route
+        publisher = self._middleware.publisher(self._topic(route.topic), handler.message_type, route.qos)
+        if route.max_rate is None:
+            return Inlet(route, publisher, self.account, self._drop)
+        self._paced.append(PacedInlet(route, publisher, self.account, self._drop, route.max_rate))
+        return self._paced[-1]
 
     def _forward_of(self, handler: AnyHandler) -> tuple[Destination, ...]:
         """The peers that get the raw datagrams of a row; where all get all, none is left."""
         return () if self._to_all else tuple(self._destinations[peer] for peer in handler.route.forward)
 
-    def _subscribe(self, handler: AnyHandler) -> None:
-        route = handler.route
-        destination = self._destinations[route.peer]
+    def _outlet(self, handler: AnyHandler) -> Outlet:
+        destination = self._destinations[handler.route.peer]
+        send = partial(self._send, destination=destination)
+        return Outlet(handler, self._translator, send, self.account, self._warnings)
 
-        def send(messages: Sequence[bytes]) -> None:
+    def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> None:
+        route = handler.route
+
+        def take(messages: Sequence[bytes]) -> None:
             try:
-                self._to_peer(handler, destination, messages)
+                outlet.take(messages)
             except BaseException as failure:
-                # Raised in a thread of the middleware's; whoever waits in `run` has to hear of it.
-                self._failure = failure
-                self.stop()
+                self._fail(failure)
                 raise
 
-        self._middleware.subscribe(self._topic(route.topic), handler.message_type, route.qos, send)
+        subscription = self._middleware.subscribe(
+            self._topic(route.topic), handler.message_type, route.qos, take, route.priority
+        )
+        outlet.watch(subscription, self._timekeeper.wake)
 
-    def _to_peer(self, handler: AnyHandler, destination: Destination, messages: Sequence[bytes]) -> None:
-        name = handler.route.name
-        self.account.taken[name] += len(messages)
-        datagrams = []
-        for message in messages:
-            try:
-                datagrams.append(self._translator.send(handler, message))
-            except ConversionError as error:
-                self.account.refused[name] += 1
-                self._warnings.warn(name, f"not sent: {error}")
-        sent = self._send(datagrams, destination)
-        if sent:
-            self.account.sent[name] += sent
-        if failed := len(datagrams) - sent:
-            self.account.failed[name] += failed
+    def _fail(self, failure: BaseException) -> None:
+        """Something unforeseen ended another thread; whoever waits in `run` has to hear of it."""
+        self._failure = failure
+        self.stop()
 
     def _warn_of_small_buffer(self) -> None:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer

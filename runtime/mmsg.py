@@ -63,18 +63,46 @@ class BatchReader:
         stride = ctypes.sizeof(_Mmsghdr) // words.itemsize
         return words[_Mmsghdr.length.offset // words.itemsize :: stride]
 
+    def _receive(self) -> int:
+        """How many datagrams were read into the slots."""
+        count: int = self._recvmmsg(self._descriptor, self._headers, self._slots, socket.MSG_DONTWAIT, None)
+        if count >= 0:
+            return count
+        code = ctypes.get_errno()
+        if code in (errno.EAGAIN, errno.EINTR):
+            return 0
+        raise OSError(code, os.strerror(code))
+
     def read(self) -> list[bytes]:
         """The datagrams that have arrived, oldest first; empty where there are none. Never waits.
 
         Raises `OSError` as `socket.socket.recv` does.
         """
-        count: int = self._recvmmsg(self._descriptor, self._headers, self._slots, socket.MSG_DONTWAIT, None)
-        if count < 0:
-            code = ctypes.get_errno()
-            if code in (errno.EAGAIN, errno.EINTR):
-                return []
-            raise OSError(code, os.strerror(code))
+        count = self._receive()
         buffer, size = self._buffer, self._size
         return [
             buffer[start : start + length] for start, length in zip(range(0, count * size, size), self._lengths[:count])
         ]
+
+
+_SOCKADDR = 16  # bytes of a sockaddr_in
+_ADDRESS_AT = 4  # behind family and port
+
+
+class SourceReader(BatchReader):
+    """Reads with each datagram where it comes from."""
+
+    def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
+        super().__init__(sock, size, slots)
+        self._names: Any = (ctypes.c_char * (_SOCKADDR * slots))()
+        start = ctypes.addressof(self._names)
+        for slot in range(slots):
+            self._headers[slot].header.name = start + slot * _SOCKADDR
+            self._headers[slot].header.namelen = _SOCKADDR
+
+    def read_with_sources(self) -> list[tuple[bytes, bytes]]:
+        """As `read`; each datagram with the IPv4 address of its sender, four bytes."""
+        datagrams = self.read()
+        names = self._names
+        starts = range(_ADDRESS_AT, len(datagrams) * _SOCKADDR, _SOCKADDR)
+        return [(datagram, names[start : start + 4]) for datagram, start in zip(datagrams, starts)]

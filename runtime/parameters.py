@@ -11,6 +11,7 @@ from runtime.registry import Registry
 
 LISTEN_PORT = 5000
 FORWARD_POLICIES = ("mapping", "all")
+SOURCE_POLICIES = ("mapping", "any")
 _PORTS = range(1, 65_536)
 _LARGEST_BUFFER = 2**30  # the kernel doubles it, in an int
 
@@ -29,6 +30,8 @@ class Parameters:
     """UDP port of each peer, by the peer's name."""
     forward_policy: str
     """``mapping``: each row's ``forward``; ``all``: every received datagram goes raw to every peer."""
+    source_policy: str
+    """``mapping``: who may speak as the peers' ``sources`` and ``source_rate`` say; ``any``: everybody, at any rate."""
     max_datagram: int
     """Longest datagram in bytes that is taken; what fits an Ethernet frame by default."""
     receive_buffer: int
@@ -46,6 +49,7 @@ def defaults(registry: Registry) -> dict[str, Any]:
         "dst_ip": "127.0.0.1",
         **ports,
         "forward_policy": "mapping",
+        "source_policy": "mapping",
         "max_datagram": 1472,
         "receive_buffer": 4 * 1024 * 1024,
     }
@@ -77,13 +81,16 @@ def _port(name: str, value: int) -> int:
     return value
 
 
+def _choice(name: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise SetupError(f"parameter {name} is {value!r}; it is one of {', '.join(choices)}")
+
+
 def _check(parameters: Parameters) -> None:
     if parameters.listen_port != 0:
         _port("listen_port", parameters.listen_port)
-    if parameters.forward_policy not in FORWARD_POLICIES:
-        raise SetupError(
-            f"parameter forward_policy is {parameters.forward_policy!r}; it is one of {', '.join(FORWARD_POLICIES)}"
-        )
+    _choice("forward_policy", parameters.forward_policy, FORWARD_POLICIES)
+    _choice("source_policy", parameters.source_policy, SOURCE_POLICIES)
     if not 1 <= parameters.max_datagram <= 65_507:
         raise SetupError(f"parameter max_datagram is {parameters.max_datagram}; a UDP datagram has 1 to 65507 bytes")
     if not 1 <= parameters.receive_buffer <= _LARGEST_BUFFER:

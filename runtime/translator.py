@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 class Translator:
     """Translates by the registry alone; it knows no message."""
 
-    def __init__(self, registry: Registry) -> None:
-        self._registry = registry
+    def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
+        """``peers`` are those for which the sender of what is received may speak; None for all."""
+        self._registry, self._peers = registry, peers
         self._parse = registry.envelope.FromString
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
-        self._inbound = {h.route.name: h for h in registry.handlers if h.route.inbound}
+        inbound = [handler for handler in registry.handlers if handler.route.inbound]
+        self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
 
     def receive(self, datagram: bytes) -> tuple[str, bytes]:
         """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
@@ -65,7 +67,10 @@ class Translator:
 
         Raises `ConversionError` with route and field where a value does not fit.
         """
-        payload = handler.from_cdr(cdr)
+        return self.datagram(handler, handler.from_cdr(cdr))
+
+    def datagram(self, handler: AnyHandler, payload: ProtoMessage) -> bytes:
+        """The datagram for a peer with a payload. Raises `ConversionError` where a required field is not set."""
         try:
             datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
         except EncodeError as error:  # a `required` field of proto2 that nothing has set
@@ -95,6 +100,11 @@ class Translator:
         handler = self._registry.by_name.get(name)
         if handler is None:
             return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name})")
+        if handler.route.inbound:
+            speakers = ", ".join(sorted(self._peers or ()))
+            return DatagramError(
+                Reason.WRONG_SOURCE, f"{name} ({number}) is of {handler.route.peer}, not of {speakers}"
+            )
         return DatagramError(
             Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer"
         )

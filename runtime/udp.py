@@ -14,7 +14,8 @@ import struct
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import Any, Generic, TypeVar
 
 from runtime import mmsg
 from runtime.errors import SetupError
@@ -35,6 +36,10 @@ BURST = 8
 keeps by default: a burst of ours never overruns one."""
 
 Batch = list[bytes]
+Sourced = tuple[bytes, bytes]
+"""A datagram, and the IPv4 address that it comes from: four bytes."""
+
+T = TypeVar("T")
 
 
 def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
@@ -96,25 +101,46 @@ def resolve(host: str, port: int) -> tuple[str, int]:
     return address
 
 
-class Receiver:
+def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
+    """A function that reads what has arrived and never waits.
+
+    ``size`` is the longest datagram that is wanted, in bytes, and one more; longer ones come cut to it.
+    """
+    return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
+
+
+def source_reader(sock: socket.socket, size: int) -> Callable[[], list[Sourced]]:
+    """As `reader`; each datagram comes with the address of its sender."""
+    if mmsg.AVAILABLE:
+        return mmsg.SourceReader(sock, size, _SLOTS).read_with_sources
+    return OneByOneReader(sock, size, _SLOTS).read_with_sources
+
+
+class Receiver(Generic[T]):
     """The thread that empties a UDP socket, a batch at a time, into a function that must not wait for anybody.
 
     What arrives while the function works gathers in the kernel's buffer, so nothing is queued twice. A context
     manager: leaving it stops the thread, after the function was given everything that had arrived.
     """
 
-    def __init__(self, sock: socket.socket, size: int, handle: Callable[[Batch], None]) -> None:
-        """``size`` is the longest datagram that is wanted, in bytes, and one more; longer ones come cut to it."""
+    def __init__(
+        self,
+        sock: socket.socket,
+        size: int,
+        handle: Callable[[list[T]], None],
+        reader: Callable[[socket.socket, int], Callable[[], list[Any]]] = reader,
+    ) -> None:
+        """``size`` is as that of `reader`; with `source_reader` the function is given addresses too."""
         self._sock = sock
         self._handle = handle
-        self._read = _reader(sock, size)
+        self._read: Callable[[], list[T]] = reader(sock, size)
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._stopping = False
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
 
-    def __enter__(self) -> Receiver:
+    def __enter__(self) -> Receiver[T]:
         self._thread.start()
         return self
 
@@ -163,13 +189,9 @@ class Receiver:
         while time.monotonic() < deadline and (datagrams := self._read()):
             self._handle_in_batches(datagrams)
 
-    def _handle_in_batches(self, datagrams: list[bytes]) -> None:
+    def _handle_in_batches(self, datagrams: list[T]) -> None:
         for start in range(0, len(datagrams), BURST):
             self._handle(datagrams[start : start + BURST])
-
-
-def _reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
-    return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
 
 
 class OneByOneReader:
@@ -181,10 +203,13 @@ class OneByOneReader:
 
     def read(self) -> Batch:
         """The datagrams that have arrived, oldest first, each cut to ``size`` bytes; empty where there are none."""
-        batch: Batch = []
-        while len(batch) < self._limit:
-            try:
-                batch.append(self._sock.recv(self._size))
-            except (BlockingIOError, InterruptedError):
-                break
-        return batch
+        return [datagram for datagram, _ in self._arrived()]
+
+    def read_with_sources(self) -> list[Sourced]:
+        """As `read`, with the addresses of the senders."""
+        return [(datagram, socket.inet_aton(host)) for datagram, (host, _) in self._arrived()]
+
+    def _arrived(self) -> Iterator[tuple[bytes, tuple[str, int]]]:
+        with contextlib.suppress(BlockingIOError, InterruptedError):
+            for _ in range(self._limit):
+                yield self._sock.recvfrom(self._size)

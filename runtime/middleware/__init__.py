@@ -54,14 +54,26 @@ class Publisher(Protocol):
         """Whether anyone is known to listen."""
 
 
+class Subscription(Protocol):
+    """One topic to read from."""
+
+    def has_publishers(self) -> bool:
+        """Whether anyone is known to publish. A publisher that was killed is known for some seconds more."""
+
+
 class Middleware(Protocol):
     """A connection to the ROS 2 graph, as one node. A context manager: leaving it takes the node away."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
         """A writer on a fully qualified topic."""
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
-        """Call ``callback`` with the serialized messages of a fully qualified topic, from a thread of ours."""
+    def subscribe(
+        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+    ) -> Subscription:
+        """Call ``callback`` with the serialized messages of a fully qualified topic, from a thread of ours.
+
+        Topics of a larger ``priority`` are served before others, where the middleware lets us decide that.
+        """
 
     def close(self) -> None:
         """Take the node away. More than once does no harm."""

@@ -105,6 +105,10 @@ class RawReader:
         # One without valid data is an instance's end, which ROS does not know.
         return [data for data, info in taken if info.valid_data]
 
+    def has_publishers(self) -> bool:
+        """Whether any writer matches."""
+        return bool(self._reader.get_matched_publications())
+
 
 def delete(entity: Entity) -> None:
     """Delete an entity, and all that was made from it, now."""

@@ -10,8 +10,9 @@ import logging
 import os
 import threading
 import time
+from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
@@ -41,6 +42,7 @@ _NO_LINGERING = (
 )
 _LARGEST_DOMAIN = 232  # the ports of a larger one would lie beyond 65535 (RTPS 2.2, 9.6.1)
 _TAKE = 64  # samples taken at a time
+_TAKE_BEHIND = 8  # of a topic that others come before: they wait as long as these take
 _LEAVE_S = 0.3  # that subscribers have to acknowledge what was written last
 
 
@@ -54,6 +56,19 @@ class DdsPublisher:
     def has_subscribers(self) -> bool:
         """Whether any reader matches."""
         return bool(self._writer.get_matched_subscriptions())
+
+
+class _Topic(NamedTuple):
+    """A topic that is read."""
+
+    reader: RawReader
+    callback: Callback
+    priority: int
+
+    def serve(self, most: int) -> None:
+        """Hand on the oldest messages that have come."""
+        if messages := self.reader.take(most):
+            self.callback(messages)
 
 
 class DdsMiddleware:
@@ -71,7 +86,7 @@ class DdsMiddleware:
         self._stopped = GuardCondition(self._participant)
         self._waitset.attach(self._stopped)
         self._writers: list[RawWriter] = []
-        self._readers: list[tuple[RawReader, Callback]] = []
+        self._topics: tuple[_Topic, ...] = ()
         self._conditions: list[ReadCondition] = []
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
@@ -86,15 +101,20 @@ class DdsMiddleware:
         self._writers.append(raw_writer)
         return DdsPublisher(writer, raw_writer)
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+    def subscribe(
+        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+    ) -> RawReader:
         """Call ``callback`` with the serialized messages of a fully qualified topic, from the taking thread."""
         policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__)
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
-        self._readers.append((RawReader(reader), callback))
+        raw_reader = RawReader(reader)
+        read = _Topic(raw_reader, callback, priority)
+        self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
         self._conditions.append(condition)
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
+        return raw_reader
 
     def close(self) -> None:
         """Take the node away, once subscribers have had a moment to acknowledge what was written last."""
@@ -120,10 +140,19 @@ class DdsMiddleware:
     def _take_until_stopped(self) -> None:
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
-            # A batch of each in turn: a topic that is never empty delays no other, and not the end.
-            for reader, callback in list(self._readers):
-                if messages := reader.take(_TAKE):
-                    callback(messages)
+            _serve(self._topics)
+
+
+def _serve(topics: Sequence[_Topic]) -> None:
+    """A batch of each in turn: a topic that is never empty delays no other, and not the end.
+
+    Before each, those of a higher priority have another turn, so that they wait for one small batch and no more.
+    """
+    for index, topic in enumerate(topics):
+        urgent = [other for other in topics[:index] if other.priority > topic.priority]
+        for other in urgent:
+            other.serve(_TAKE_BEHIND)
+        topic.serve(_TAKE_BEHIND if urgent else _TAKE)
 
 
 def _domain_id() -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -18,6 +18,7 @@ class Graph:
     """The topics of one process, and who listens to each. Middlewares that share a graph see each other."""
 
     callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
+    publishers: Counter[str] = field(default_factory=Counter)
 
 
 class MemoryPublisher:
@@ -37,25 +38,44 @@ class MemoryPublisher:
         return bool(self._callbacks)
 
 
+class MemorySubscription:
+    """Knows who publishes on its topic."""
+
+    def __init__(self, graph: Graph, topic: str) -> None:
+        self._graph, self._topic = graph, topic
+
+    def has_publishers(self) -> bool:
+        """Whether any middleware that is open publishes."""
+        return self._graph.publishers[self._topic] > 0
+
+
 class MemoryMiddleware:
     """Topics within one process."""
 
     def __init__(self, graph: Graph | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
         self._own: list[tuple[Callbacks, Callback]] = []
+        self._published: list[str] = []
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
         """A writer on a topic."""
+        self._published.append(topic)
+        self._graph.publishers[topic] += 1
         return MemoryPublisher(self._graph.callbacks[topic])
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+    def subscribe(
+        self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
+    ) -> MemorySubscription:
         """Call ``callback`` with the messages of a topic, from the thread that publishes them."""
         callbacks = self._graph.callbacks[topic]
         callbacks.append(callback)
         self._own.append((callbacks, callback))
+        return MemorySubscription(self._graph, topic)
 
     def close(self) -> None:
-        """Unsubscribe."""
+        """Unsubscribe, and publish no more."""
+        self._graph.publishers.subtract(self._published)
+        self._published.clear()
         for callbacks, callback in self._own:
             callbacks.remove(callback)
         self._own.clear()

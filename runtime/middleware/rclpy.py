@@ -40,6 +40,17 @@ class RclpyPublisher:
         return bool(self._publisher.get_subscription_count())
 
 
+class RclpySubscription:
+    """Knows who publishes on its topic."""
+
+    def __init__(self, node: Any, topic: str) -> None:
+        self._node, self._topic = node, topic
+
+    def has_publishers(self) -> bool:
+        """Whether the graph has any publisher of the topic."""
+        return bool(self._node.count_publishers(self._topic))
+
+
 class RclpyMiddleware:
     """One rclpy node, spun by a thread of its own."""
 
@@ -62,11 +73,19 @@ class RclpyMiddleware:
         """A writer on a fully qualified topic."""
         return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
 
-    def subscribe(self, topic: str, message_type: type[Message], qos: Qos, callback: Callback) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        message_type: type[Message],
+        qos: Qos,
+        callback: Callback,
+        priority: int = 0,  # noqa: ARG002  # rclpy's executor takes one message of each topic in turn
+    ) -> RclpySubscription:
         """Call ``callback`` with each serialized message of a topic, from the spinning thread."""
         self._node.create_subscription(
             _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
         )
+        return RclpySubscription(self._node, topic)
 
     def close(self) -> None:
         """Stop spinning and take the node away."""
