@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.table import DeadmanSettings, Row
+from generator.table import DeadmanSettings, Row, Table
 
 MISPLACED = Rule("SAF101", "misplaced-guard")
 UNKNOWN_STOP_FIELD = Rule("SAF102", "unknown-stop-field")
 STOP_VALUE = Rule("SAF103", "stop-value")
 SLOWER_THAN_DEADMAN = Rule("SAF104", "rate-slower-than-deadman")
+
+RATE_WITHOUT_SOURCES = Rule("SAF105", "rate-without-sources")
 
 Value = bool | int | float | str | bytes
 
@@ -41,6 +43,15 @@ def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Finding]) 
     findings += _too_slow(row)
     deadman = _deadman(row.deadman, row, schema, findings) if row.deadman else None
     return dataclasses.replace(route, deadman=deadman, max_rate=row.max_rate, priority=row.priority)
+
+
+def check_peers(table: Table) -> Iterator[Finding]:
+    """A rate of sources that are not named: nobody would know whose rate an address has."""
+    for peer in table.peers:
+        if peer.source_rate is not None and not peer.sources:
+            message = f"{peer.name} has a rate for each of its sources, but names none"
+            help = "name its `sources`; [0.0.0.0/0] for any address"
+            yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
 
 
 def _misplaced(row: Row) -> Iterator[Finding]:

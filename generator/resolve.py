@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 
 from generator import ir
 from generator.findings import Finding, Rule, Span, nearest
-from generator.guards import guarded
+from generator.guards import check_peers, guarded
 from generator.ledger import Ledger
 from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
@@ -113,6 +113,7 @@ def resolve(
     carried = {route.conversion.ros for route in routes}
     if table.whole:
         messages.check_enums()
+        findings += check_peers(table)
     findings += _unimportable(table, schema)
     findings += _excluded(table, schema)
     listed = {proto for row in table.rows for types in row.anys.values() for proto in types}

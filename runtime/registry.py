@@ -35,7 +35,7 @@ class Peer:
     sources: tuple[str, ...] = ()
     """IPv4 addresses and networks from which it speaks; empty for any."""
     source_rate: int | None = None
-    """Datagrams a second that are taken from each of its addresses; None for any number."""
+    """Datagrams a second that are taken from each of its sources; None for any number."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ of addresses is bounded; strangers are not remembered at all.
 
 from __future__ import annotations
 
+import math
 import socket
 from collections import OrderedDict
 from collections.abc import Iterable
@@ -24,8 +25,8 @@ Address = bytes
 
 
 def restrict(peers: Iterable[Peer]) -> bool:
-    """Whether the table says anything about who may speak, or how much."""
-    return any(peer.sources or peer.source_rate is not None for peer in peers)
+    """Whether the table says anything about who may speak."""
+    return any(peer.sources for peer in peers)
 
 
 @dataclass(slots=True)
@@ -34,7 +35,7 @@ class _Source:
 
     peers: frozenset[str]
     rate: float
-    """Datagrams a second; 0 for any number."""
+    """Datagrams a second; infinity for any number."""
     burst: float
     allowance: float
     at: float
@@ -42,7 +43,7 @@ class _Source:
 
     def may_speak(self, now: float) -> bool:
         """Whether one more datagram is taken; it is then counted."""
-        if not self.rate:
+        if self.rate == math.inf:
             return True
         self.allowance = min(self.burst, self.allowance + (now - self.at) * self.rate)
         self.at = now
@@ -83,12 +84,12 @@ class SourceGate:
 
     def _meet(self, address: Address, now: float) -> _Source:
         number = int.from_bytes(address, "big")
-        peers = self._anywhere | {name for name, network, mask in self._networks if number & mask == network}
+        named = {name for name, network, mask in self._networks if number & mask == network}
+        peers = named | self._anywhere
         if not peers:
             raise DatagramError(Reason.UNKNOWN_SOURCE, f"{socket.inet_ntoa(address)} is no source of any peer")
-        rates = [peer.source_rate for peer in self._peers if peer.name in peers]
-        # An address of several peers has what the most generous of them has.
-        rate = 0 if None in rates else max(rate for rate in rates if rate is not None)
+        rates = [peer.source_rate or math.inf for peer in self._peers if peer.name in named]
+        rate = max(rates, default=math.inf)  # an address of several peers has what the most generous of them has
         burst = max(_SMALLEST_BURST, rate * _BURST_S)
         source = self._known[address] = _Source(frozenset(peers), rate, burst, burst, now)
         if len(self._known) > _REMEMBERED:

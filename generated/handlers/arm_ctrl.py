@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.messages import ArmBoardControlSignals
 from generated.pb2.components.arm_board import movement_control_in_pb2
 from runtime import cdr
-from runtime.handler import Handler, Route
+from runtime.handler import Deadman, Handler, Route
 
 _CDR = cdr.fixed_layout(ArmBoardControlSignals)
 
@@ -22,6 +22,8 @@ class ArmCtrlHandler(
         name="arm_ctrl",
         topic="arm_ctrl",
         direction="ros_to_hardware",
+        deadman=Deadman(after_ms=500, repeat_ms=1000, send={}),
+        priority=9,
     )
     payload_type = movement_control_in_pb2.ArmBoardControlSignals
     message_type = ArmBoardControlSignals

@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.messages import DrivingBoardMotorMessage
 from generated.pb2.components.driving_board import motor_msg_pb2
 from runtime import cdr
-from runtime.handler import Handler, Route
+from runtime.handler import Deadman, Handler, Route
 
 _CDR = cdr.fixed_layout(DrivingBoardMotorMessage)
 
@@ -22,6 +22,8 @@ class DriveMotorHandler(
         name="drive_motor",
         topic="drive_motor",
         direction="ros_to_hardware",
+        deadman=Deadman(after_ms=500, repeat_ms=1000, send={"distance_to_go": 0.0}),
+        priority=9,
     )
     payload_type = motor_msg_pb2.DrivingBoardMotorMessage
     message_type = DrivingBoardMotorMessage

@@ -75,6 +75,15 @@ def test_an_address_of_two_peers_has_the_larger_allowance() -> None:
         gate.admit(socket.inet_aton("10.0.1.9"), 0.0)
 
 
+def test_a_peer_that_names_nobody_makes_nobody_generous() -> None:
+    """A board keeps to its rate, though it might speak for that peer as well."""
+    gate = SourceGate([_BOARD, _ANYONE])
+    address = socket.inet_aton("10.0.0.7")
+    for _ in range(32):
+        assert gate.admit(address, 0.0) == {"board", "anyone"}
+    assert _refused(gate, "10.0.0.7") is Reason.OVER_RATE
+
+
 def test_what_is_known_of_addresses_is_bounded() -> None:
     """Also where every address may speak."""
     gate = SourceGate([_ANYONE])
@@ -87,4 +96,3 @@ def test_a_table_that_names_nobody_restricts_nobody() -> None:
     """Then the receiving path does not even look at addresses."""
     assert not restrict([_ANYONE])
     assert restrict([_ANYONE, _BASE])
-    assert restrict([Peer("x", "p", 1, source_rate=5)])
