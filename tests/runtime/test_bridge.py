@@ -224,9 +224,9 @@ def test_there_are_six_outbound_rows() -> None:
 
 def test_a_link_that_strips_zeros_gets_stripped_datagrams() -> None:
     """Where the table says so of a peer, trailing zeros are not sent to it."""
-    peers = tuple(dataclasses.replace(peer, strip_trailing_zeros=True) for peer in REGISTRY.peers)
+    peers = tuple(dataclasses.replace(peer, strip_trailing_zeros=True) for peer in _QUIET.peers)
     handler = REGISTRY.by_name["drive_motor"]
-    with _Rig(dataclasses.replace(REGISTRY, peers=peers)) as rig:
+    with _Rig(dataclasses.replace(_QUIET, peers=peers)) as rig:
         rig.publish(handler, cdr.encode(handler.message_type()))
         assert rig.arrived("hardware", 1) == [b"\x4a"]
 

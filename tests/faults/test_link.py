@@ -1,0 +1,206 @@
+"""A bridge and a board with a link between them that is bad, cut, or somewhere else than before."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import socket
+import time
+from collections.abc import Iterator
+
+import pytest
+from network import BOARD, ROVER, Network, ip, why_not
+from relay import Relay
+
+from generated.registry import REGISTRY
+from runtime import Bridge, Qos, Registry, parameters
+from runtime.middleware.memory import Graph, MemoryMiddleware
+
+pytestmark = pytest.mark.skipif(bool(why_not()), reason=why_not())
+
+_PORT, _BOARD_PORT = 5000, 6001
+_DRIVE = REGISTRY.by_name["drive_motor"]
+_PATIENCE_S = 20.0
+_NETEM = ("delay", "10ms", "8ms", "loss", "10%", "duplicate", "5%", "reorder", "25%")
+
+
+@pytest.fixture
+def network() -> Iterator[Network]:
+    """A rover and a board."""
+    with Network() as network:
+        yield network
+
+
+class _Rig:
+    """A bridge on the rover, over memory, and the board's socket."""
+
+    def __init__(self, network: Network, registry: Registry = REGISTRY, board: tuple[str, int] = (BOARD, 6001)) -> None:
+        self.network = network
+        values = {
+            "listen_address": "0.0.0.0",  # noqa: S104  # in a namespace
+            "dst_ip": board[0],
+            "dst_b_port": board[1],
+        }
+        settings = parameters.read(registry, values)
+        graph = Graph()
+        self.bridge = network.inside(
+            network.rover,
+            lambda: Bridge(
+                registry, settings, MemoryMiddleware(graph), lambda topic: f"/{topic}", logging.getLogger("x")
+            ),
+        )
+        self.account = self.bridge.account
+        self.board = network.inside(network.board, lambda: _socket(BOARD, _BOARD_PORT))
+        self.node = MemoryMiddleware(graph)
+        self.on_topic: list[bytes] = []
+        self.node.subscribe("/imu_data", REGISTRY.by_name["imu_info"].message_type, Qos(), self.on_topic.extend)
+        self.drive = self.node.publisher("/drive_motor", _DRIVE.message_type, Qos())
+
+    def __enter__(self) -> _Rig:
+        self.bridge.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bridge.__exit__(None, None, None)
+        self.board.close()
+        assert self.account.discrepancies() == []
+
+    def command(self, number: float) -> None:
+        """Publish a drive command."""
+        self.drive.publish([_DRIVE.to_cdr(_DRIVE.payload_type(distance_to_go=number))])
+
+    def said_to_board(self) -> list[float]:
+        """The distances of the drive datagrams that have reached the board."""
+        found = []
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                found.append(REGISTRY.envelope.FromString(self.board.recv(2048)).drive_motor.distance_to_go)
+        return found
+
+    def reaches_board(self, number: float) -> bool:
+        """Whether a command goes through, now or in a while."""
+        deadline = time.monotonic() + _PATIENCE_S
+        while time.monotonic() < deadline:
+            self.command(number)
+            time.sleep(0.02)
+            if number in self.said_to_board():
+                return True
+        return False
+
+
+def _socket(address: str, port: int) -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 * 1024 * 1024)
+    sock.bind((address, port))
+    sock.setblocking(False)
+    return sock
+
+
+def _imu(number: int) -> bytes:
+    return bytes(REGISTRY.envelope(imu_info={"accel_x": float(number)}).SerializeToString())
+
+
+def _settled(rig: _Rig) -> None:
+    """Wait until nothing has arrived for a while."""
+    before = -1
+    while rig.account.received != before:
+        before = rig.account.received
+        time.sleep(0.5)
+
+
+@pytest.mark.parametrize("by", ["netem", "relay"])
+def test_a_link_that_loses_repeats_and_reorders(network: Network, by: str) -> None:
+    """Whatever comes through is published, once for each time it comes; nothing else is, and the sums agree."""
+    count = 3000
+    with _Rig(network) as rig, contextlib.ExitStack() as stack:
+        to = (ROVER, _PORT)
+        if by == "netem":
+            if why := network.impair(network.board, *_NETEM):
+                pytest.skip(why)
+        else:
+            sock = network.inside(network.board, lambda: _socket(BOARD, 0))
+            to = stack.enter_context(Relay(sock, to, 7, loss=0.1, twice=0.05, delay_s=0.02)).address
+        for number in range(count):
+            rig.board.sendto(_imu(number), to)
+            time.sleep(0.0002)
+        stack.close()
+        _settled(rig)
+        assert rig.account.published["imu_info"] == rig.account.received == len(rig.on_topic)
+        assert 0.8 * count < rig.account.received < count
+        numbers = [REGISTRY.by_name["imu_info"].from_cdr(message).accel_x for message in rig.on_topic]
+        assert set(numbers) <= set(range(count))
+        assert numbers != sorted(numbers)
+        assert len(set(numbers)) < len(numbers)
+
+
+def test_the_stop_gets_through_a_link_that_loses_half(network: Network) -> None:
+    """It is repeated until the topic speaks again."""
+    relay_socket = network.inside(network.board, lambda: _socket(BOARD, 6100))
+    with Relay(relay_socket, (BOARD, _BOARD_PORT), 3, 0.5, 0.0, 0.0), _Rig(network, board=(BOARD, 6100)) as rig:
+        assert rig.reaches_board(5.0)
+        deadline = time.monotonic() + _PATIENCE_S
+        while 0.0 not in rig.said_to_board():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+
+
+def test_a_link_that_goes_away_and_returns(network: Network) -> None:
+    """What could not be sent is counted; once the link is back both directions go on, and the stop is not forgotten."""
+    with _Rig(network) as rig:
+        assert rig.reaches_board(1.0)
+        ip("-n", network.rover, "link", "set", "cable", "down")
+        for _ in range(20):
+            rig.command(2.0)
+        assert rig.account.failed["drive_motor"] >= 19
+        time.sleep(0.8)  # silent, and nobody can be told
+        ip("-n", network.rover, "link", "set", "cable", "up")
+        deadline = time.monotonic() + _PATIENCE_S
+        while 0.0 not in rig.said_to_board():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert rig.reaches_board(3.0)
+        while not rig.on_topic:
+            assert time.monotonic() < deadline
+            rig.board.sendto(_imu(1), (ROVER, _PORT))
+            time.sleep(0.05)
+
+
+def test_an_address_that_changes(network: Network) -> None:
+    """The rover gets another address from its network: the bridge goes on, with the same sockets."""
+    with _Rig(network) as rig:
+        assert rig.reaches_board(1.0)
+        ip("-n", network.rover, "address", "del", f"{ROVER}/24", "dev", "cable")
+        ip("-n", network.rover, "address", "add", "10.99.0.77/24", "dev", "cable")
+        assert rig.reaches_board(2.0)
+        deadline = time.monotonic() + _PATIENCE_S
+        while not rig.on_topic:
+            assert time.monotonic() < deadline
+            rig.board.sendto(_imu(1), ("10.99.0.77", _PORT))
+            time.sleep(0.05)
+
+
+def test_a_board_whose_address_changes_is_known_by_its_network(network: Network) -> None:
+    """As far as the table lets it: within its sources it is heard, elsewhere it is a stranger."""
+    from tables import of_peers
+
+    with _Rig(
+        network, of_peers(REGISTRY, hardware={"sources": ("10.99.0.0/25",)}, basestation={"sources": ("1.2.3.4",)})
+    ) as rig:
+        for address in ("10.99.0.3", "10.99.0.200"):
+            ip("-n", network.board, "address", "add", f"{address}/24", "dev", "cable")
+            sock = network.inside(network.board, lambda address=address: _socket(address, 0))  # type: ignore[misc]  # bound early
+            sock.sendto(_imu(1), (ROVER, _PORT))
+            sock.close()
+        _settled(rig)
+        assert rig.account.published == {"imu_info": 1}
+        assert rig.account.dropped["unknown_source"] == 1
+
+
+def test_a_board_that_is_not_there_yet(network: Network) -> None:
+    """No route at the start: the bridge starts all the same, and reaches the board once there is one."""
+    ip("-n", network.rover, "address", "del", f"{ROVER}/24", "dev", "cable")
+    with _Rig(network) as rig:
+        rig.command(1.0)
+        assert rig.account.failed["drive_motor"] == 1
+        ip("-n", network.rover, "address", "add", f"{ROVER}/24", "dev", "cable")
+        assert rig.reaches_board(2.0)
