@@ -33,7 +33,7 @@ def why_not() -> str:
 
 
 def ip(*arguments: str) -> None:
-    """Change the network with ip(8), which must succeed."""
+    """Change the network; raises where that fails."""
     subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)
 
 
