@@ -2,9 +2,11 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+SOAK_SECONDS ?= 600
+FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime roverlink bench tests
 
-.PHONY: help demo test test-slow ros-package lint bench generate clean
+.PHONY: help demo test test-slow ros-package soak fuzz lint bench generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -20,6 +22,14 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
+
+soak: $(VENV)/ready  ## 20,000 datagrams a second for ten minutes, each of them accounted for, in flat memory
+	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $(SOAK_SECONDS) \
+		--scenario malformed --scenario old-schema --scenario padded --scenario lossy --scenario reboot
+
+fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
+	for target in datagram trailing-zeros sample message; do \
+		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
@@ -50,6 +60,10 @@ $(VENV)/ready: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+$(VENV)/ready-fuzz: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
 	@touch $@
 
 $(VENV)/ready-bench: pyproject.toml | $(VENV)/bin/python

@@ -1,0 +1,56 @@
+"""No bytes from outside make a parser do anything but read them or refuse them."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from targets import TARGETS
+
+from generated.registry import REGISTRY
+from roverlink.simulation import payload_at
+
+_ENVELOPES = [
+    REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 1.0)}).SerializeToString()
+    for handler in REGISTRY.handlers
+]
+_SAMPLES = [
+    bytes([number]) + handler.to_cdr(payload_at(handler.payload_type, 1.0))
+    for number in range(32)
+    for handler in REGISTRY.handlers
+]
+
+
+@st.composite
+def _damaged(draw: st.DrawFn) -> bytes:
+    """Something that was whole once: cut, with other bytes, with more behind it."""
+    data = bytearray(draw(st.sampled_from(_ENVELOPES + _SAMPLES)))
+    for _ in range(draw(st.integers(0, 4))):
+        data[draw(st.integers(0, len(data) - 1))] = draw(st.integers(0, 255))
+    return bytes(data[: draw(st.integers(0, len(data)))]) + draw(st.binary(max_size=8))
+
+
+@pytest.mark.parametrize("name", TARGETS)
+@settings(max_examples=300, deadline=None)
+@given(data=st.binary(max_size=200) | _damaged())
+@example(data=b"")
+@example(data=b"\x0a\xff\xff\xff\xff\x0f")
+@example(data=b"\x6a\xff\xff\x03")
+def test_whatever_the_bytes(name: str, data: bytes) -> None:
+    """Short ones, damaged ones, and ones that claim to be enormous."""
+    TARGETS[name](data)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TARGETS)
+def test_many_damaged_bytes(name: str) -> None:
+    """As many as a minute takes, from a seed."""
+    rng = random.Random(3)  # noqa: S311  # repeatable, not secret
+    whole = _ENVELOPES + _SAMPLES
+    for _ in range(300_000):
+        data = bytearray(rng.choice(whole))
+        for _ in range(rng.randrange(4)):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        TARGETS[name](bytes(data[: rng.randrange(len(data) + 1)]))
