@@ -19,12 +19,12 @@ class Watchdog:
         """The topic may be silent for ``after_s``; then the stop is due, and again every ``repeat_s``."""
         self._after_s, self._repeat_s = after_s, repeat_s
         self._due = now + after_s
-        self._silent = False
+        self._silent = True
         self._lock = threading.Lock()
 
     @property
     def silent(self) -> bool:
-        """Whether the peer was told to stop, and nothing else since."""
+        """Whether the topic has said nothing since the last stop, or since the start."""
         return self._silent
 
     @property
