@@ -16,7 +16,7 @@ from runtime import NODE, Bridge, Registry, SetupError, parameters
 from runtime.middleware import Middleware, NodeIdentity, open_middleware
 from runtime.middleware.memory import Graph, MemoryMiddleware
 
-_STOP_TIMEOUT_S = 5.0
+_STOP_TIMEOUT_S = 20.0  # it drains what has arrived, on a machine that is busy
 
 
 class BridgeHost(Protocol):

@@ -13,7 +13,14 @@ from runtime import DatagramError, Reason, Translator
 from runtime.account import discrepancies
 
 PUBLISHED = "published"
-_OF_THE_BRIDGE = (Reason.NOT_PUBLISHED, Reason.SUPERSEDED, Reason.UNKNOWN_SOURCE, Reason.WRONG_SOURCE, Reason.OVER_RATE)
+_OF_THE_BRIDGE = (
+    Reason.NOT_PUBLISHED,
+    Reason.SUPERSEDED,
+    Reason.UNKNOWN_SOURCE,
+    Reason.WRONG_SOURCE,
+    Reason.OVER_RATE,
+    Reason.STOPPED,
+)
 """Reasons that do not lie in a datagram alone."""
 _WARMED_UP = 0.25
 _MOST_GROWTH = 8 * 1024 * 1024
@@ -36,6 +43,8 @@ class Reckoning:
 
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams to the bridge, by their fate."""
+    seconds: float = 0.0
+    """How long it took."""
     unsendable: int = 0
     """Datagrams that our own network refused."""
     commands: int = 0
@@ -53,6 +62,7 @@ class Reckoning:
         """All of it as plain values, for JSON."""
         return {
             "sent": dict(sorted(self.sent.items())),
+            "seconds": round(self.seconds, 3),
             "commands": self.commands,
             "arrived": self.arrived,
             "lost_at_peers": self.lost_at_peers,
@@ -64,7 +74,8 @@ class Reckoning:
     def lines(self) -> Iterator[str]:
         """Where every datagram went."""
         account = self.account
-        yield f"{self.sent.total()} datagrams were sent to the bridge:"
+        hertz = self.sent.total() / self.seconds if self.seconds else 0
+        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second:"
         ends = {PUBLISHED: account["published"], **account["dropped"], "lost in the kernel": account["kernel_drops"]}
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
@@ -113,7 +124,7 @@ class Reckoning:
 
 
 _ENDS_OF_COMMANDS = ("refused", "superseded", "failed")
-_BEFORE_PARSING = (Reason.UNKNOWN_SOURCE, Reason.OVER_RATE)
+_BEFORE_PARSING = (Reason.UNKNOWN_SOURCE, Reason.OVER_RATE, Reason.STOPPED)
 
 
 def resident_bytes(pid: int) -> int | None:

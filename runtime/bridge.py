@@ -94,6 +94,7 @@ class Bridge:
 
     def __exit__(self, *_: object) -> None:
         self._receiver.__exit__()
+        self._count_left()
         self._timekeeper.__exit__()
         for inlet in self._paced:
             inlet.end()
@@ -187,6 +188,12 @@ class Bridge:
         with self._counting:  # the receiving thread and the timekeeper's come here
             self.account.dropped[error.reason.value] += 1
         self._warnings.warn(error.reason.value, f"dropped: {error}")
+
+    def _count_left(self) -> None:
+        """What had arrived when there was no time left to handle it."""
+        if left := self._receiver.left:
+            self.account.received += left
+            self.account.dropped[Reason.STOPPED.value] += left
 
     def _count_lost(self) -> None:
         """Look at what was lost before it reached us, and warn where it has grown."""

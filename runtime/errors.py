@@ -50,6 +50,7 @@ class Reason(str, Enum):
     UNKNOWN_SOURCE = "unknown_source"
     WRONG_SOURCE = "wrong_source"
     OVER_RATE = "over_rate"
+    STOPPED = "stopped"
 
 
 class DatagramError(RoverlinkError):

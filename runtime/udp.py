@@ -137,6 +137,8 @@ class Receiver(Generic[T]):
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._stopping = False
+        self.left = 0
+        """Datagrams that had arrived when it stopped, and that there was no time to handle."""
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
 
@@ -188,6 +190,9 @@ class Receiver(Generic[T]):
         deadline = time.monotonic() + _DRAIN_S
         while time.monotonic() < deadline and (datagrams := self._read()):
             self._handle_in_batches(datagrams)
+        deadline = time.monotonic() + _DRAIN_S
+        while time.monotonic() < deadline and (datagrams := self._read()):
+            self.left += len(datagrams)
 
     def _handle_in_batches(self, datagrams: list[T]) -> None:
         for start in range(0, len(datagrams), BURST):

@@ -181,10 +181,11 @@ def _play(stream: Stream, length: float, senders: Senders, reckoning: Reckoning,
     start = time.monotonic()
     next_tick = 0.0
     for emission in stream:
-        if emission.at >= length:
-            return
+        if emission.at >= length or reckoning.seconds >= length:
+            return  # also where this machine is too slow for the rate
         while (now := time.monotonic() - start) < emission.at or now >= next_tick:
             next_tick = now + _TICK_S
+            reckoning.seconds = now
             yield now
             time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
         if not senders.send(emission):

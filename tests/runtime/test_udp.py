@@ -312,3 +312,24 @@ def test_a_name_that_does_not_resolve_is_named(host: str) -> None:
     """A destination that cannot be is quoted, whatever is wrong with it."""
     with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve: "):
         udp.resolve(host, 6000)
+
+
+def test_what_there_is_no_time_for_at_the_end_is_counted(
+    listener: socket.socket, sender: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopping does not wait for a slow function longer than half a second; what it leaves is not forgotten."""
+    monkeypatch.setattr(udp, "_DRAIN_S", 0.2)
+    handled: list[bytes] = []
+
+    def handle(batch: list[bytes]) -> None:
+        handled.extend(batch)
+        time.sleep(0.1)
+
+    for number in range(200):
+        sender.send(b"%d" % number)
+    receiver = udp.Receiver(listener, _SIZE, handle)
+    receiver.stop()
+    with receiver:
+        pass
+    assert 0 < len(handled) < 200
+    assert len(handled) + receiver.left == 200
