@@ -144,6 +144,7 @@ while True:
 """
 
 
+@pytest.mark.slow
 def test_a_flood_delays_no_command(
     start: Start, bridge: Any, board: _Board, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -182,6 +183,7 @@ def test_a_flood_delays_no_command(
     assert delays[int(0.99 * len(delays))] < 0.25  # half of what makes the topic silent, on a machine with two cores
 
 
+@pytest.mark.slow
 def test_a_slow_reader_stops_nobody(start: Start, bridge: Any, board: _Board) -> None:
     """A subscriber that hangs costs its own topic some messages, which are counted; memory stays as it is."""
     reader = start("echo", "imu_data", "--json")
@@ -221,6 +223,7 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("gcc"), reason="the library that moves the clock is built with gcc")
 @pytest.mark.parametrize("by", [3600, -3600])
 def test_a_clock_that_jumps_stops_nobody_and_keeps_nobody_going(
