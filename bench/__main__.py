@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, generation, history, linting
+from bench import bridging, generation, history, linting, watching
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -17,6 +17,7 @@ from bench.result import SectionResult
 # A section is added by a module with such a function, and a line here.
 SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
+    "watching": watching.measure,
     "generation": generation.measure,
     "linting": linting.measure,
     "history": history.measure,

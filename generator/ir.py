@@ -255,6 +255,8 @@ class Route:
     max_rate: int | None = None
     """Most messages a second; None for any number."""
     priority: int = 0
+    expect_rate: int | None = None
+    """Messages a second that diagnostics expect at least."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -135,6 +135,7 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         deadman=_deadman(item.entry("deadman")),
         max_rate=item.get("max_rate"),
         priority=item.get("priority", 0),
+        expect_rate=item.get("expect_rate"),
     )
 
 

@@ -50,7 +50,17 @@ class RosMessages:
         conversion = self._conversion(self.schema.messages[row.proto], 1)
         if row.recursion is not None:
             self._check_size(row, conversion)
-        return ir.Route(row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward, conversion)
+        return ir.Route(
+            row.number,
+            row.name,
+            row.topic,
+            row.direction,
+            row.inbound,
+            row.qos,
+            row.forward,
+            conversion,
+            expect_rate=row.expect_rate,
+        )
 
     def _check_size(self, row: Row, conversion: ir.Conversion) -> None:
         span = row.at("recursion")

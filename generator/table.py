@@ -124,6 +124,8 @@ class Row(Placed):
     max_rate: int | None = None
     """Most messages a second."""
     priority: int = 0
+    expect_rate: int | None = None
+    """Messages a second that diagnostics expect at least."""
 
     @property
     def inbound(self) -> bool:

@@ -170,6 +170,7 @@ ROW = Object(
         "any": Key(MapOf(_FIELD_PATH, ListOf(_PROTO_NAME, least=1)), "The messages that an Any may hold, by its path."),
         "recursion": Key(Integer(1, 16), "How many levels of a message that holds itself are carried."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
+        "expect_rate": Key(Integer(1, 1_000_000), "Messages a second below which diagnostics warn."),
         "bounds": Key(MapOf(_FIELD_PATH, _BOUND), "Path of a proto field to what a microcontroller has room for."),
         "deadman": Key(_DEADMAN, "What a peer is told when the topic that commands it falls silent."),
         "max_rate": Key(Integer(1, 1_000_000), "Most messages a second; of more, the newest passes on."),

@@ -29,6 +29,12 @@ _COMMANDS = (
     "echo",
     "pub",
     "simulate",
+    "record",
+    "replay",
+    "export",
+    "info",
+    "top",
+    "doctor",
     "demo",
 )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import logging
 import math
 import os
@@ -87,6 +88,11 @@ def seconds(text: str) -> float:
     return _number(text, float, lambda number: 0 <= number < math.inf, "a number of seconds")
 
 
+def megabytes(text: str) -> int:
+    """A size in megabytes on the command line, as bytes."""
+    return int(1e6 * _number(text, float, lambda number: 0 < number < math.inf, "a number of megabytes"))
+
+
 def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what: str) -> N:
     with contextlib.suppress(ValueError):
         if fits(number := read(text)):
@@ -122,10 +128,23 @@ class _RosFormatter(logging.Formatter):
         return f"[{level}] [{record.created:.6f}] [{record.name}]: {record.getMessage()}"
 
 
-def node_logger(name: str, level: str | None) -> logging.Logger:
-    """A logger to standard error with ROS 2's levels and format; without a level, one that says nothing."""
+class _JsonFormatter(logging.Formatter):
+    """One JSON object a line: time, level, logger and message, and whatever facts the record has."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        facts: dict[str, Any] = getattr(record, "facts", {})
+        said = {"time": record.created, "level": record.levelname.lower(), "logger": record.name}
+        return json.dumps({**said, "message": record.getMessage(), **facts})
+
+
+LOG_FORMATS = {"ros": _RosFormatter, "json": _JsonFormatter}
+"""How records are written, by the name of the format."""
+
+
+def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Logger:
+    """A logger to standard error with ROS 2's levels; without a level, one that says nothing."""
     handler = logging.StreamHandler() if level else logging.NullHandler()
-    handler.setFormatter(_RosFormatter())
+    handler.setFormatter(LOG_FORMATS[format]())
     logger = logging.getLogger(name)
     logger.handlers = [handler]
     level = level or "info"

@@ -27,6 +27,8 @@ class Account:
     """Raw datagrams handed on, by the name of the peer."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Datagrams that were not bridged, by reason."""
+    dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """Of those, the ones whose payload is known: by its name and the reason."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused, by the name of the peer."""
     taken: Counter[str] = field(default_factory=Counter)
@@ -97,6 +99,7 @@ class ThrottledWarnings:
     def __init__(self, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._logger, self._clock = logger, clock
         self._next: dict[str, float] = {}
+        self._last: dict[str, str] = {}
         self._kept_back: Counter[str] = Counter()
         self._lock = threading.Lock()
 
@@ -108,5 +111,18 @@ class ThrottledWarnings:
                 self._kept_back[subject] += 1
                 return
             self._next[subject] = now + WARNING_INTERVAL_S
+            self._last[subject] = message
             kept_back = self._kept_back.pop(subject, 0)
-        self._logger.warning("%s%s", message, f" (and {kept_back} more like it)" if kept_back else "")
+        self._log(subject, message, kept_back)
+
+    def tell_rest(self) -> None:
+        """Say how many warnings were kept back since the last of each subject: nothing more may come."""
+        with self._lock:
+            rest, self._kept_back = self._kept_back, Counter()
+        for subject, kept_back in rest.items():
+            self._log(subject, self._last[subject], kept_back)
+
+    def _log(self, subject: str, message: str, kept_back: int) -> None:
+        more = f" (and {kept_back} more like it)" if kept_back else ""
+        facts = {"subject": subject, "kept_back": kept_back}
+        self._logger.warning("%s%s", message, more, extra={"facts": facts})

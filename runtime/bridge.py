@@ -14,7 +14,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from runtime import udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
@@ -23,7 +23,7 @@ from runtime.destination import Destination
 from runtime.errors import DatagramError, Reason
 from runtime.inlet import Inlet, PacedInlet
 from runtime.middleware import Middleware
-from runtime.outlet import Outlet
+from runtime.outlet import Outlet, Send
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.sources import restrict
@@ -41,6 +41,19 @@ class _Lane(NamedTuple):
     forward: tuple[Destination, ...]
 
 
+Handle = Callable[[udp.Batch], None]
+
+
+class Observer(Protocol):
+    """Hears what passes a bridge. It is asked at start: a bridge without observers does nothing for them."""
+
+    def receiving(self, handle: Handle) -> Handle:
+        """What handles batches of received datagrams in the place of ``handle``, and calls it."""
+
+    def sending(self, peer: str, send: Send) -> Send:
+        """What sends datagrams made from a topic to a peer in the place of ``send``, and calls it."""
+
+
 class Bridge:
     """One running bridge. A context manager; `run` works until `stop` is called."""
 
@@ -51,6 +64,7 @@ class Bridge:
         middleware: Middleware,
         topic: Callable[[str], str],
         logger: logging.Logger,
+        observers: Sequence[Observer] = (),
     ) -> None:
         """``topic`` gives the fully qualified name of a row's topic. Raises `SetupError` for port and destination."""
         self.account = Account()
@@ -60,6 +74,7 @@ class Bridge:
         addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
+        self._observers = observers
         self._receiver = self._receiver_of(parameters)
         self._lanes: dict[str, _Lane] = {}
         self._outlets: list[Outlet] = []
@@ -74,6 +89,10 @@ class Bridge:
         """The UDP port that the bridge listens on."""
         port: int = self._socket.getsockname()[1]
         return port
+
+    def socket_state(self) -> udp.SocketState:
+        """How full the socket is, and what the kernel dropped."""
+        return udp.socket_state(self._socket)
 
     def __enter__(self) -> Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
@@ -102,6 +121,7 @@ class Bridge:
         for outlet in self._outlets:
             outlet.end()
         self._count_lost()
+        self._warnings.tell_rest()
         self._socket.close()
         for destination in self._destinations.values():
             destination.close()
@@ -122,19 +142,28 @@ class Bridge:
         """The receiver; only where the table restricts who may speak does it look at addresses."""
         size = parameters.max_datagram + 1
         if parameters.source_policy == "any" or not restrict(self._registry.peers):
-            return udp.Receiver(self._socket, size, self._handle)
+            return udp.Receiver(self._socket, size, self._observed(self._handle))
         self._admission = Admission(self._registry, self._drop)
+        self._admitted: dict[Translator, Handle] = {}
         return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
+
+    def _observed(self, handle: Handle) -> Handle:
+        """The same with the observers before it."""
+        for observer in self._observers:
+            handle = observer.receiving(handle)
+        return handle
 
     def _handle(self, batch: udp.Batch) -> None:
         self._count_received(len(batch))
         self._bridge(batch, self._translator)
 
     def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
-        """Bridge what comes from who may speak, each as far as it may."""
+        """Bridge what comes from who may speak, each as far as it may; observers hear nothing else."""
         self._count_received(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
-            self._bridge(datagrams, translator)
+            if translator not in self._admitted:
+                self._admitted[translator] = self._observed(partial(self._bridge, translator=translator))
+            self._admitted[translator](datagrams)
 
     def _count_received(self, count: int) -> None:
         self.account.received += count
@@ -187,6 +216,8 @@ class Bridge:
     def _drop(self, error: DatagramError) -> None:
         with self._counting:  # the receiving thread and the timekeeper's come here
             self.account.dropped[error.reason.value] += 1
+            if error.row:
+                self.account.dropped_of_row[error.row, error.reason.value] += 1
         self._warnings.warn(error.reason.value, f"dropped: {error}")
 
     def _count_left(self) -> None:
@@ -220,7 +251,9 @@ class Bridge:
 
     def _outlet(self, handler: AnyHandler) -> Outlet:
         destination = self._destinations[handler.route.peer]
-        send = partial(self._send, destination=destination)
+        send: Send = partial(self._send, destination=destination)
+        for observer in self._observers:
+            send = observer.sending(destination.peer, send)
         return Outlet(handler, self._translator, send, self.account, self._warnings)
 
     def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> None:

@@ -56,9 +56,10 @@ class Reason(str, Enum):
 class DatagramError(RoverlinkError):
     """A datagram that cannot be bridged: the peer's fault. It is counted by reason and the loop goes on."""
 
-    def __init__(self, reason: Reason, message: str) -> None:
+    def __init__(self, reason: Reason, message: str, row: str = "") -> None:
+        """``row`` is the name of the payload, where it is known."""
         super().__init__(message)
-        self.reason = reason
+        self.reason, self.row = reason, row
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -65,6 +65,8 @@ class Route:
     """Most messages a second, of which the newest pass; None for any number."""
     priority: int = 0
     """Topics to peers are served by it, the largest first."""
+    expect_rate: int | None = None
+    """Messages a second that diagnostics expect at least; None for any number."""
 
     @property
     def inbound(self) -> bool:

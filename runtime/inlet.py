@@ -28,7 +28,7 @@ class Inlet:
         self._account.published[self._route.name] += accepted
         for _ in messages[accepted:]:
             what = f"{self._route.name} ({self._route.number})"
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: its subscribers are too slow"))
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: its subscribers are too slow", self._route.name))
 
 
 class PacedInlet(Inlet):

@@ -41,7 +41,7 @@ class Translator:
         try:
             return name, handler.to_cdr(getattr(message, name))
         except ConversionError as error:
-            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}") from error
+            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}", name) from error
 
     def parse(self, datagram: bytes) -> ProtoMessage:
         """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
@@ -106,5 +106,5 @@ class Translator:
                 Reason.WRONG_SOURCE, f"{name} ({number}) is of {handler.route.peer}, not of {speakers}"
             )
         return DatagramError(
-            Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer"
+            Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer", name
         )

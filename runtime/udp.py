@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from runtime import mmsg
 from runtime.errors import SetupError
@@ -79,16 +79,32 @@ def receive_buffer(sock: socket.socket) -> int:
     return size // 2 if sys.platform == "linux" else size
 
 
-def kernel_drops(sock: socket.socket) -> int:
-    """Datagrams that the kernel dropped because the receive buffer was full; 0 where the system does not say."""
+class SocketState(NamedTuple):
+    """How full a socket is, as the kernel counts; zeros where the system does not say."""
+
+    waiting: int = 0
+    """Bytes that wait, overhead included."""
+    size: int = 0
+    """Bytes that may wait at most."""
+    drops: int = 0
+    """Datagrams that the kernel dropped because there was no room."""
+
+
+def socket_state(sock: socket.socket) -> SocketState:
+    """How full a socket is; zeros of one that is closed."""
     if sys.platform != "linux":
-        return 0
+        return SocketState()
     try:
         words = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_MEMINFO_DROPS + 1))
     except OSError:
-        return 0
-    drops: int = struct.unpack(f"{len(words) // 4}I", words)[_MEMINFO_DROPS]
-    return drops
+        return SocketState()
+    counts = struct.unpack(f"{len(words) // 4}I", words)
+    return SocketState(counts[0], counts[1], counts[_MEMINFO_DROPS])
+
+
+def kernel_drops(sock: socket.socket) -> int:
+    """Datagrams that the kernel dropped because the receive buffer was full; 0 where the system does not say."""
+    return socket_state(sock).drops
 
 
 def resolve(host: str, port: int) -> tuple[str, int]:

@@ -6,8 +6,12 @@ import argparse
 import json
 import logging
 import signal
+from contextlib import ExitStack
+from pathlib import Path
 
-from roverlink.console import OK, Subparsers, add_project, command, node_logger, project_folder
+from roverlink import watching
+from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
+from roverlink.watching import Watching
 from runtime import NODE, Bridge, Registry, load_registry, parameters, ros_args
 from runtime.middleware import NAMES, open_middleware
 
@@ -25,6 +29,18 @@ def add(commands: Subparsers) -> None:
         "After --ros-args: -p name:=value, --params-file FILE, -r from:=to, -r __ns:=/x, -r __node:=n, "
         "--log-level LEVEL.",
     )
+    parser.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="record the run to FILE.mcap, or to a file named by the time in a folder",
+    )
+    add_options(parser)
+    parser.set_defaults(run=run, takes_ros_args=True)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """The options of a bridge, recorded or not."""
     add_project(parser)
     parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
     parser.add_argument(
@@ -32,20 +48,28 @@ def add(commands: Subparsers) -> None:
         action="store_true",
         help="print two JSON objects: node, port and fingerprint once the port is open; at the end the account",
     )
-    parser.set_defaults(run=run, takes_ros_args=True)
+    parser.add_argument(
+        "--log-format",
+        choices=LOG_FORMATS,
+        default="ros",
+        help="ros: lines as ROS 2 nodes write them; json: an object a line (default: %(default)s)",
+    )
+    watching.add_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Bridge until a signal comes; then exit code 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_registry(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
-    with open_middleware(arguments.middleware, ros.node, settings.values) as middleware:
-        bridge = Bridge(registry, settings, middleware, ros.topic, logger)
+    with ExitStack() as stack:
+        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
+        watch = Watching(arguments, registry, ros, settings, logger, stack)
+        bridge = Bridge(registry, settings, watch.around(middleware), ros.topic, logger, watch.observers)
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
-        with bridge:
+        with bridge, watch.over(bridge):
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:

@@ -98,6 +98,8 @@ def _route_arguments(route: ir.Route) -> Iterator[str | Group]:
         yield f"max_rate={route.max_rate}"
     if route.priority:
         yield f"priority={route.priority}"
+    if route.expect_rate is not None:
+        yield f"expect_rate={route.expect_rate}"
 
 
 def _deadman(deadman: ir.Deadman) -> Group:

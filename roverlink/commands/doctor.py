@@ -1,0 +1,46 @@
+"""``roverlink doctor``: what is wrong with an installation."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from rich.console import Console
+from rich.text import Text
+
+from roverlink import checkup
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from runtime import NODE, ros_args
+
+_STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "doctor",
+        "look at this machine and say what keeps the bridge from working",
+        "roverlink doctor --ros-args --params-file udp.yaml",
+        "Look at this machine and say what keeps the bridge from working, with the command that cures it: generated\n"
+        "code, versions, ports, buffers, firewall, multicast, ROS 2. Give it the --ros-args of the bridge.",
+    )
+    add_project(parser)
+    parser.add_argument("--json", action="store_true", help="a JSON list, an object a check")
+    parser.set_defaults(run=run, takes_ros_args=True)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print what was found; exit code 1 where something is an error."""
+    ros = ros_args.parse(arguments.ros_args, NODE)
+    found = checkup.examine(project_folder(arguments.project), ros)
+    if arguments.json:
+        print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
+    else:
+        console = Console(highlight=False, soft_wrap=True)
+        for diagnosis in found:
+            verdict = Text(f"{diagnosis.verdict:<8}", _STYLES[diagnosis.verdict])
+            console.print(Text.assemble(verdict, f"{diagnosis.check}: {diagnosis.says}"))
+            if diagnosis.cure:
+                console.print(Text(f"        {diagnosis.cure}"))
+    return FINDINGS if any(diagnosis.verdict == "error" for diagnosis in found) else OK

@@ -1,0 +1,142 @@
+"""``roverlink replay``: a recorded run once more, for a bridge or for ROS 2 nodes."""
+
+from __future__ import annotations
+
+import argparse
+import socket
+import sys
+import time
+from collections.abc import Callable, Collection
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from roverlink import topics
+from roverlink.commands.send import destination_of
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, rate, seconds
+from runtime import SetupError, load_registry, parameters
+from runtime.middleware import NAMES, Publisher, open_middleware
+
+if TYPE_CHECKING:
+    from runtime.recording.replaying import BoardReplay, RosReplay, Timed
+
+_FLUSH_S = 0.2  # a reliable reader that asks again for a sample must still find us
+
+Send = Callable[["Timed"], None]
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "replay",
+        "replay a recording: its datagrams to a bridge, or its topics to ROS 2",
+        "roverlink replay run.mcap --speed 2 --as board --to 127.0.0.1:5000",
+        "Replay a recording, in the timing of the run. Where the table has changed since, what was recorded is\n"
+        "converted to today's; a number that stands for something else today is not replayed, and told (exit code 1).",
+    )
+    add_project(parser)
+    parser.add_argument("recording", type=Path, help="any file of the recording")
+    parser.add_argument(
+        "--as",
+        dest="role",
+        choices=("board", "ros"),
+        default="board",
+        help="board: send the datagrams that the bridge received to a bridge; ros: publish the topics "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
+        "--to",
+        default=f"127.0.0.1:{parameters.LISTEN_PORT}",
+        metavar="HOST:PORT",
+        help="the bridge, as board (default: %(default)s)",
+    )
+    parser.add_argument("--topic", action="append", default=[], help="as ros: only this topic; may be given again")
+    parser.add_argument(
+        "--commands", action="store_true", help="as ros: publish also what goes from ROS to boards. It moves the rover"
+    )
+    parser.add_argument("--speed", type=rate, default=1.0, metavar="X", help="times as fast (default: 1)")
+    parser.add_argument("--loop", action="store_true", help="begin again at the end, until interrupted")
+    parser.add_argument(
+        "--wait", type=seconds, default=3.0, metavar="S", help="as ros: seconds to wait for a subscriber (default: 3)"
+    )
+    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Replay; exit code 1 where something could not be."""
+    from runtime.recording.reading import Recording
+    from runtime.recording.replaying import BoardReplay, RosReplay
+
+    registry = load_registry(project_folder(arguments.project))
+    recording = Recording(arguments.recording)
+    with ExitStack() as stack:
+        if arguments.role == "board":
+            replay: BoardReplay | RosReplay = BoardReplay(recording, registry)
+            send = _to_bridge(destination_of(arguments.to), stack)
+        else:
+            wanted = {topic if topic.startswith("/") else f"/{topic}" for topic in arguments.topic}
+            replay = ros = RosReplay(recording, registry, wanted, arguments.commands)
+            send = _to_topics(ros, arguments, stack)
+        for note in replay.notes:
+            print(note, file=sys.stderr)
+        sent, took = _play(replay, send, arguments.speed, arguments.loop)
+    what = "datagrams" if arguments.role == "board" else "messages"
+    print(f"replayed {sent} {what} in {took:.1f} s")
+    for reason, count in replay.refused.items():
+        print(f"not replayed, {count} times: {reason}", file=sys.stderr)
+    return FINDINGS if replay.refused else OK
+
+
+def _play(replay: BoardReplay | RosReplay, send: Send, speed: float, loop: bool) -> tuple[int, float]:
+    """Send everything in time; how many, and in how many seconds."""
+    from runtime.recording.replaying import paced
+
+    start, sent = time.monotonic(), 0
+    while True:
+        before = sent
+        for message in paced(replay.messages(), speed):
+            send(message)
+            sent += 1
+        if not loop or sent == before:
+            return sent, time.monotonic() - start
+
+
+def _to_bridge(destination: tuple[str, int], stack: ExitStack) -> Send:
+    sock = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+
+    def send(message: Timed) -> None:
+        try:
+            sock.sendto(message.data, destination)
+        except OSError as error:
+            raise SetupError(f"cannot send to {destination[0]}:{destination[1]}: {error.strerror}") from error
+
+    return send
+
+
+def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStack) -> Send:
+    if replay.left_out:
+        print(f"left out, since they command the rover (--commands): {', '.join(replay.left_out)}", file=sys.stderr)
+    middleware = stack.enter_context(open_middleware(arguments.middleware, topics.identity("replay")))
+    publishers = {
+        topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
+        for topic, endpoint in replay.endpoints.items()
+    }
+    _wait_for_subscriber(publishers.values(), arguments.wait)
+    stack.callback(time.sleep, _FLUSH_S)
+
+    def send(message: Timed) -> None:
+        publishers[message.topic].publish([message.data])
+
+    return send
+
+
+def _wait_for_subscriber(publishers: Collection[Publisher], seconds: float) -> None:
+    """Wait until somebody listens to one of the topics: what is published before is heard by nobody."""
+    deadline = time.monotonic() + seconds
+    while not any(publisher.has_subscribers() for publisher in publishers):
+        if time.monotonic() > deadline:
+            print("nobody listens to any of the topics; publishing all the same", file=sys.stderr)
+            return
+        time.sleep(0.02)

@@ -1,0 +1,103 @@
+"""``roverlink top``: how the bridge is doing, live."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import queue
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.live import Live
+
+from roverlink import screen, topics
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, seconds
+from runtime import NODE, cdr
+from runtime.interfaces import DiagnosticArray
+from runtime.middleware import NAMES, open_middleware
+from runtime.monitoring import diagnostics
+
+_REFRESH_S = 0.5
+_QUIET_S = 3.0  # without news, after which the screen says so
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "top",
+        "show how the bridge is doing, live: rates, ages, drops, queues",
+        "roverlink top",
+        "Show how the bridge is doing, live: rates, ages, drops, queues. It reads /diagnostics, so the bridge may run\n"
+        "on any machine of the ROS 2 domain.",
+    )
+    add_project(parser)
+    parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
+    parser.add_argument("--once", action="store_true", help="show it once and stop: 0, or 1 where something is wrong")
+    parser.add_argument("--json", action="store_true", help="JSON, an object a second or one with --once")
+    parser.add_argument(
+        "--timeout", type=seconds, default=10.0, metavar="S", help="seconds to wait for the bridge (default: 10)"
+    )
+    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show it until interrupted, or once; exit code 1 where no bridge is heard, or with --once, one in trouble."""
+    arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def keep(messages: Sequence[bytes]) -> None:
+        for message in messages:
+            arrived.put(message)
+
+    with open_middleware(arguments.middleware, topics.identity("top")) as middleware:
+        middleware.subscribe(diagnostics.TOPIC, DiagnosticArray, diagnostics.QOS, keep)
+        page = _next_page(arrived, arguments.node, arguments.timeout)
+        if page is None:
+            print(
+                f"no bridge {arguments.node!r} is heard on {diagnostics.TOPIC} after {arguments.timeout:g} s",
+                file=sys.stderr,
+            )
+            return FINDINGS
+        if arguments.once:
+            _show(page, arguments.json)
+            return FINDINGS if screen.in_trouble(page) else OK
+        return _follow(arrived, page, arguments)
+
+
+def _follow(arrived: queue.SimpleQueue[bytes], page: dict[str, Any], arguments: argparse.Namespace) -> int:
+    if arguments.json:
+        while True:
+            print(json.dumps(page), flush=True)
+            while (news := _next_page(arrived, arguments.node, _QUIET_S)) is None:
+                pass
+            page = news
+    heard = time.monotonic()
+    with Live(console=Console(), screen=True, auto_refresh=False) as live:
+        while True:
+            live.update(screen.render(page, quiet=time.monotonic() - heard > _QUIET_S), refresh=True)
+            if (news := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
+                page, heard = news, time.monotonic()
+
+
+def _next_page(arrived: queue.SimpleQueue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
+    """The next thing that the bridge says of itself; None where it says nothing in time."""
+    deadline = time.monotonic() + seconds
+    while (left := deadline - time.monotonic()) > 0:
+        try:
+            data = arrived.get(timeout=left)
+        except queue.Empty:
+            return None
+        if page := screen.page_of(cdr.decode(DiagnosticArray, data), node):
+            return page
+    return None
+
+
+def _show(page: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(page, indent=2))
+    else:
+        Console().print(screen.render(page))

@@ -1,0 +1,174 @@
+"""Watches the account of a bridge, and says how the bridge is doing."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from runtime.account import Account
+from runtime.handler import Route
+from runtime.monitoring.histogram import LatencyProbe
+from runtime.monitoring.state import Level, Recording, RowState, State
+from runtime.registry import Registry
+from runtime.udp import SocketState
+
+LOOK_S = 0.25
+"""How often the account is looked at: what an age may be wrong by."""
+WINDOW_S = 2.0
+"""Over which rates are taken, and in which a drop makes a warning."""
+TELL_S = 1.0
+"""How often whoever wants to know is told."""
+
+_LOW = 0.8  # of the expected rate, from where on it is too low
+_SILENT_PERIODS = 3.0  # of the expected rate, after which a row is stale; and never before WINDOW_S
+
+
+class Watched(Protocol):
+    """A bridge, as the monitor sees it."""
+
+    account: Account
+
+    def socket_state(self) -> SocketState:
+        """How full the socket is, and what the kernel dropped."""
+
+
+class _Look(NamedTuple):
+    """The counters at one moment."""
+
+    time: float
+    crossed: Counter[str]
+    dropped: Counter[tuple[str, str]]
+    received: int
+    lost: int
+    """Everything that did not get through."""
+
+
+class Monitor:
+    """Watches one bridge. A context manager, whose thread looks and tells."""
+
+    def __init__(
+        self,
+        node: str,
+        registry: Registry,
+        bridge: Watched,
+        probe: LatencyProbe,
+        recording: Callable[[], Recording | None] = lambda: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
+        self._recording, self._clock = recording, clock
+        self._looks: deque[_Look] = deque()
+        self._last: dict[str, float] = {}  # when each row was last seen to have crossed
+        self._tellings: list[Callable[[State], None]] = []
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
+        self.look()
+
+    def tell(self, listener: Callable[[State], None]) -> None:
+        """Have a listener told once a second, from the monitor's thread. Before the monitor is entered."""
+        self._tellings.append(listener)
+
+    def __enter__(self) -> Monitor:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        next_telling = self._clock()
+        while not self._ending.wait(LOOK_S):
+            self.look()
+            if self._clock() >= next_telling:
+                next_telling += TELL_S
+                state = self.state()
+                for listener in self._tellings:
+                    listener(state)
+
+    def look(self) -> None:
+        """Take the counters down."""
+        account = self._bridge.account
+        now, crossed = self._clock(), account.published + account.sent
+        dropped = Counter(account.dropped_of_row)
+        dropped.update({(name, "refused"): count for name, count in account.refused.items()})
+        before = self._looks[-1].crossed if self._looks else crossed
+        self._last.update({name: now for name, count in crossed.items() if count != before[name]})
+        lost = account.dropped.total() + account.refused.total() + account.unsent.total()
+        lost += self._bridge.socket_state().drops  # the account learns of them with the next datagram
+        self._looks.append(_Look(now, crossed, dropped, account.received, lost))
+        while len(self._looks) > 2 and self._looks[1].time <= now - WINDOW_S:
+            self._looks.popleft()
+
+    def state(self) -> State:
+        """How the bridge was doing at the last look."""
+        account, first, last = self._bridge.account, self._looks[0], self._looks[-1]
+        socket = self._bridge.socket_state()
+        recording = self._recording()
+        level, message = self._overall(recording)
+        return State(
+            node=self._node,
+            fingerprint=self._registry.fingerprint,
+            rows=tuple(self._row(handler.route) for handler in self._registry.handlers),
+            received=last.received,
+            received_rate=(last.received - first.received) / max(last.time - first.time, LOOK_S),
+            forwarded=dict(account.forwarded),
+            unsent=dict(account.unsent),
+            dropped=dict(account.dropped),
+            kernel_drops=socket.drops,
+            socket_waiting=socket.waiting,
+            socket_size=socket.size,
+            level=level,
+            message=message,
+            latencies=self._probe.latencies,
+            recording=recording,
+        )
+
+    def _overall(self, recording: Recording | None) -> tuple[Level, str]:
+        if recording is not None and recording.failure is not None:
+            return Level.ERROR, f"the recording has ended: {recording.failure}"
+        lost = self._looks[-1].lost - self._looks[0].lost
+        return (Level.WARN, f"{lost} lost in the last {WINDOW_S:.0f} s") if lost else (Level.OK, "nothing lost")
+
+    def _row(self, route: Route) -> RowState:
+        first, last = self._looks[0], self._looks[-1]
+        name, span = route.name, max(last.time - first.time, LOOK_S)
+        rate = (last.crossed[name] - first.crossed[name]) / span
+        seen = self._last.get(name)
+        age = None if seen is None else self._clock() - seen
+        dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
+        fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
+        level, message = _judged(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
+        return RowState(
+            number=route.number,
+            name=name,
+            direction=route.direction,
+            topic=route.topic,
+            peer=route.peer,
+            count=last.crossed[name],
+            rate=rate,
+            age=age,
+            expect_rate=route.expect_rate,
+            dropped=dropped,
+            level=level,
+            message=message,
+        )
+
+
+def _judged(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
+    """How a row is, and why."""
+    if fresh:
+        told = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
+        return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {told}"
+    if expected is None:
+        return Level.OK, "" if age is not None else "nothing yet"
+    silence = max(_SILENT_PERIODS / expected, WINDOW_S)
+    if age is None or age > silence:
+        since = "nothing yet" if age is None else f"silent for {age:.1f} s"
+        return Level.STALE, f"{since}; {expected:g}/s are expected"
+    if rate < _LOW * expected and expected * WINDOW_S >= _SILENT_PERIODS:
+        return Level.WARN, f"{rate:.1f}/s where {expected:g}/s are expected"
+    return Level.OK, ""

@@ -1,0 +1,144 @@
+"""Datagrams of an older schema as today's.
+
+A row is known by its number, as on the wire. Where number, name and all fields beneath are what they were, the bytes
+are; where a payload or a field has moved to another number, or has changed its type, values are carried over by name.
+A number that stands for something else today is refused: its bytes would be read as what they are not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+from google.protobuf.message import DecodeError
+
+from runtime import envelope
+from runtime.errors import DatagramError, Reason
+from runtime.registry import Registry
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+
+class Adapter:
+    """Turns the datagrams of a recorded envelope into today's."""
+
+    def __init__(self, recorded: type[ProtoMessage], registry: Registry) -> None:
+        self._recorded, self._registry = recorded, registry
+        today = registry.envelope.DESCRIPTOR
+        self._same = {
+            field.number
+            for field in recorded.DESCRIPTOR.fields
+            if field.number in today.fields_by_number and same_meaning(field, today.fields_by_number[field.number])
+        }
+        rest = [field for field in recorded.DESCRIPTOR.fields if field.number not in self._same]
+        self._moved = {field.number: moved for field in rest if (moved := _counterpart(field, today)) is not None}
+        self.refused = {field.number: self._why(field) for field in rest if field.number not in self._moved}
+        """Why a recorded payload is not replayed, by its number then."""
+        self.changed = sorted(f"{field.name} ({field.number})" for field in rest if field.number in self._moved)
+        """The recorded payloads whose values are carried over by name."""
+
+    @property
+    def identical(self) -> bool:
+        """Whether every recorded number means today what it meant."""
+        return not self._moved and not self.refused
+
+    def number_today(self, number: int) -> int:
+        """The number that a recorded payload has today; of one that is refused, the same."""
+        moved = self._moved.get(number)
+        return number if moved is None else int(moved.number)
+
+    def adapt(self, datagram: bytes) -> bytes:
+        """The datagram that says today what another said then; the same bytes wherever they say it.
+
+        Raises `DatagramError` for a payload that is another thing today.
+        """
+        numbers = envelope.payload_numbers(envelope.restore(datagram))
+        if not numbers or numbers[-1] in self._same or numbers[-1] not in self._recorded.DESCRIPTOR.fields_by_number:
+            return datagram  # what nobody understood then is no better understood now
+        if numbers[-1] in self.refused:
+            raise DatagramError(Reason.UNKNOWN_PAYLOAD, self.refused[numbers[-1]])
+        try:
+            then = self._recorded.FromString(envelope.restore(datagram))
+        except DecodeError:
+            return datagram
+        field = self._recorded.DESCRIPTOR.fields_by_number[numbers[-1]]
+        now = self._registry.envelope()
+        _carry(getattr(then, field.name), getattr(now, self._moved[numbers[-1]].name))
+        return now.SerializeToString()
+
+    def _why(self, field: Any) -> str:
+        today = self._registry.envelope.DESCRIPTOR.fields_by_number.get(field.number)
+        if today is not None:
+            return f"number {field.number} was {_spelled(field)} in the run and is {_spelled(today)} today"
+        retired = self._registry.retired.get(field.number)
+        gone = "is retired" if retired else "is gone"
+        return f"number {field.number}, {_spelled(field)} in the run, {gone} today"
+
+
+def _spelled(field: Any) -> str:
+    return f"{field.name} ({field.message_type.name if field.message_type else 'no message'})"
+
+
+def _counterpart(field: Any, today: Any) -> Any | None:
+    """The field that is today what a recorded one was: of its name and its message's name."""
+    found = today.fields_by_name.get(field.name)
+    if found is None or found.message_type is None or field.message_type is None:
+        return None
+    return found if found.message_type.name == field.message_type.name else None
+
+
+def same_meaning(then: Any, now: Any) -> bool:
+    """Whether the bytes of a field say today what they said then. Fields that were added since do no harm."""
+    if (then.is_repeated, then.type) != (now.is_repeated, now.type):
+        return False
+    if then.message_type is None or now.message_type is None:
+        return bool(then.name == now.name)
+    if then.name != now.name and then.message_type.name != now.message_type.name:
+        return False
+    return _same_message(then.message_type, now.message_type, frozenset())
+
+
+def _same_message(then: Any, now: Any, above: frozenset[str]) -> bool:
+    if then.full_name in above:  # a message within itself: it is being compared already
+        return True
+    above |= {then.full_name}
+    return all(
+        field.number in now.fields_by_number
+        and _same_field(field, now.fields_by_number[field.number], then, now, above)
+        for field in then.fields
+    )
+
+
+def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset[str]) -> bool:
+    if (then.is_repeated, then.type) != (now.is_repeated, now.type):
+        return False
+    if then.name != now.name and (then.name in now_of.fields_by_name or now.name in then_of.fields_by_name):
+        return False  # two fields have changed places: no renaming
+    return then.message_type is None or _same_message(then.message_type, now.message_type, above)
+
+
+def _carry(then: Any, now: Any) -> None:
+    """Copy what has the same name, as far as it fits its field today."""
+    now.SetInParent()
+    for field, value in then.ListFields():
+        target = now.DESCRIPTOR.fields_by_name.get(field.name)
+        if target is None or target.is_repeated != field.is_repeated:
+            continue
+        if (target.message_type is None) != (field.message_type is None):
+            continue
+        _carry_field(value, now, target)
+
+
+def _carry_field(value: Any, now: Any, target: Any) -> None:
+    if target.message_type is None:
+        with contextlib.suppress(TypeError, ValueError):  # it does not fit: it stays at its default
+            if target.is_repeated:
+                getattr(now, target.name).extend(value)
+            else:
+                setattr(now, target.name, value)
+    elif target.is_repeated:
+        for element in value:
+            _carry(element, getattr(now, target.name).add())
+    else:
+        _carry(value, getattr(now, target.name))

@@ -1,0 +1,39 @@
+"""How a recorder hears the datagrams of a bridge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from runtime import udp
+from runtime.bridge import Handle
+from runtime.outlet import Send
+from runtime.recording.recorder import Recorder
+from runtime.registry import Registry
+
+
+class DatagramTap:
+    """Records the datagrams that a bridge receives, and those that it makes for peers; not those that it forwards."""
+
+    def __init__(self, recorder: Recorder, registry: Registry) -> None:
+        self._received = recorder.datagrams("received")
+        self._sent = {peer.name: recorder.datagrams(f"sent/{peer.name}") for peer in registry.peers}
+
+    def receiving(self, handle: Handle) -> Handle:
+        """Record a batch before it is handled."""
+        tap = self._received
+
+        def received(batch: udp.Batch) -> None:
+            tap(batch)
+            handle(batch)
+
+        return received
+
+    def sending(self, peer: str, send: Send) -> Send:
+        """Record the datagrams that are made, before they are sent."""
+        tap = self._sent[peer]
+
+        def made(datagrams: Sequence[bytes]) -> int:
+            tap(datagrams)
+            return send(datagrams)
+
+        return made

@@ -1,0 +1,325 @@
+"""What a bridge hands over is written by a thread of its own.
+
+The bridge's threads only put time, channel and bytes into a queue that has an end. When the disk cannot keep up, or is
+full, messages are lost and counted; the bridge never waits for the disk, and no failure here ends it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from google.protobuf.message import DecodeError
+
+from runtime.handler import Qos
+from runtime.messages import Message
+from runtime.recording import places
+from runtime.recording.definitions import definition_of
+from runtime.recording.mcap_file import Channel, Entry, McapFile
+from runtime.recording.schemas import descriptor_set_of
+from runtime.registry import Registry
+from runtime.tapping import Tap
+
+QUEUE = 65_536
+"""Messages of each of the two files that may wait for the disk; at 10,000 a second, more than six seconds."""
+
+_WAKE_S = 0.05  # short, so that each turn holds the interpreter lock for little
+_FLUSH_S = 0.5  # what a kill may cost, with the time that writing takes
+_NEARLY_FULL_S = 300.0  # until it is, at the rate of the last moment
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How to record."""
+
+    compression: str = "zstd"
+    """``zstd``, ``lz4`` or ``none``."""
+    rotate_bytes: int | None = None
+    """Size at which a file ends and the next begins."""
+    queue: int = QUEUE
+    """Messages of each file that may wait for the disk."""
+
+
+class _Half:
+    """One of the two files, in as many parts as it needs, and the queue in front of it."""
+
+    def __init__(
+        self,
+        path: Path,
+        kind: str,
+        settings: Settings,
+        metadata: Mapping[str, str],
+        sort: Callable[[Entry], Entry] | None = None,
+    ) -> None:
+        """``sort`` may move a message to another channel, in the writing thread."""
+        self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
+        self.limit = settings.queue
+        self.waiting: deque[Entry] = deque()
+        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 is ours
+        self.channels: list[Channel] = []
+        self._declared = 0
+        self._parts = 0
+        self._ended = False
+        self.counts: Counter[int] = Counter()
+        self._bytes_before = 0
+        self.file = self._next_file()
+
+    def channel(self, topic: str, encoding: str, **schema: Any) -> Tap:
+        """Add a channel; what it returns is called by the bridge's threads."""
+        channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
+        self.channels.append(channel)
+        number, waiting, now = channel.id, self.waiting, time.time_ns
+
+        def tap(messages: Sequence[bytes]) -> None:
+            if len(waiting) >= self.limit:
+                self.lost[number] += len(messages)
+                return
+            arrived = now()
+            for message in messages:
+                waiting.append((arrived, number, message))
+
+        return tap
+
+    def take(self) -> None:
+        """Hand what waits to the file, and begin the next file where this one is large enough."""
+        entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
+        if not entries:
+            return
+        while self._declared < len(self.channels):
+            self.file.add_channel(self.channels[self._declared])
+            self._declared += 1
+        self.file.add(entries if self._sort is None else map(self._sort, entries))
+        if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
+            self.finish()
+            self._bytes_before += self.file.size
+            self.file, self._ended = self._next_file(), False
+
+    def finish(self) -> None:
+        """End the file; more than once does no harm."""
+        if not self._ended:
+            self.file.finish()
+            self._end()
+
+    def give_up(self) -> None:
+        """End the file, without what does not fit on the disk any more."""
+        self.limit = 0  # from now on, everything is lost and counted
+        self.lost[0] += len(self.waiting) + self.file.forget_chunk()
+        self.waiting.clear()
+        with contextlib.suppress(OSError):
+            self.finish()
+        if not self._ended:
+            self.file.close()
+            self._end()
+
+    def _end(self) -> None:
+        self._ended = True
+        self.counts.update(self.file.counts)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes on disk."""
+        return self._bytes_before + self.file.size
+
+    def _next_file(self) -> McapFile:
+        path = places.part_of(self._path, self._kind, self._parts)
+        self._parts += 1
+        self._declared = 0
+        profile = "ros2" if self._kind == places.TOPICS else ""
+        return McapFile(path, profile, self._settings.compression, self._metadata)
+
+
+class Recorder:
+    """Records a run. A context manager: leaving it writes what was handed over, and ends the files."""
+
+    def __init__(
+        self,
+        path: Path,
+        registry: Registry,
+        topics: Mapping[str, str],
+        logger: logging.Logger,
+        settings: Settings | None = None,
+        about: Mapping[str, str] | None = None,
+    ) -> None:
+        """``topics`` gives the row's name for each fully qualified topic that has one.
+
+        Raises `SetupError` where the file cannot be, and `OSError` where it cannot be made.
+        """
+        self.path = places.new_recording(path)
+        self._registry, self._rows, self._logger = registry, topics, logger
+        settings = settings or Settings()
+        metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
+        self._topics = _Half(self.path, places.TOPICS, settings, metadata)
+        self._datagrams = _Half(self.path, places.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._halves = (self._topics, self._datagrams)
+        self._envelope = descriptor_set_of(registry.envelope)
+        self._channels_lock = threading.Lock()
+        self._ending = threading.Event()
+        self._next_flush = time.monotonic() + _FLUSH_S
+        self._bytes_seen = 0
+        self._told = False
+        self.failure: str | None = None
+        """Why the recording ended before its time."""
+        self._thread = threading.Thread(target=self._run, name="record", daemon=True)
+
+    # --- what there is to record ---
+
+    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
+        """Where to put the serialized messages of a topic."""
+        row = self._registry.by_name.get(self._rows.get(topic, ""))
+        about = (
+            {"row": row.route.name, "number": str(row.route.number), "direction": row.route.direction} if row else {}
+        )
+        with self._channels_lock:
+            return self._topics.channel(
+                topic,
+                "cdr",
+                schema_name=message_type.__msgtype__,
+                schema_encoding="ros2msg",
+                schema=definition_of(message_type).encode(),
+                metadata={"offered_qos_profiles": _qos_text(qos), **about},
+            )
+
+    def datagrams(self, name: str) -> Tap:
+        """Where to put the datagrams of one way: ``received``, or ``sent/<peer>``.
+
+        A datagram that is no plain protobuf, since its zeros were stripped or padded or since it is broken, goes to a
+        channel without a schema, ``<name>/raw``: no reader of protobuf could open it.
+        """
+        with self._channels_lock:
+            plain = self._datagrams.channel(
+                f"/datagrams/{name}",
+                "protobuf",
+                schema_name=self._registry.envelope.DESCRIPTOR.full_name,
+                schema_encoding="protobuf",
+                schema=self._envelope,
+            )
+            self._datagrams.channel(f"/datagrams/{name}/raw", "")  # `_plain_or_raw` knows that it follows
+        return plain
+
+    def _plain_or_raw(self, entry: Entry) -> Entry:
+        arrived, channel, datagram = entry
+        try:
+            self._registry.envelope.FromString(datagram)
+        except DecodeError:
+            return arrived, channel + 1, datagram
+        return entry
+
+    # --- how it went ---
+
+    @property
+    def lost(self) -> int:
+        """Messages that were not recorded, since the disk did not keep up or the recording had ended."""
+        return sum(half.lost.total() for half in self._halves)
+
+    @property
+    def waiting(self) -> int:
+        """Messages that wait for the disk."""
+        return sum(len(half.waiting) for half in self._halves)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes on disk."""
+        return sum(half.bytes for half in self._halves)
+
+    def summary(self) -> str:
+        """The recording in one line."""
+        topics, datagrams = (half.counts.total() for half in self._halves)
+        lost = f"; {self.lost} were lost: the disk did not keep up" if self.lost and not self.failure else ""
+        return f"recorded {topics} messages of topics and {datagrams} datagrams to {self.path}{lost}"
+
+    # --- writing ---
+
+    def __enter__(self) -> Recorder:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            while not self._ending.wait(_WAKE_S):
+                self._turn()
+            for half in self._halves:
+                half.take()
+                half.finish()
+            if not any(half.counts for half in self._halves):
+                self._leave_nothing()
+                return
+        except Exception as error:  # noqa: BLE001  # whatever it is, it ends the recording and not the bridge
+            self._fail(error)
+        else:
+            self._logger.info("%s", self.summary())
+
+    def _leave_nothing(self) -> None:
+        """Take the files away: a run of which there is nothing to record must not stand in the way of the next."""
+        for half in self._halves:
+            half.file.path.unlink()
+        self._logger.info("nothing was recorded; %s is not there", self.path)
+
+    def _turn(self) -> None:
+        for half in self._halves:
+            half.take()
+        now = time.monotonic()
+        if now >= self._next_flush:
+            self._next_flush = now + _FLUSH_S
+            for half in self._halves:
+                half.file.flush()
+            self._look_at_disk()
+
+    def _look_at_disk(self) -> None:
+        """Warn once when the disk will be full within minutes, and again when it had got better."""
+        rate, self._bytes_seen = (self.bytes - self._bytes_seen) / _FLUSH_S, self.bytes
+        disk = os.statvfs(self.path.parent)
+        free = disk.f_bavail * disk.f_frsize
+        if free >= rate * _NEARLY_FULL_S:
+            self._told = False
+        elif not self._told:
+            self._told = True
+            self._logger.warning(
+                "the disk is nearly full: %.1f MB are left for %s, at this rate for %.0f s; the recording ends then",
+                free / 1e6,
+                self.path,
+                free / rate,
+            )
+
+    def _fail(self, error: Exception) -> None:
+        """End the recording; what is on disk stays, with a summary where there is room for one."""
+        reason = error.strerror if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+        for half in self._halves:
+            half.give_up()
+        self.failure = str(reason)
+        self._logger.error("the recording has ended (%s); the bridge goes on. %s", reason, self.summary())
+
+
+_FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
+
+
+def _qos_text(qos: Qos) -> str:
+    """A quality of service as rosbag2 writes it: a YAML list of profiles, policies as rmw numbers them."""
+    profile: dict[str, Any] = {
+        "history": {"keep_last": 1, "keep_all": 2}[qos.history],
+        "depth": qos.depth,
+        "reliability": {"reliable": 1, "best_effort": 2}[qos.reliability],
+        "durability": {"transient_local": 1, "volatile": 2}[qos.durability],
+        "deadline": _FOREVER,
+        "lifespan": _FOREVER,
+        "liveliness": 1,
+        "liveliness_lease_duration": _FOREVER,
+        "avoid_ros_namespace_conventions": "false",
+    }
+    lines = []
+    for name, value in profile.items():
+        lines.append(f"  {name}:" if isinstance(value, dict) else f"  {name}: {value}")
+        if isinstance(value, dict):
+            lines += [f"    {part}: {number}" for part, number in value.items()]
+    return "\n".join(["-" + lines[0][1:], *lines[1:]])

@@ -1,0 +1,40 @@
+"""The protobuf side of a recording: the descriptors that explain its envelopes, and classes made of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from google.protobuf.message import DecodeError
+
+from runtime.errors import SetupError
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+
+def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
+    """The serialized ``FileDescriptorSet`` of a message class: its file, after all files that it imports."""
+    files: dict[str, descriptor_pb2.FileDescriptorProto] = {}
+    _add(message_type.DESCRIPTOR.file, files)
+    return descriptor_pb2.FileDescriptorSet(file=files.values()).SerializeToString(deterministic=True)
+
+
+def _add(file: Any, files: dict[str, descriptor_pb2.FileDescriptorProto]) -> None:
+    if file.name in files:
+        return
+    for imported in file.dependencies:
+        _add(imported, files)
+    files[file.name] = descriptor_pb2.FileDescriptorProto()
+    file.CopyToProto(files[file.name])
+
+
+def message_type_from(name: str, descriptor_set: bytes) -> type[ProtoMessage]:
+    """The class of a recorded message by its full name. Raises `SetupError` where the descriptors do not make one."""
+    pool = descriptor_pool.DescriptorPool()
+    try:
+        for file in descriptor_pb2.FileDescriptorSet.FromString(descriptor_set).file:
+            pool.Add(file)
+        return message_factory.GetMessageClass(pool.FindMessageTypeByName(name))
+    except (DecodeError, KeyError, TypeError) as error:
+        raise SetupError(f"the recorded protobuf schema of {name} cannot be read: {error}") from error

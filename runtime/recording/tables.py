@@ -1,0 +1,91 @@
+"""A topic of a recording as a table, for spreadsheets and notebooks: a row a message, a column a field."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from runtime import cdr
+from runtime.errors import SetupError, nearest
+from runtime.recording.definitions import message_type_from
+from runtime.recording.mcap_file import Channel
+from runtime.recording.reading import Recording
+from runtime.values import message_to_values
+
+Row = dict[str, Any]
+
+_BATCH = 50_000  # rows that parquet holds in memory
+
+
+def rows_of(recording: Recording, topic: str) -> Iterator[Row]:
+    """The messages of a topic, nested fields as dotted columns, with the time of each in nanoseconds since 1970.
+
+    The recording's own definition is what they are read with. Raises `SetupError` where there is no such topic, or it
+    is not of ROS 2.
+    """
+    channel = _channel(recording, topic)
+    message_type = message_type_from(channel.schema_name, channel.schema.decode())
+    for message in recording.messages():
+        if message.channel.topic == channel.topic:
+            values = message_to_values(cdr.decode(message_type, message.data))
+            yield {"time_ns": message.time, **_flat(values)}
+
+
+def _channel(recording: Recording, topic: str) -> Channel:
+    channels = {name: channel for name, (channel, _) in recording.channels().items() if channel.encoding == "cdr"}
+    full = topic if topic.startswith("/") else f"/{topic}"
+    if full not in channels:
+        hint = nearest(full, channels) if channels else "it has none"
+        raise SetupError(f"the recording has no topic {topic!r}; {hint}")
+    return channels[full]
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Row:
+    row: Row = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            row.update(_flat(value, f"{prefix}{name}."))
+        else:
+            row[prefix + name] = value
+    return row
+
+
+def write_csv(rows: Iterator[Row], path: Path) -> int:
+    """Write a CSV file, lists as JSON; returns how many rows. Raises `OSError`."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        written = 0
+        writer = csv.writer(file, lineterminator="\n")
+        for row in rows:
+            if not written:
+                writer.writerow(row)
+            writer.writerow([json.dumps(value) if isinstance(value, list) else value for value in row.values()])
+            written += 1
+    return written
+
+
+def write_parquet(rows: Iterator[Row], path: Path) -> int:
+    """Write a Parquet file; returns how many rows. Raises `OSError`, and `SetupError` where pyarrow is missing."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise SetupError(
+            "Parquet needs the pyarrow package; install it with `pip install 'roverlink[parquet]'`"
+        ) from error
+    written, writer = 0, None
+    try:
+        while batch := [row for _, row in zip(range(_BATCH), rows)]:
+            table = pyarrow.Table.from_pylist(batch, schema=writer.schema if writer else None)
+            writer = writer or pyarrow.parquet.ParquetWriter(path, table.schema)
+            writer.write_table(table)
+            written += len(batch)
+    finally:
+        if writer is not None:
+            writer.close()
+    return written
+
+
+WRITERS: Mapping[str, Callable[[Iterator[Row], Path], int]] = {"csv": write_csv, "parquet": write_parquet}

@@ -1,0 +1,230 @@
+"""`roverlink record`, `info`, `export` and `replay`, as operators use them in the evening."""
+
+from __future__ import annotations
+
+import csv
+import json
+import logging
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet
+import pytest
+
+from generated.registry import REGISTRY
+from roverlink.__main__ import main
+from roverlink.simulation import payload_at
+from runtime import cdr
+from runtime.recording.reading import Recording
+from runtime.recording.recorder import Recorder
+from runtime.recording.replaying import RosReplay
+
+Start = Callable[..., Any]
+
+_NEEDS_DDS = pytest.mark.skipif(
+    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
+)
+_FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
+_COUNT = 40
+
+
+@pytest.fixture
+def peer() -> Iterator[socket.socket]:
+    """A socket of a board, or of a bridge that is replayed to."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        sock.settimeout(60)
+        yield sock
+
+
+def _datagram(number: int) -> bytes:
+    payload = payload_at(REGISTRY.by_name["imu_info"].payload_type, number * 0.1)
+    return REGISTRY.envelope(imu_info=payload).SerializeToString()
+
+
+def _recorded(start: Start, peer: socket.socket, path: Path, *options: object) -> Any:
+    """The program that has recorded a run of datagrams, once it has ended."""
+    program = start("record", path, "--middleware", "memory", "--no-diagnostics", *options, *_FREE_PORT)
+    port = int(program.wait_for("on UDP port ").rpartition(" ")[2])
+    for number in range(_COUNT):
+        peer.sendto(_datagram(number), ("127.0.0.1", port))
+    assert program.interrupt()[0] == 0
+    return program
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """A recorded run, one message in a hundredth of a second."""
+    handler = REGISTRY.by_name["imu_info"]
+    recorder = Recorder(tmp_path / "run.mcap", REGISTRY, {"/imu_data": "imu_info"}, logging.getLogger("run"))
+    received = recorder.datagrams("received")
+    published = recorder.topic("/imu_data", handler.message_type, handler.route.qos)
+    with recorder:
+        for number in range(_COUNT):
+            received([_datagram(number)])
+            published([handler.to_cdr(payload_at(handler.payload_type, number * 0.1))])
+            time.sleep(0.01)
+    return recorder.path
+
+
+def test_a_bridge_is_recorded(start: Start, peer: socket.socket, tmp_path: Path) -> None:
+    """The bridge works as ever, and every datagram and every message is on disk, in order."""
+    path = tmp_path / "run.mcap"
+    program = _recorded(start, peer, path)
+    assert f"recording to {path}" in str(program)
+    assert f"recorded {_COUNT} messages of topics and {_COUNT} datagrams to {path}" in str(program)
+    assert f"received {_COUNT}, published {_COUNT}" in str(program)
+    found: dict[str, list[bytes]] = {}
+    for message in Recording(path).messages():
+        found.setdefault(message.channel.topic, []).append(message.data)
+    handler = REGISTRY.by_name["imu_info"]
+    sent = [_datagram(number) for number in range(_COUNT)]
+    assert found == {
+        "/datagrams/received": sent,
+        "/imu_data": [
+            handler.to_cdr(REGISTRY.envelope.FromString(datagram).imu_info)  # type: ignore[attr-defined]
+            for datagram in sent
+        ],
+    }
+
+
+def test_a_bridge_that_cannot_start_leaves_no_recording(
+    peer: socket.socket, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The next attempt, under the same name, is not kept from it."""
+    taken = ("--ros-args", "-p", f"listen_port:={peer.getsockname()[1]}", "-p", "listen_address:='127.0.0.1'")
+    assert main(["record", str(tmp_path / "run.mcap"), "--middleware", "memory", *taken]) == 2
+    assert "is in use by another program" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@_NEEDS_DDS
+def test_what_goes_to_the_boards_is_recorded(start: Start, done: Start, tmp_path: Path) -> None:
+    """A command on a topic is in the recording as it was heard, and as the datagram that it became."""
+    path = tmp_path / "run.mcap"
+    program = start("run", "--record", path, "--no-diagnostics", "--middleware", "dds", *_FREE_PORT)
+    program.wait_for("on UDP port ")
+    assert done("pub", "drive_motor", "{distance_to_go: 1.5}", "--once", "--wait", 60, "--middleware", "dds")[0] == 0
+    assert program.interrupt()[0] == 0
+    messages = {message.channel.topic: message.data for message in Recording(path).messages()}
+    assert messages.keys() == {"/drive_motor", "/datagrams/sent/hardware"}
+    assert (
+        messages["/datagrams/sent/hardware"]
+        == REGISTRY.envelope(drive_motor={"distance_to_go": 1.5}).SerializeToString()
+    )
+
+
+def test_diagnostics_are_recorded_and_replayed_only_where_they_are_asked_for(start: Start, tmp_path: Path) -> None:
+    """What was wrong in a run is in its recording, with the definition of the messages."""
+    path = tmp_path / "run.mcap"
+    program = start("record", path, "--middleware", "memory", *_FREE_PORT)
+    program.wait_for("on UDP port ")
+    time.sleep(1.5)
+    assert program.interrupt()[0] == 0
+    recording = Recording(path)
+    assert recording.channels()["/diagnostics"][1] >= 1
+    assert list(RosReplay(recording, REGISTRY).messages()) == []
+    replay = RosReplay(recording, REGISTRY, {"/diagnostics"})
+    message = next(replay.messages())
+    array: Any = cdr.decode(replay.endpoints["/diagnostics"].message_type, message.data)
+    assert array.status[0].name == "udp_forwarder"
+
+
+def test_a_replay_reproduces_the_original_datagrams(run: Path, done: Start, peer: socket.socket) -> None:
+    """As board, the bridge's port gets byte by byte what it got in the run."""
+    to = f"127.0.0.1:{peer.getsockname()[1]}"
+    code, output, errors = done("replay", run, "--speed", 100, "--to", to)
+    assert (code, errors) == (0, "")
+    assert output.startswith(f"replayed {_COUNT} datagrams in ")
+    assert [peer.recv(65_536) for _ in range(_COUNT)] == [_datagram(number) for number in range(_COUNT)]
+
+
+def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, peer: socket.socket) -> None:
+    """With `--loop`, the first datagram follows the last."""
+    program = start("replay", run, "--speed", 100, "--loop", "--to", f"127.0.0.1:{peer.getsockname()[1]}")
+    received = [peer.recv(65_536) for _ in range(2 * _COUNT + 1)]
+    assert received[_COUNT] == received[2 * _COUNT] == _datagram(0)
+    assert program.interrupt()[0] == 0
+
+
+@_NEEDS_DDS
+def test_topics_are_replayed_over_dds(run: Path, start: Start, done: Start) -> None:
+    """As ros, nodes hear the topics of the run."""
+    listener = start("echo", "imu_data", "--json", "--count", _COUNT, "--middleware", "dds")
+    code, output, _ = done("replay", run, "--as", "ros", "--wait", 60, "--middleware", "dds")
+    assert (code, output.split(" in ")[0]) == (0, f"replayed {_COUNT} messages")
+    assert listener.end() == 0
+    accelerations = [json.loads(line)["accel_x"] for line in listener.output]
+    payloads = [payload_at(REGISTRY.by_name["imu_info"].payload_type, number * 0.1) for number in range(_COUNT)]
+    assert accelerations == pytest.approx([payload.accel_x for payload in payloads])
+
+
+def test_what_is_in_a_recording(run: Path, done: Start) -> None:
+    """For people, and as JSON; with the table's fingerprint, and whether the run was ended."""
+    code, output, _ = done("info", run)
+    assert code == 0
+    assert f"table     {REGISTRY.fingerprint}" in output
+    assert "/imu_data" in output
+    assert "not at all" not in output
+    facts = json.loads(done("info", run.with_suffix(".datagrams.mcap"), "--json")[1])
+    assert facts["complete"] is True
+    assert {topic["topic"]: topic["count"] for topic in facts["topics"] if topic["count"]} == {
+        "/datagrams/received": _COUNT,
+        "/imu_data": _COUNT,
+    }
+
+
+def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A row a message, a column a field, nested ones by their dotted names, and the time."""
+    for format in ("csv", "parquet"):
+        assert main(["export", str(run), "--topic", "imu_data", "--to", format]) == 0
+    assert capsys.readouterr().out.startswith(f"{_COUNT} messages of imu_data to {run.with_suffix('.imu_data.csv')}")
+    with run.with_suffix(".imu_data.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    table = pyarrow.parquet.read_table(run.with_suffix(".imu_data.parquet")).to_pylist()
+    payload = payload_at(REGISTRY.by_name["imu_info"].payload_type, 0.1 * (_COUNT - 1))
+    assert len(rows) == len(table) == _COUNT
+    assert list(rows[0])[:2] == ["time_ns", "accel_x"]
+    assert float(rows[-1]["accel_x"]) == table[-1]["accel_x"] == payload.accel_x
+    assert int(rows[-1]["state.state"]) == table[-1]["state.state"] == payload.state
+    assert int(rows[-1]["time_ns"]) == table[-1]["time_ns"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["info", "nowhere.mcap"], "nowhere.mcap: there is no such recording"),
+        (["export", "{run}", "--topic", "imu_dat"], "the recording has no topic 'imu_dat'; did you mean /imu_data?"),
+        (["export", "{run}", "--topic", "imu_data", "--out", "/nowhere/x.csv"], "/nowhere/x.csv: cannot be written"),
+        (["replay", "{run}", "--to", "x"], "'x' is not of the form HOST:PORT"),
+        (["record", "run.bag", "--middleware", "memory"], "run.bag: a recording is named something.mcap"),
+        (["record", "/proc/x.mcap", "--middleware", "memory"], "/proc/x.mcap: cannot be written"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_what_cannot_be_is_told(
+    run: Path, arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit code 2 and one line that says what and where."""
+    assert main([argument.replace("{run}", str(run)) for argument in arguments]) == 2
+    errors = capsys.readouterr().err.splitlines()
+    assert errors[-1].startswith("roverlink: ")
+    assert expected in errors[-1]
+
+
+def test_a_missing_package_is_told_with_the_command_that_installs_it(run: Path, done: Start, tmp_path: Path) -> None:
+    """Without mcap, or without pyarrow, what needs it says what to install."""
+    for package, arguments, extra in (
+        ("mcap", ("info", run), "record"),
+        ("pyarrow", ("export", run, "--topic", "imu_data", "--to", "parquet"), "parquet"),
+    ):
+        hidden = tmp_path / package
+        hidden.mkdir()
+        (hidden / f"{package}.py").write_text("raise ImportError('hidden')\n")
+        code, _, errors = done(*arguments, PYTHONPATH=os.pathsep.join([str(hidden), os.environ.get("PYTHONPATH", "")]))
+        assert code == 2
+        assert f"install it with `pip install 'roverlink[{extra}]'`" in errors

@@ -1,0 +1,311 @@
+"""How a bridge is doing is worked out from its account: rates, ages, levels, and what they are told as."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import json
+import logging
+import threading
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+from rich.console import Console
+
+from generated.registry import REGISTRY
+from roverlink import screen
+from roverlink.console import LOG_FORMATS
+from runtime import Registry, SetupError, cdr, standard
+from runtime.account import Account, ThrottledWarnings
+from runtime.interfaces import DiagnosticArray
+from runtime.monitoring import diagnostics, prometheus
+from runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
+from runtime.monitoring.monitor import Monitor
+from runtime.monitoring.state import Level, Recording, RowState, State
+from runtime.udp import SocketState
+from runtime.values import message_to_values
+
+_SCREEN = Path(__file__).with_name("top.txt")
+_STAMP = 1_700_000_000_250_000_000
+
+
+def _expecting(**rates: int) -> Registry:
+    """The registry, with rows that expect a rate."""
+    handlers = []
+    for handler in REGISTRY.handlers:
+        route = dataclasses.replace(handler.route, expect_rate=rates.get(handler.route.name))
+        handlers.append(type(handler)())
+        handlers[-1].route = route  # type: ignore[misc]  # of this one alone
+    return dataclasses.replace(REGISTRY, handlers=tuple(handlers))
+
+
+class _Bridge:
+    """An account, a socket that is half full, and a clock."""
+
+    def __init__(self, **rates: int) -> None:
+        self.account = Account()
+        self.now, self.kernel_drops = 1000.0, 0
+        self.probe = LatencyProbe()
+        self.recording: Recording | None = None
+        self.monitor = Monitor(
+            "udp_forwarder", _expecting(**rates), self, self.probe, lambda: self.recording, lambda: self.now
+        )
+
+    def socket_state(self) -> SocketState:
+        return SocketState(4096, 8192, self.kernel_drops)
+
+    def let(self, seconds: float, **a_second: int) -> None:
+        """Let time pass, with so many messages of a row a second."""
+        for _ in range(round(seconds / 0.25)):
+            self.now += 0.25
+            for name, rate in a_second.items():
+                self.account.published[name] += rate // 4
+                self.account.received += rate // 4
+            self.monitor.look()
+
+    def row(self, name: str) -> RowState:
+        return next(row for row in self.monitor.state().rows if row.name == name)
+
+
+def test_rates_and_ages() -> None:
+    """A rate is that of the last two seconds, an age the time since the last message."""
+    bridge = _Bridge()
+    assert (bridge.row("imu_info").age, bridge.row("imu_info").message) == (None, "nothing yet")
+    bridge.let(4, imu_info=40, gps_info=8)
+    assert (bridge.row("imu_info").rate, bridge.row("gps_info").rate) == (40, 8)
+    assert bridge.monitor.state().received_rate == 48
+    bridge.let(1, imu_info=40)
+    assert bridge.row("gps_info").age == 1.0
+    assert bridge.row("gps_info").rate == 4
+    assert (bridge.row("imu_info").count, bridge.row("imu_info").age) == (200, 0)
+
+
+@pytest.mark.parametrize(
+    ("a_second", "then_silent", "level", "message"),
+    [
+        (40, 0, Level.OK, ""),
+        (32, 0, Level.OK, ""),
+        (28, 0, Level.WARN, "28.0/s where 40/s are expected"),
+        (40, 3, Level.STALE, "silent for 3.0 s; 40/s are expected"),
+        (0, 0, Level.STALE, "nothing yet; 40/s are expected"),
+    ],
+)
+def test_levels_of_a_row_of_which_a_rate_is_expected(
+    a_second: int, then_silent: int, level: Level, message: str
+) -> None:
+    """Too slow is a warning, silent is stale; a fifth less than expected is no matter."""
+    bridge = _Bridge(imu_info=40)
+    bridge.let(5, imu_info=a_second)
+    bridge.let(then_silent)
+    assert (bridge.row("imu_info").level, bridge.row("imu_info").message) == (level, message)
+
+
+def test_a_slow_row_is_not_stale_between_two_messages() -> None:
+    """One message a second, seen at moments between, is as expected."""
+    bridge = _Bridge(gps_info=1)
+    for _ in range(5):
+        bridge.account.published["gps_info"] += 1
+        bridge.let(1)
+        assert bridge.row("gps_info").level == Level.OK
+    bridge.let(3)
+    assert bridge.row("gps_info").level == Level.STALE
+
+
+def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing_passes() -> None:
+    """Drops of a row are told by reason; refused messages of topics among them."""
+    bridge = _Bridge()
+    bridge.let(3, imu_info=40)
+    bridge.account.dropped["conversion"] += 3
+    bridge.account.dropped_of_row["imu_info", "conversion"] += 3
+    bridge.account.refused["drive_motor"] += 1
+    bridge.let(0.5, imu_info=40)
+    row = bridge.row("imu_info")
+    assert (row.level, row.message) == (Level.WARN, "dropped in the last 2 s: conversion 3")
+    assert (bridge.row("drive_motor").level, bridge.row("drive_motor").dropped) == (Level.ERROR, {"refused": 1})
+    assert (bridge.monitor.state().level, bridge.monitor.state().message) == (Level.WARN, "4 lost in the last 2 s")
+    bridge.let(3, imu_info=40)
+    assert (bridge.row("imu_info").level, bridge.row("imu_info").dropped) == (Level.OK, {"conversion": 3})
+    assert bridge.monitor.state().level == Level.OK
+
+
+def test_a_recording_that_has_ended_is_an_error() -> None:
+    """It is the one thing that nobody can make good in the evening."""
+    bridge = _Bridge()
+    bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
+    state = bridge.monitor.state()
+    assert (state.level, state.message) == (Level.ERROR, "the recording has ended: No space left on device")
+
+
+def test_how_long_batches_take() -> None:
+    """Each datagram counts with the time of its batch; quantiles are bounds of buckets."""
+    probe = LatencyProbe()
+    waits = iter([0.0, 0.003, 0.0])
+    handled: list[Any] = []
+    pause = threading.Event()
+
+    def handle(batch: list[bytes]) -> None:
+        handled.append(batch)
+        pause.wait(next(waits))
+
+    timed = probe.receiving(handle)
+    for batch in ([b"a"] * 60, [b"b"] * 39, [b"c"]):
+        timed(batch)
+    assert [len(batch) for batch in handled] == [60, 39, 1]
+    latencies = probe.latencies
+    assert latencies.total == 100
+    assert latencies.sum_s >= 39 * 0.003
+    assert latencies.quantile(0.99) is not None
+    assert latencies.quantile(0.99) >= 0.003  # type: ignore[operator]  # it was looked at just above
+    assert LatencyProbe().latencies.quantile(0.5) is None
+
+
+# --- told -------------------------------------------------------------------------------------------------------
+
+
+def _busy() -> State:
+    """A bridge that has a bit of everything."""
+    bridge = _Bridge(imu_info=40, gps_info=4, ph_info=1)
+    bridge.account.forwarded["basestation"] = 180
+    bridge.account.unsent["basestation"] = 2
+    bridge.kernel_drops = 11
+    bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5})
+    bridge.account.dropped_of_row["arm_ctrl", "wrong_direction"] = 5
+    bridge.let(3, imu_info=40, gps_info=4)
+    bridge.let(2.5, imu_info=20)
+    bridge.account.sent["drive_motor"] += 3
+    bridge.monitor.look()
+    bridge.recording = Recording("run.mcap", 12, 0, 5_000_000, None)
+    state = bridge.monitor.state()
+    counts = (0, 10, 100, 60, 10, *[0] * (len(BOUNDS_S) - 4))
+    return dataclasses.replace(state, latencies=dataclasses.replace(state.latencies, counts=counts, sum_s=0.01))
+
+
+def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
+    """The screen, as an operator sees it; `--update-cases` writes it anew."""
+    page = screen.page_of(diagnostics.array_of(_busy(), _STAMP), "udp_forwarder")
+    assert page is not None
+    console = Console(width=120, record=True, file=io.StringIO())
+    console.print(screen.render(page))
+    shown = "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
+    if request.config.getoption("--update-cases"):
+        _SCREEN.write_text(shown, encoding="utf-8")
+    assert shown == _SCREEN.read_text(encoding="utf-8")
+    assert screen.in_trouble(page)
+
+
+def test_only_the_bridge_that_is_meant_makes_the_page() -> None:
+    """Other nodes speak on /diagnostics, too."""
+    array = diagnostics.array_of(_busy(), _STAMP)
+    assert screen.page_of(array, "another") is None
+    assert screen.page_of(DiagnosticArray(), "udp_forwarder") is None
+
+
+def test_diagnostics_are_those_of_ros2() -> None:
+    """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
+    array = diagnostics.array_of(_busy(), _STAMP)
+    theirs = cdr.decode(standard.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
+    assert message_to_values(theirs) == message_to_values(array)
+    values = message_to_values(theirs)
+    assert values["header"]["stamp"] == {"sec": 1_700_000_000, "nanosec": 250_000_000}
+    by_name = {status["name"]: status for status in values["status"]}
+    assert len(by_name) == 1 + len(REGISTRY.handlers)
+    imu = by_name["udp_forwarder: imu_info"]
+    assert (imu["level"], imu["hardware_id"]) == (1, "hardware")
+    assert imu["message"] == "20.0/s where 40/s are expected"
+    assert {pair["key"]: pair["value"] for pair in imu["values"]}["rate"] == "20.00"
+    assert by_name["udp_forwarder: ph_info"]["level"] == 3
+
+
+def test_prometheus_reads_the_metrics() -> None:
+    """The package's own parser takes every line, and finds the numbers under their labels."""
+    state = _busy()
+    families = {family.name: family for family in text_string_to_metric_families(prometheus.text_of(state))}
+    kinds = {name: family.type for name, family in families.items()}
+    assert kinds["roverlink_received"] == "counter"
+    assert kinds["roverlink_rate"] == "gauge"
+    assert kinds["roverlink_handling_seconds"] == "histogram"
+    rates = {sample.labels["row"]: sample.value for sample in families["roverlink_rate"].samples}
+    assert rates["imu_info"] == 20
+    (drop,) = families["roverlink_row_dropped"].samples
+    assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("arm_ctrl", "wrong_direction", 5)
+    buckets = [
+        (sample.labels["le"], sample.value)
+        for sample in families["roverlink_handling_seconds"].samples
+        if sample.name.endswith("_bucket")
+    ]
+    assert buckets[0] == ("1e-05", 0)
+    assert buckets[-1] == ("+Inf", 180)
+    assert [value for _, value in buckets] == sorted(value for _, value in buckets)
+
+
+def test_labels_are_escaped() -> None:
+    """Whatever a node is called, the text stays readable."""
+    state = dataclasses.replace(_busy(), node='a"b\\c\nd')
+    families = {family.name: family for family in text_string_to_metric_families(prometheus.text_of(state))}
+    assert families["roverlink_info"].samples[0].labels["node"] == 'a"b\\c\nd'
+
+
+def test_metrics_are_served() -> None:
+    """On /metrics, with Prometheus's content type; anything else is not found; a port in use is told."""
+    state = _busy()
+    with prometheus.MetricsServer("127.0.0.1", 0, lambda: state) as server:
+        with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/metrics") as answer:
+            assert answer.headers["Content-Type"] == prometheus.CONTENT_TYPE
+            assert answer.read().decode() == prometheus.text_of(state)
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            urllib.request.urlopen(f"http://127.0.0.1:{server.port}/nothing")
+        with pytest.raises(SetupError, match=f"metrics cannot be served on TCP port {server.port} of 127.0.0.1"):
+            prometheus.MetricsServer("127.0.0.1", server.port, lambda: state)
+
+
+# --- logging ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def records() -> tuple[logging.Logger, list[logging.LogRecord]]:
+    """A logger, and what it was given."""
+    logger = logging.getLogger("test_monitor")
+    kept: list[logging.LogRecord] = []
+    logger.handlers = [logging.Handler()]
+    logger.handlers[0].emit = kept.append  # type: ignore[method-assign]
+    return logger, kept
+
+
+def test_warnings_say_how_many_they_swallowed(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
+    """With the next warning of the subject, or at the end, in words and as a fact of the record."""
+    logger, kept = records
+    now = [0.0]
+    warnings = ThrottledWarnings(logger, lambda: now[0])
+    for _ in range(5):
+        warnings.warn("malformed", "dropped: no PBEnvelope")
+    now[0] = 2.5
+    warnings.warn("malformed", "dropped: no PBEnvelope")
+    for _ in range(3):
+        warnings.warn("malformed", "dropped: another")
+    warnings.tell_rest()
+    warnings.tell_rest()
+    assert [(record.getMessage(), record.facts["kept_back"]) for record in kept] == [  # type: ignore[attr-defined]
+        ("dropped: no PBEnvelope", 0),
+        ("dropped: no PBEnvelope (and 4 more like it)", 4),
+        ("dropped: no PBEnvelope (and 3 more like it)", 3),
+    ]
+
+
+def test_records_as_json(records: tuple[logging.Logger, list[logging.LogRecord]]) -> None:
+    """An object a line, with the record's facts beside its message."""
+    logger, kept = records
+    ThrottledWarnings(logger).warn("empty", 'dropped: "nothing"\nat all')
+    line = LOG_FORMATS["json"]().format(kept[0])
+    assert "\n" not in line
+    said = json.loads(line)
+    assert said.pop("time") > 1.7e9
+    assert said == {
+        "level": "warning",
+        "logger": "test_monitor",
+        "message": 'dropped: "nothing"\nat all',
+        "subject": "empty",
+        "kept_back": 0,
+    }

@@ -1,0 +1,83 @@
+"""Runs to record: what a bridge would hand to a recorder."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from generated.registry import REGISTRY
+from roverlink.simulation import payload_at
+from runtime.recording.recorder import Recorder, Settings
+
+ROWS = {f"/{handler.route.topic}": handler.route.name for handler in REGISTRY.handlers}
+LOGGER = logging.getLogger("test_recording")
+
+
+def recorder(path: Path, **settings: Any) -> Recorder:
+    """A recorder of this repository's own table."""
+    return Recorder(path, REGISTRY, ROWS, LOGGER, Settings(**settings))
+
+
+def record_everything(path: Path, turns: int = 20, **settings: Any) -> dict[str, list[bytes]]:
+    """Record all payloads so many times, as datagrams and as topics; what was handed over, by topic."""
+    handed: dict[str, list[bytes]] = {}
+    writing = recorder(path, **settings)
+    taps: dict[str, Any] = {"/datagrams/received": writing.datagrams("received")}
+    for handler in REGISTRY.handlers:
+        taps[f"/{handler.route.topic}"] = writing.topic(
+            f"/{handler.route.topic}", handler.message_type, handler.route.qos
+        )
+        if not handler.route.inbound:
+            taps.setdefault(
+                sent := f"/datagrams/sent/{handler.route.peer}", writing.datagrams(sent[len("/datagrams/") :])
+            )
+    with writing:
+        for turn in range(turns):
+            for handler in REGISTRY.handlers:
+                payload = payload_at(handler.payload_type, turn * 0.1)
+                datagram = REGISTRY.envelope(**{handler.route.name: payload}).SerializeToString()
+                way = "received" if handler.route.inbound else f"sent/{handler.route.peer}"
+                for topic, message in (
+                    (f"/datagrams/{way}", datagram),
+                    (f"/{handler.route.topic}", handler.to_cdr(payload)),
+                ):
+                    taps[topic]([message])
+                    handed.setdefault(topic, []).append(message)
+    return handed
+
+
+def _record_until_killed(path: Path) -> None:
+    """Record numbered datagrams, a thousand a second, and print each number once it was handed over."""
+    writing = recorder(path)
+    received = writing.datagrams("received")
+    with writing:
+        number = 0
+        while True:
+            number += 1
+            received([REGISTRY.envelope(imu_info={"accel_x": float(number)}).SerializeToString()])
+            if number % 10 == 0:
+                print(number, time.time_ns(), flush=True)
+                time.sleep(0.01)
+
+
+def _record_until_full(path: Path) -> None:
+    """Record what does not compress until the disk is full, and on; then end as a bridge does."""
+    import os
+
+    logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(levelname)s %(message)s")
+    writing = recorder(path)
+    received = writing.datagrams("received")
+    with writing:
+        deadline = time.monotonic() + 60
+        while writing.failure is None and time.monotonic() < deadline:
+            received([os.urandom(1400) for _ in range(100)])
+            time.sleep(0.05)
+        received([b"late"])
+    print(f"lost {writing.lost}")
+
+
+if __name__ == "__main__":
+    {"killed": _record_until_killed, "full": _record_until_full}[sys.argv[1]](Path(sys.argv[2]))

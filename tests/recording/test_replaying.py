@@ -1,0 +1,283 @@
+"""A recording is replayed in today's schema, and what means something else today is not replayed."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from google.protobuf import descriptor_pb2
+from runs import LOGGER, ROWS, record_everything
+
+from generated.messages import ImuSensorInformation
+from generated.registry import REGISTRY
+from runtime import Registry, SetupError, cdr
+from runtime.messages import Float32, Message
+from runtime.recording import schemas
+from runtime.recording.adapting import Adapter
+from runtime.recording.definitions import definition_of, message_type_from
+from runtime.recording.reading import Recording
+from runtime.recording.recorder import Recorder
+from runtime.recording.replaying import BoardReplay, RosReplay, Timed, paced
+
+_IMU = REGISTRY.by_name["imu_info"]
+
+
+def _message(files: Any, name: str) -> Any:
+    return next(message for file in files for message in file.message_type if message.name == name)
+
+
+def _field(message: Any, name: str) -> Any:
+    return next(field for field in message.field if field.name == name)
+
+
+def _older(change: Callable[[Any], None]) -> Any:
+    """The envelope of an older schema: today's, changed."""
+    described = descriptor_pb2.FileDescriptorSet.FromString(schemas.descriptor_set_of(REGISTRY.envelope))
+    change(described.file)
+    return schemas.message_type_from("PBEnvelope", described.SerializeToString())
+
+
+def _record(path: Path, envelope: Any, datagram: bytes, handler: Any = _IMU, message_type: Any = None) -> Recording:
+    """A run with one inbound datagram, and a message of its topic where it had another type."""
+    older: Registry = dataclasses.replace(REGISTRY, envelope=envelope)
+    writing = Recorder(path, older, ROWS, LOGGER)
+    received = writing.datagrams("received")
+    topic = writing.topic(f"/{handler.route.topic}", message_type or handler.message_type, handler.route.qos)
+    with writing:
+        received([datagram])
+        topic([cdr.encode((message_type or handler.message_type)())])
+    return Recording(path)
+
+
+# --- the same schema --------------------------------------------------------------------------------------------
+
+
+def test_as_board_it_reproduces_the_original_datagrams(tmp_path: Path) -> None:
+    """Every datagram that the bridge received, byte by byte and in order, plain or not."""
+    handed = record_everything(tmp_path / "run.mcap")
+    replay = BoardReplay(Recording(tmp_path / "run.mcap"), REGISTRY)
+    assert [message.data for message in replay.messages()] == handed["/datagrams/received"]
+    assert (replay.notes, replay.refused) == ([], {})
+
+
+def test_as_ros_it_publishes_the_recorded_topics(tmp_path: Path) -> None:
+    """Each inbound topic's messages as they were; what commands the rover only when that is asked for."""
+    handed = record_everything(tmp_path / "run.mcap", turns=3)
+    for commands in (False, True):
+        replay = RosReplay(Recording(tmp_path / "run.mcap"), REGISTRY, commands=commands)
+        found: defaultdict[str, list[bytes]] = defaultdict(list)
+        for message in replay.messages():
+            found[message.topic].append(message.data)
+        wanted = {f"/{handler.route.topic}" for handler in REGISTRY.handlers if handler.route.inbound or commands}
+        assert found == {topic: handed[topic] for topic in wanted}
+        assert len(replay.left_out) == (0 if commands else 6)
+
+
+def test_only_the_topics_that_are_named(tmp_path: Path) -> None:
+    """With topics given, no other is replayed."""
+    record_everything(tmp_path / "run.mcap", turns=2)
+    replay = RosReplay(Recording(tmp_path / "run.mcap"), REGISTRY, {"/imu_data"})
+    assert [message.topic for message in replay.messages()] == ["/imu_data"] * 2
+
+
+def test_it_keeps_the_timing_of_the_run() -> None:
+    """Each message waits for its time, twice as fast where that is asked for; so does a run of nothing."""
+    now, slept = [100.0], []
+
+    def sleep(seconds: float) -> None:
+        slept.append(round(seconds, 6))
+        now[0] += seconds
+
+    messages = [Timed(int(at * 1e9), "", b"") for at in (7.0, 7.5, 7.5, 9.0)]
+    assert list(paced(messages, 2.0, lambda: now[0], sleep)) == messages
+    assert slept == [0.0, 0.25, 0.0, 0.75]
+    assert list(paced([], 1.0)) == []
+
+
+# --- an older schema --------------------------------------------------------------------------------------------
+
+
+def test_a_moved_payload_is_carried_to_its_number_of_today(tmp_path: Path) -> None:
+    """A payload that had another number, with fields that had others, says under today's what it said."""
+
+    def move(files: Any) -> None:
+        oneof = _message(files, "PBEnvelope")
+        _field(oneof, "imu_info").number = 40
+        _field(_message(files, "SensorBoardIMUInfo"), "accel_x").number = 33
+
+    older = _older(move)
+    datagram = older(imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}).SerializeToString()
+    replay = BoardReplay(_record(tmp_path / "run.mcap", older, datagram), REGISTRY)
+    (message,) = replay.messages()
+    assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(
+        imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}
+    )
+    assert "carried over by name into today's schema: imu_info (40)" in replay.notes[0]
+
+
+def test_a_field_whose_type_has_changed_is_carried_by_name(tmp_path: Path) -> None:
+    """What fits is carried; what does not, stays at its default."""
+
+    def change(files: Any) -> None:
+        imu = _message(files, "SensorBoardIMUInfo")
+        _field(imu, "accel_x").type = descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE
+        _field(imu, "accel_y").type = descriptor_pb2.FieldDescriptorProto.TYPE_STRING
+
+    older = _older(change)
+    datagram = older(imu_info={"accel_x": 1.5, "accel_y": "up", "accel_z": 3.0}).SerializeToString()
+    replay = BoardReplay(_record(tmp_path / "run.mcap", older, datagram), REGISTRY)
+    (message,) = replay.messages()
+    assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(imu_info={"accel_x": 1.5, "accel_z": 3.0})
+
+
+def test_added_and_renamed_fields_change_no_byte() -> None:
+    """What protobuf itself keeps compatible is left to it."""
+
+    def change(files: Any) -> None:
+        imu = _message(files, "SensorBoardIMUInfo")
+        _field(imu, "accel_x").name = "acceleration_x"
+        imu.field.remove(_field(imu, "error_code"))
+
+    adapter = Adapter(_older(change), REGISTRY)
+    assert adapter.identical
+
+
+def test_two_fields_that_changed_places_are_no_renaming() -> None:
+    """Values follow their names, where both names are there then and now."""
+
+    def swap(files: Any) -> None:
+        imu = _message(files, "SensorBoardIMUInfo")
+        x, y = _field(imu, "accel_x"), _field(imu, "accel_y")
+        x.number, y.number = y.number, x.number
+
+    older = _older(swap)
+    adapter = Adapter(older, REGISTRY)
+    datagram = older(imu_info={"accel_x": 1.0, "accel_y": 2.0}).SerializeToString()
+    assert REGISTRY.envelope.FromString(adapter.adapt(datagram)) == REGISTRY.envelope(
+        imu_info={"accel_x": 1.0, "accel_y": 2.0}
+    )
+
+
+def _other_payload(files: Any) -> None:
+    oneof = _message(files, "PBEnvelope")
+    field = _field(oneof, "imu_info")
+    field.name, field.type_name = "motor_temperature", _field(oneof, "ph_info").type_name
+    field.json_name = "motorTemperature"
+
+
+def test_a_number_that_is_another_thing_today_is_not_replayed(tmp_path: Path) -> None:
+    """It is told which was which; the bytes are not published as what they are not."""
+    older = _older(_other_payload)
+    recording = _record(tmp_path / "run.mcap", older, older(motor_temperature={}).SerializeToString())
+    replay = BoardReplay(recording, REGISTRY)
+    assert list(replay.messages()) == []
+    reason = "number 13 was motor_temperature (SensorBoardPHInfo) in the run and is imu_info (SensorBoardIMUInfo) today"
+    assert replay.refused == {reason: 1}
+
+
+def test_a_number_that_is_retired_today_is_told(tmp_path: Path) -> None:
+    """A payload that no row has any more is named, with its number."""
+
+    def add(files: Any) -> None:
+        oneof = _message(files, "PBEnvelope")
+        added = oneof.field.add()
+        added.CopyFrom(_field(oneof, "imu_info"))
+        added.name, added.json_name, added.number = "old_imu", "oldImu", 77
+
+    older = _older(add)
+    today = dataclasses.replace(REGISTRY, retired={77: "old_imu"})
+    replay = BoardReplay(_record(tmp_path / "run.mcap", older, older(old_imu={}).SerializeToString()), today)
+    assert list(replay.messages()) == []
+    assert replay.refused == {"number 77, old_imu (SensorBoardIMUInfo) in the run, is retired today": 1}
+
+
+@dataclasses.dataclass
+class OlderImu(Message):
+    """The message as it was before most of its fields were added."""
+
+    __msgtype__ = "comms/msg/ImuSensorInformation"
+
+    accel_x: Float32 = 0.0
+
+
+def test_topics_whose_type_has_changed_are_made_anew_from_the_datagrams(tmp_path: Path) -> None:
+    """With an older schema on both sides, today's topics carry today's messages."""
+
+    def move(files: Any) -> None:
+        _field(_message(files, "SensorBoardIMUInfo"), "accel_x").number = 33
+
+    older = _older(move)
+    datagram = older(imu_info={"accel_x": 1.5, "is_calibrated": True}).SerializeToString()
+    replay = RosReplay(_record(tmp_path / "run.mcap", older, datagram, message_type=OlderImu), REGISTRY)
+    (message,) = replay.messages()
+    assert message.topic == "/imu_data"
+    assert replay.endpoints["/imu_data"].message_type is ImuSensorInformation
+    assert cdr.decode(ImuSensorInformation, message.data) == ImuSensorInformation(accel_x=1.5, is_calibrated=True)
+    assert "made anew from the datagrams: /imu_data" in replay.notes
+
+
+def test_without_the_datagrams_a_changed_topic_is_told(tmp_path: Path) -> None:
+    """A type of the past is not published as today's."""
+    path = tmp_path / "run.mcap"
+    _record(path, REGISTRY.envelope, b"", message_type=OlderImu)
+    (tmp_path / "run.datagrams.mcap").unlink()
+    replay = RosReplay(Recording(path), REGISTRY)
+    assert list(replay.messages()) == []
+    assert list(replay.refused) == ["/imu_data: its type has changed, and the recording's datagrams are not there"]
+
+
+# --- definitions ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
+def test_a_definition_makes_the_class_that_it_was_made_of(handler: Any) -> None:
+    """What a recording says of its messages is all that reading them needs."""
+    made = message_type_from(handler.message_type.__msgtype__, definition_of(handler.message_type))
+    assert made.__msgtype__ == handler.message_type.__msgtype__
+    assert definition_of(made) == definition_of(handler.message_type)
+    message = handler.to_cdr(handler.payload_type())
+    assert cdr.encode(cdr.decode(made, message)) == message
+
+
+def test_definitions_as_ros2_writes_them_are_understood() -> None:
+    """Comments, constants, defaults, bounds, arrays and names without a package."""
+    text = """\
+# A comment.
+uint8 OK=0
+string<=5 GREETING="hi"
+bool flag true
+string<=7 name
+float64[3] at
+uint8[<=4] raw  # at most four
+Inner inner
+other_msgs/Thing[] things
+================================================================================
+MSG: some_msgs/Inner
+int32 x
+================================================================================
+MSG: other_msgs/Thing
+string text
+"""
+    made: Any = message_type_from("some_msgs/msg/Outer", text)
+    assert definition_of(made).splitlines()[:6] == [
+        "bool flag",
+        "string<=7 name",
+        "float64[3] at",
+        "uint8[<=4] raw",
+        "some_msgs/Inner inner",
+        "other_msgs/Thing[] things",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("Nowhere x", "does not say what some_msgs/Nowhere is"), ("wstring x", "a wide string")],
+)
+def test_a_definition_that_cannot_be_read_is_told(text: str, expected: str) -> None:
+    """By what is missing."""
+    with pytest.raises(SetupError, match=expected):
+        message_type_from("some_msgs/msg/Outer", text)
