@@ -165,7 +165,7 @@ class _Child:
 
 
 @pytest.mark.parametrize(
-    ("code", "expected"), [(None, "the bridge did not stop within 5"), (3, "the bridge ended with exit code 3")]
+    ("code", "expected"), [(None, "the bridge did not stop within 20"), (3, "the bridge ended with exit code 3")]
 )
 def test_a_bridge_that_does_not_end_well_is_told(code: int | None, expected: str) -> None:
     """A bridge that hangs or fails when it is stopped is an error of the demo's, not a traceback."""
