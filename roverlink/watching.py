@@ -92,10 +92,11 @@ class Watching:
             return watch
         monitor = Monitor(self._ros.node.name, self._registry, bridge, self._probe, self._recording)
         if not self._arguments.no_diagnostics:
+            topic = self._ros.topic(diagnostics.TOPIC)
             try:
-                monitor.tell(diagnostics.publisher(self._middleware))
+                monitor.tell(diagnostics.publisher(self._middleware, topic))
             except MiddlewareError as error:
-                self._logger.warning("nothing is published on %s: %s", diagnostics.TOPIC, error)
+                self._logger.warning("nothing is published on %s: %s", topic, error)
         if self._arguments.metrics is not None:
             address = self._settings.listen_address
             server = watch.enter_context(MetricsServer(address, self._arguments.metrics, monitor.state))

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.live import Live
 
 from roverlink import screen, topics
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, command, seconds
 from runtime import NODE, cdr
 from runtime.interfaces import DiagnosticArray
 from runtime.middleware import NAMES, open_middleware
@@ -34,7 +34,6 @@ def add(commands: Subparsers) -> None:
         "Show how the bridge is doing, live: rates, ages, drops, queues. It reads /diagnostics, so the bridge may run\n"
         "on any machine of the ROS 2 domain.",
     )
-    add_project(parser)
     parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
     parser.add_argument("--once", action="store_true", help="show it once and stop: 0, or 1 where something is wrong")
     parser.add_argument("--json", action="store_true", help="JSON, an object a second or one with --once")

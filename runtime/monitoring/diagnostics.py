@@ -16,9 +16,11 @@ TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
 
 
-def publisher(middleware: Middleware, clock: Callable[[], int] = time.time_ns) -> Callable[[State], None]:
+def publisher(
+    middleware: Middleware, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
+) -> Callable[[State], None]:
     """A function that publishes a state. Raises `MiddlewareError` where diagnostic_msgs are not there (rclpy)."""
-    publish = middleware.publisher(TOPIC, DiagnosticArray, QOS).publish
+    publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
 
     def tell(state: State) -> None:
         publish([cdr.encode(array_of(state, clock()))])  # what a slow subscriber has no room for comes in a second

@@ -21,6 +21,7 @@ from tables import unguarded
 from generated.registry import REGISTRY
 from roverlink.simulation import payload_at
 from runtime import Bridge, Qos, Registry, SetupError, Translator, cdr, parameters, udp
+from runtime.bridge import Handle, Observer, Send
 from runtime.messages import Message
 from runtime.middleware.memory import Graph, MemoryMiddleware
 from runtime.registry import AnyHandler
@@ -42,7 +43,9 @@ def _filled(handler: AnyHandler, seconds: float = 1.0) -> bytes:
 class _Rig:
     """A bridge, the peers' sockets, a board that sends, and what arrived on each topic."""
 
-    def __init__(self, registry: Registry = _QUIET, middleware: Any = None, **given: Any) -> None:
+    def __init__(
+        self, registry: Registry = _QUIET, middleware: Any = None, observers: Sequence[Observer] = (), **given: Any
+    ) -> None:
         self.peers = {peer.name: _socket() for peer in registry.peers}
         ports = {peer.port_parameter: self.peers[peer.name].getsockname()[1] for peer in registry.peers}
         values = {"listen_port": 0, "listen_address": "127.0.0.1", **ports, **given}
@@ -53,6 +56,7 @@ class _Rig:
             middleware or MemoryMiddleware(self.graph),
             lambda topic: f"/{topic}",
             _LOGGER,
+            observers,
         )
         self.account = self.bridge.account
         self.on_topic: defaultdict[str, list[bytes]] = defaultdict(list)
@@ -262,6 +266,47 @@ def test_the_policy_all_forwards_everything_to_everyone() -> None:
             assert rig.arrived(peer, len(datagrams)) == datagrams
         assert rig.account.forwarded == dict.fromkeys(rig.peers, len(datagrams))
         assert rig.account.published == {"imu_info": 2, "control_mode": 1}
+
+
+# --- being observed ---------------------------------------------------------------------------------------------
+
+
+class _Observer:
+    """Notes what passes a bridge."""
+
+    def __init__(self, name: str, notes: list[Any]) -> None:
+        self._name, self._notes = name, notes
+
+    def receiving(self, handle: Handle) -> Handle:
+        def received(batch: list[bytes]) -> None:
+            self._notes.append((self._name, "received", list(batch)))
+            handle(batch)
+
+        return received
+
+    def sending(self, peer: str, send: Send) -> Send:
+        def sent(datagrams: Sequence[bytes]) -> int:
+            self._notes.append((self._name, peer, list(datagrams)))
+            return send(datagrams)
+
+        return sent
+
+
+def test_observers_hear_what_is_received_and_what_is_made_for_peers() -> None:
+    """Each in turn, the last one first, before it is handled; raw forwards are not heard a second time."""
+    notes: list[Any] = []
+    motor = REGISTRY.by_name["drive_motor"]
+    imu, command = _envelope(imu_info={}), _envelope(drive_motor={})
+    with _Rig(observers=[_Observer("first", notes), _Observer("second", notes)]) as rig:
+        rig.send(imu)
+        rig.settle(1)
+        rig.publish(motor, cdr.encode(motor.message_type()))
+        assert rig.arrived("hardware", 1) == [command]
+        assert rig.arrived("basestation", 1) == [imu]
+    assert notes == [
+        *[(name, "received", [imu]) for name in ("second", "first")],
+        *[(name, "hardware", [command]) for name in ("second", "first")],
+    ]
 
 
 # --- what is not bridged ----------------------------------------------------------------------------------------
