@@ -106,7 +106,8 @@ class Watching:
 
     def _recorded(self, middleware: Middleware, path: Path) -> Middleware:
         from runtime.recording.datagram_tap import DatagramTap
-        from runtime.recording.recorder import Recorder, Settings
+        from runtime.recording.half import Settings
+        from runtime.recording.recorder import Recorder
 
         rows = {self._ros.topic(handler.route.topic): handler.route.name for handler in self._registry.handlers}
         settings = Settings(self._arguments.compression, self._arguments.rotate)

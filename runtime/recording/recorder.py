@@ -6,16 +6,12 @@ full, messages are lost and counted; the bridge never waits for the disk, and no
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import os
 import threading
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from google.protobuf.message import DecodeError
 
@@ -23,117 +19,16 @@ from runtime.handler import Qos
 from runtime.messages import Message
 from runtime.recording import places
 from runtime.recording.definitions import definition_of
-from runtime.recording.mcap_file import Channel, Entry, McapFile
+from runtime.recording.half import Half, Settings
+from runtime.recording.mcap_file import Entry
+from runtime.recording.rosbag2 import qos_text
 from runtime.recording.schemas import descriptor_set_of
 from runtime.registry import Registry
 from runtime.tapping import Tap
 
-QUEUE = 65_536
-"""Messages of each of the two files that may wait for the disk; at 10,000 a second, more than six seconds."""
-
 _WAKE_S = 0.05  # short, so that each turn holds the interpreter lock for little
 _FLUSH_S = 0.5  # what a kill may cost, with the time that writing takes
 _NEARLY_FULL_S = 300.0  # until it is, at the rate of the last moment
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """How to record."""
-
-    compression: str = "zstd"
-    """``zstd``, ``lz4`` or ``none``."""
-    rotate_bytes: int | None = None
-    """Size at which a file ends and the next begins."""
-    queue: int = QUEUE
-    """Messages of each file that may wait for the disk."""
-
-
-class _Half:
-    """One of the two files, in as many parts as it needs, and the queue in front of it."""
-
-    def __init__(
-        self,
-        path: Path,
-        kind: str,
-        settings: Settings,
-        metadata: Mapping[str, str],
-        sort: Callable[[Entry], Entry] | None = None,
-    ) -> None:
-        """``sort`` may move a message to another channel, in the writing thread."""
-        self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
-        self.limit = settings.queue
-        self.waiting: deque[Entry] = deque()
-        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 is ours
-        self.channels: list[Channel] = []
-        self._declared = 0
-        self._parts = 0
-        self._ended = False
-        self.counts: Counter[int] = Counter()
-        self._bytes_before = 0
-        self.file = self._next_file()
-
-    def channel(self, topic: str, encoding: str, **schema: Any) -> Tap:
-        """Add a channel; what it returns is called by the bridge's threads."""
-        channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
-        self.channels.append(channel)
-        number, waiting, now = channel.id, self.waiting, time.time_ns
-
-        def tap(messages: Sequence[bytes]) -> None:
-            if len(waiting) >= self.limit:
-                self.lost[number] += len(messages)
-                return
-            arrived = now()
-            for message in messages:
-                waiting.append((arrived, number, message))
-
-        return tap
-
-    def take(self) -> None:
-        """Hand what waits to the file, and begin the next file where this one is large enough."""
-        entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
-        if not entries:
-            return
-        while self._declared < len(self.channels):
-            self.file.add_channel(self.channels[self._declared])
-            self._declared += 1
-        self.file.add(entries if self._sort is None else map(self._sort, entries))
-        if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
-            self.finish()
-            self._bytes_before += self.file.size
-            self.file, self._ended = self._next_file(), False
-
-    def finish(self) -> None:
-        """End the file; more than once does no harm."""
-        if not self._ended:
-            self.file.finish()
-            self._end()
-
-    def give_up(self) -> None:
-        """End the file, without what does not fit on the disk any more."""
-        self.limit = 0  # from now on, everything is lost and counted
-        self.lost[0] += len(self.waiting) + self.file.forget_chunk()
-        self.waiting.clear()
-        with contextlib.suppress(OSError):
-            self.finish()
-        if not self._ended:
-            self.file.close()
-            self._end()
-
-    def _end(self) -> None:
-        self._ended = True
-        self.counts.update(self.file.counts)
-
-    @property
-    def bytes(self) -> int:
-        """Bytes on disk."""
-        return self._bytes_before + self.file.size
-
-    def _next_file(self) -> McapFile:
-        path = places.part_of(self._path, self._kind, self._parts)
-        self._parts += 1
-        self._declared = 0
-        profile = "ros2" if self._kind == places.TOPICS else ""
-        return McapFile(path, profile, self._settings.compression, self._metadata)
 
 
 class Recorder:
@@ -156,8 +51,8 @@ class Recorder:
         self._registry, self._rows, self._logger = registry, topics, logger
         settings = settings or Settings()
         metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
-        self._topics = _Half(self.path, places.TOPICS, settings, metadata)
-        self._datagrams = _Half(self.path, places.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._topics = Half(self.path, places.TOPICS, settings, metadata)
+        self._datagrams = Half(self.path, places.DATAGRAMS, settings, metadata, self._plain_or_raw)
         self._halves = (self._topics, self._datagrams)
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
@@ -184,7 +79,7 @@ class Recorder:
                 schema_name=message_type.__msgtype__,
                 schema_encoding="ros2msg",
                 schema=definition_of(message_type).encode(),
-                metadata={"offered_qos_profiles": _qos_text(qos), **about},
+                metadata={"offered_qos_profiles": qos_text(qos), **about},
             )
 
     def datagrams(self, name: str) -> Tap:
@@ -299,27 +194,3 @@ class Recorder:
             half.give_up()
         self.failure = str(reason)
         self._logger.error("the recording has ended (%s); the bridge goes on. %s", reason, self.summary())
-
-
-_FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
-
-
-def _qos_text(qos: Qos) -> str:
-    """A quality of service as rosbag2 writes it: a YAML list of profiles, policies as rmw numbers them."""
-    profile: dict[str, Any] = {
-        "history": {"keep_last": 1, "keep_all": 2}[qos.history],
-        "depth": qos.depth,
-        "reliability": {"reliable": 1, "best_effort": 2}[qos.reliability],
-        "durability": {"transient_local": 1, "volatile": 2}[qos.durability],
-        "deadline": _FOREVER,
-        "lifespan": _FOREVER,
-        "liveliness": 1,
-        "liveliness_lease_duration": _FOREVER,
-        "avoid_ros_namespace_conventions": "false",
-    }
-    lines = []
-    for name, value in profile.items():
-        lines.append(f"  {name}:" if isinstance(value, dict) else f"  {name}: {value}")
-        if isinstance(value, dict):
-            lines += [f"    {part}: {number}" for part, number in value.items()]
-    return "\n".join(["-" + lines[0][1:], *lines[1:]])

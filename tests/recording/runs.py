@@ -10,7 +10,8 @@ from typing import Any
 
 from generated.registry import REGISTRY
 from roverlink.simulation import payload_at
-from runtime.recording.recorder import Recorder, Settings
+from runtime.recording.half import Settings
+from runtime.recording.recorder import Recorder
 
 ROWS = {f"/{handler.route.topic}": handler.route.name for handler in REGISTRY.handlers}
 LOGGER = logging.getLogger("test_recording")
