@@ -306,7 +306,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
 
 @pytest.mark.parametrize(("distribution", "gid_size"), [("humble", 24), ("jazzy", 16)])
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
-    """From ros_discovery_info, Fast DDS knows which of the endpoints that it discovers are the node's: one a row, and /diagnostics."""
+    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a row, and /diagnostics."""
     endpoints: dict[str, tuple[str, str]] = {}
     node: dict[str, Any] = {}
     with bridge(fast_dds.domain, distribution), fast_dds.graph(gid_size) as graph:
