@@ -34,6 +34,6 @@ REGISTRY = Registry(
         IdleHandler(),
         SensorHandler(),
     ),
-    fingerprint="b3b4954ec8db43975c3f7c4280f7c81393fb12f9fc629e3ab63ed5bda042b7a3",
+    fingerprint="50ed3662de6020bfdcb9c872829c343ca7b4f14ad0a86a06211a8d477fa2225c",
     retired={},
 )

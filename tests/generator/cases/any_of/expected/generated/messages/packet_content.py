@@ -19,6 +19,9 @@ class PacketContent(Message):
     """Made from Packet.content."""
 
     __msgtype__: ClassVar[str] = "rover/msg/PacketContent"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_c485ea4526c07d0372af6f489c03475c42020f90f25d841eaef01c85f341f18f"
+    )
 
     NONE: ClassVar[int] = 0
     IMU: ClassVar[int] = 1

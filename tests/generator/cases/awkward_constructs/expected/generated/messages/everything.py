@@ -27,6 +27,9 @@ class Everything(Message):
     """Made from Everything."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Everything"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_8f2e1112bf3f4c7e1fda1da754b14669bcfa962e6cc51fe918c1e0afe7ca46f7"
+    )
 
     KIND_NONE: ClassVar[int] = 0
     KIND_DEPTH: ClassVar[int] = 9

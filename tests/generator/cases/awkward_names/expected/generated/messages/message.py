@@ -25,7 +25,7 @@ class Message_(Message):  # noqa: N801  # the code here needs the name itself
 
     __msgtype__: ClassVar[str] = "rover/msg/Message"
     __typehash__: ClassVar[str] = (
-        "RIHS01_f01c277ed45f5722769d7475207910efe584f0f7dee172ea24b77a334568684a"
+        "RIHS01_3f8785614e420f163ae909210ca5e725f8a962d28d7467062d9f3a0c0609ff85"
     )
 
     item: list[Item] = dataclasses.field(default_factory=list)

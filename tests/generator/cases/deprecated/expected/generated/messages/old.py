@@ -20,6 +20,9 @@ class Old(Message):
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Old"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_bdc1964ab20333fb1411d7ab8b24dff7d18d115bfc928295dcbbdaf1a8123a78"
+    )
 
     OFF: ClassVar[int] = 0
     LOUD: ClassVar[int] = 1

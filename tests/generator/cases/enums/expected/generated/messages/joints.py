@@ -18,7 +18,7 @@ class Joints(Message):
 
     __msgtype__: ClassVar[str] = "rover/msg/Joints"
     __typehash__: ClassVar[str] = (
-        "RIHS01_0819b76d39ebecf01e8dc43c0e569d7d2ab996a426600ff39be54871753b9903"
+        "RIHS01_7b013883f54da4e32144189ff072a9075e1811fd52fe38e2ce89f4a74c698333"
     )
 
     SMALL_ZERO: ClassVar[int] = 0

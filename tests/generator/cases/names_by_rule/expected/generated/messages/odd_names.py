@@ -18,6 +18,9 @@ class OddNames(Message):
     """Made from odd_names."""
 
     __msgtype__: ClassVar[str] = "rover/msg/OddNames"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_84a13c90a3c58a4e1c3b717b93109abde790900f17a10539b059a547d2aa6503"
+    )
 
     WITH_NONE: ClassVar[int] = 0
     WITH_GLOBAL: ClassVar[int] = 16

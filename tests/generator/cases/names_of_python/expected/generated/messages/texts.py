@@ -16,6 +16,9 @@ class Texts(Message):
     """Made from Texts."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Texts"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_37eab907214867b990aaf02856ba78ea40a842386f6a9399bde5d2046c366de0"
+    )
 
     bytes_field: bytes = b""
     str_field: str = ""

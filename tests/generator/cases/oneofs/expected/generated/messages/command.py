@@ -19,6 +19,9 @@ class Command(Message):
     """Made from Command."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Command"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_d99a85431cd5b271b6f3f03da32875870140582f1c83985018614b870e75ca50"
+    )
 
     ACTION_NONE: ClassVar[int] = 0
     ACTION_MOVE: ClassVar[int] = 2

@@ -17,6 +17,9 @@ class Moment(Message):
     """Made from Moment."""
 
     __msgtype__: ClassVar[str] = "rover/msg/Moment"
+    __typehash__: ClassVar[str] = (
+        "RIHS01_052b52efb860b96f30c958e31ed256ef9cc4740ae051024b1957d002c9942945"
+    )
 
     stamp: Time = dataclasses.field(default_factory=Time)
     """When it was measured."""
