@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, generation, history, linting, watching
+from bench import bridging, conversion, generation, history, linting, watching
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -18,6 +18,7 @@ from bench.result import SectionResult
 SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
     "watching": watching.measure,
+    "conversion": conversion.measure,
     "generation": generation.measure,
     "linting": linting.measure,
     "history": history.measure,

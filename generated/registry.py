@@ -4,6 +4,14 @@
 
 from __future__ import annotations
 
+from generated.feeds import (
+    GpsInfoGpsFixFeed,
+    ImuInfoImuDataRawFeed,
+    ImuInfoImuMagFeed,
+    PhInfoPhTemperatureFeed,
+    PressureInfoPressureFluidPressureFeed,
+    PressureInfoPressureTemperatureFeed,
+)
 from generated.handlers import (
     ArmCtrlHandler,
     ArmDiagHandler,
@@ -61,6 +69,14 @@ REGISTRY = Registry(
         RockMeasureResultHandler(),
         RoverLocalizationHandler(),
     ),
-    fingerprint="94b070ecfffe4a4eaf7516a1e80177b1f27c0d0ba5a8848a61d7ab04851e305f",
+    feeds=(
+        PhInfoPhTemperatureFeed(),
+        GpsInfoGpsFixFeed(),
+        ImuInfoImuDataRawFeed(),
+        ImuInfoImuMagFeed(),
+        PressureInfoPressureFluidPressureFeed(),
+        PressureInfoPressureTemperatureFeed(),
+    ),
+    fingerprint="fa57807d3fe8a6dff40e8a63d2c93f36cde3e03e659ba5c7b2403284da2b3093",
     retired={},
 )

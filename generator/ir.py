@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from generator.ir_standard import Feed, Interface
+
 
 @dataclass(frozen=True, slots=True)
 class Member:
@@ -250,13 +252,25 @@ class Route:
     """Whether the payload comes from a peer and goes to the topic."""
     qos: Qos
     forward: tuple[str, ...]
-    conversion: Conversion
+    proto: str
+    """Full name of the payload's message."""
+    conversion: Conversion | None
+    """To a message of the package; None where the row becomes a standard message."""
     deadman: Deadman | None = None
     max_rate: int | None = None
     """Most messages a second; None for any number."""
     priority: int = 0
     expect_rate: int | None = None
     """Messages a second that diagnostics expect at least."""
+    feed: Feed | None = None
+    """To a standard message."""
+    also: tuple[Feed, ...] = ()
+    """Further topics."""
+
+    @property
+    def feeds(self) -> tuple[Feed, ...]:
+        """Everything that it becomes of standard messages."""
+        return (self.feed, *self.also) if self.feed else self.also
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,9 +357,11 @@ class Bridge:
     wire_enums: tuple[WireEnum, ...]
     bounds: tuple[FieldBound, ...]
     """What the table bounds; options files beside the .proto files may bound more."""
+    interfaces: tuple[Interface, ...]
+    """The standard messages that the rows need, by name."""
     modules: Mapping[str, str]
     """Text of each module that protoc generated, by path."""
 
     def conversions(self) -> dict[str, Conversion]:
         """Every conversion, by its ROS message."""
-        return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes))}
+        return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes if route.conversion))}

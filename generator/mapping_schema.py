@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 
+from generator.json_schema import json_schema
 from generator.rendering import REGENERATE, Files
-from generator.table_format import json_schema
 
 
 def emit() -> Files:

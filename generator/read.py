@@ -7,7 +7,9 @@ from pathlib import Path
 from string import ascii_lowercase
 
 from generator import ir, naming
+from generator.feed_format import FEED
 from generator.findings import Finding, FindingsError, Rule
+from generator.read_feeds import is_standard, read_feed, read_renames
 from generator.table import (
     Bound,
     DeadmanSettings,
@@ -21,7 +23,8 @@ from generator.table import (
     Row,
     Table,
 )
-from generator.table_format import ENUM, RETIRED, ROW, TABLE, Object
+from generator.table_format import ENUM, RETIRED, ROW, TABLE
+from generator.value_types import Object
 from generator.yaml_items import Item, read_item, read_text
 
 CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
@@ -72,6 +75,7 @@ def _table(file: str, item: Item, whole: bool, findings: list[Finding]) -> Table
         package=ros.get("package", ""),
         package_span=ros.entry("package").span,
         maintainer=ros.get("maintainer", _MAINTAINER),
+        distro=ros.get("distro", ""),
         peers=tuple(_peers(item.entry("peers"))),
         rows=tuple(_row(row, findings) for row in rows if _is_whole(row, ROW)),
         retired=tuple(
@@ -112,17 +116,20 @@ def _peers(item: Item) -> Iterator[PeerSettings]:
 
 
 def _row(item: Item, findings: list[Finding]) -> Row:
+    ros = item.get("ros", naming.camel_case(item.get("proto").rpartition(".")[2]))
+    qos = _qos(item, findings)
+    standard = is_standard(ros)
     return Row(
         item.span,
         item.spans(),
         number=item.get("number"),
         name=item.get("name"),
         proto=item.get("proto"),
-        ros=item.get("ros", naming.camel_case(item.get("proto").rpartition(".")[2])),
+        ros=ros,
         topic=item.get("topic"),
         direction=item.get("direction"),
-        qos=_qos(item, findings),
-        fields={path: entry.value for path, entry in item.entry("fields").entries.items()},
+        qos=qos,
+        fields={} if standard else read_renames(item, findings),
         ignore=item.texts("ignore"),
         forward=item.texts("forward"),
         bounds={
@@ -136,6 +143,8 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         max_rate=item.get("max_rate"),
         priority=item.get("priority", 0),
         expect_rate=item.get("expect_rate"),
+        feed=read_feed(item, qos) if standard else None,
+        also=tuple(read_feed(one, _qos(one, findings)) for one in item.entry("also").items if _is_whole(one, FEED)),
     )
 
 

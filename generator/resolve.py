@@ -5,13 +5,16 @@ What the table or a proto asks for, and this version cannot convert, is a findin
 
 from __future__ import annotations
 
+import dataclasses
 import keyword
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from generator import ir
+from generator.feeds import Feeds
 from generator.findings import Finding, Rule, Span, nearest
 from generator.guards import check_peers, guarded
+from generator.ir_standard import Feed
 from generator.ledger import Ledger
 from generator.proto_files import DeclarationIndex
 from generator.protoc import Compilation
@@ -106,11 +109,13 @@ def resolve(
     """The IR of a table. Where findings were added, it is not fit to be emitted."""
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
+    feeds = Feeds(table, schema, findings.append)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
-        guarded(messages.route(row), row, schema, findings) for row in sorted(located, key=lambda row: row.number)
+        guarded(_with_feeds(messages.route(row), feeds.of(row)), row, schema, findings)
+        for row in sorted(located, key=lambda row: row.number)
     )
-    carried = {route.conversion.ros for route in routes}
+    carried = {route.conversion.ros for route in routes if route.conversion}
     if table.whole:
         messages.check_enums()
         findings += check_peers(table)
@@ -134,8 +139,13 @@ def resolve(
         wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
         wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
         bounds=tuple(bounds),
+        interfaces=feeds.interfaces,
         modules=compilation.modules,
     )
+
+
+def _with_feeds(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]]) -> ir.Route:
+    return dataclasses.replace(route, feed=feeds[0], also=feeds[1])
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Finding]:

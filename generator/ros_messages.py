@@ -46,21 +46,12 @@ class RosMessages:
         return {conversion.ros: conversion for conversion in self._made.values()}
 
     def route(self, row: Row) -> ir.Route:
-        """A row, with the conversion of its payload."""
-        conversion = self._conversion(self.schema.messages[row.proto], 1)
-        if row.recursion is not None:
+        """A row, with the conversion of its payload to a message of the package, where it becomes one."""
+        conversion = None if row.feed else self._conversion(self.schema.messages[row.proto], 1)
+        if conversion is not None and row.recursion is not None:
             self._check_size(row, conversion)
-        return ir.Route(
-            row.number,
-            row.name,
-            row.topic,
-            row.direction,
-            row.inbound,
-            row.qos,
-            row.forward,
-            conversion,
-            expect_rate=row.expect_rate,
-        )
+        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward)
+        return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
 
     def _check_size(self, row: Row, conversion: ir.Conversion) -> None:
         span = row.at("recursion")

@@ -30,6 +30,8 @@ def shapes_of(table: Table, findings: list[Finding]) -> dict[str, Shape]:
     """By proto message; rows that carry the same one must agree on what it becomes."""
     shapes: dict[str, Shape] = {}
     for row in table.rows:
+        if row.feed:
+            continue
         shape = Shape(row.ros, row.fields, row.ignore, row)
         first = shapes.setdefault(row.proto, shape)
         if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 from generator.findings import Span
 from generator.ir import Qos
@@ -94,6 +95,37 @@ class DeadmanSettings(Placed):
 
 
 @dataclass(frozen=True, slots=True)
+class Form:
+    """What a row says of a field of a standard message: a value, a list, or a mapping of more of them."""
+
+    span: Span
+    value: bool | str | int | Fraction | float | None = None
+    """Of a scalar."""
+    items: tuple[Form, ...] | None = None
+    """Of a list."""
+    entries: Mapping[str, Form] | None = field(default=None, hash=False)
+    """Of a mapping."""
+
+
+@dataclass(frozen=True, slots=True)
+class FeedSettings(Placed):
+    """A topic with a message of ROS 2's common interfaces."""
+
+    topic: str
+    ros: str
+    """With its package: ``sensor_msgs/Imu``."""
+    qos: Qos
+    frame_id: str | None
+    stamp: Form | None
+    fields: Mapping[str, Form]
+    """What fills each field of the message, by its path."""
+    unset: tuple[str, ...]
+    """Paths of fields that nothing fills."""
+    ignore: tuple[str, ...]
+    """Paths of proto fields that the message does not tell."""
+
+
+@dataclass(frozen=True, slots=True)
 class Row(Placed):
     """One message: what travels under which number, between which peer and which topic."""
 
@@ -126,6 +158,15 @@ class Row(Placed):
     priority: int = 0
     expect_rate: int | None = None
     """Messages a second that diagnostics expect at least."""
+    feed: FeedSettings | None = None
+    """What the row itself becomes, where that is a standard message."""
+    also: tuple[FeedSettings, ...] = ()
+    """Its further topics."""
+
+    @property
+    def feeds(self) -> tuple[FeedSettings, ...]:
+        """Everything that it becomes of standard messages."""
+        return (self.feed, *self.also) if self.feed else self.also
 
     @property
     def inbound(self) -> bool:
@@ -200,6 +241,8 @@ class Table:
     outputs: Outputs
     lint: tuple[Lowered, ...]
     """What counts for less everywhere."""
+    distro: str = ""
+    """The distribution whose standard messages are meant; empty where they must be the same in all."""
 
     def peers_by_name(self) -> dict[str, PeerSettings]:
         """The peers by name."""

@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from generator import ir
+from generator.feeds import words
+from generator.ir_standard import Feed
 from generator.linting import Question, lint_project
 from generator.nanopb import Unbounded, envelope_size, largest_size
 from generator.pipeline import Compiled, compile_table
 from generator.protos import ProtoField
 from generator.subject import Subject
 from generator.table import Row
-from generator.targets.python import spelling
+from generator.targets.python import feeds, spelling
 from generator.type_hashes import type_hashes
 from roverlink.simulation import payload_at
 from roverlink.wire_lines import wire_lines
@@ -50,16 +52,12 @@ class Project:
         """All of it, ready for JSON; the order is that in which it is told."""
         bridge = self.compiled.bridge
         route = next(one for one in bridge.routes if one.number == row.number)
-        conversion = route.conversion
         return {
             "number": row.number,
             "name": row.name,
             "envelope": {"message": bridge.envelope.message, "file": self._proto(bridge.envelope.file)},
-            "proto": {"message": row.proto, "file": self._proto(conversion.file)},
-            "ros": {
-                "message": f"{bridge.package}/msg/{conversion.ros}",
-                "type_hash": self.hashes[conversion.ros],
-            },
+            "proto": {"message": row.proto, "file": self._proto(self._file(row.proto))},
+            "ros": self._ros(route),
             "topic": row.topic,
             "direction": row.direction,
             "peer": self._peer(row.peer),
@@ -71,13 +69,28 @@ class Project:
                 "depth": route.qos.depth,
             },
             "size": self._size(row),
-            "fields": [self._field(field, row) for field in conversion.fields],
+            "fields": [self._field(field, row) for field in route.conversion.fields] if route.conversion else [],
+            "standard": [self._feed(feed) for feed in route.feeds],
             "ignored": list(row.ignore),
             "published": self._published(row.number),
             "history": self._history(row.number),
             "files": self._files(route),
             "example": self._example(row),
         }
+
+    def _file(self, proto: str) -> str:
+        return next(member.file for member in self.compiled.bridge.envelope.members if member.proto == proto)
+
+    def _ros(self, route: ir.Route) -> dict[str, Any]:
+        """The row's own message; the hash of a standard one is ROS 2's to know."""
+        if route.conversion is None:
+            return {"message": route.feeds[0].message, "type_hash": None}
+        name = route.conversion.ros
+        return {"message": f"{self.compiled.bridge.package}/msg/{name}", "type_hash": self.hashes[name]}
+
+    def _feed(self, feed: Feed) -> dict[str, Any]:
+        fields = [{"ros": field, "takes": takes} for field, takes in words.rows(feed)]
+        return {"topic": feed.topic, "message": feed.message, "fields": fields, "no_way_back": feed.obstacle or None}
 
     def _proto(self, file: str) -> str:
         return f"{self.subject.table.proto.root}/{file}"
@@ -136,12 +149,14 @@ class Project:
 
     def _files(self, route: ir.Route) -> list[str]:
         """The generated files that are about it and its message alone."""
-        conversion, package = route.conversion, self.compiled.bridge.package
-        folder, module = spelling.proto_module(conversion.file)
+        package = self.compiled.bridge.package
+        folder, module = spelling.proto_module(self._file(route.proto))
+        own = [route.conversion.ros] if route.conversion else []
         wanted = [
             f"generated/handlers/{spelling.module(route.name)}.py",
-            f"generated/messages/{spelling.message_module(conversion.ros)}.py",
-            f"generated/ros/{package}/msg/{conversion.ros}.msg",
+            *(f"generated/feeds/{name}.py" for one, _, name, _ in feeds.names(self.compiled.bridge) if one is route),
+            *(f"generated/messages/{spelling.message_module(ros)}.py" for ros in own),
+            *(f"generated/ros/{package}/msg/{ros}.msg" for ros in own),
             f"{folder.replace('.', '/')}/{module}.py",
         ]
         return [path for path in wanted if path in self.compiled.files]

@@ -30,7 +30,8 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
         raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
-    handler = next((h for h in registry.handlers if full_topic(h.route.topic) == full_topic(topic)), None)
+    known = registry.by_topic.values()
+    handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
     if handler is None:
         hint = nearest(topic.removeprefix("/"), registry.by_topic)
         raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
@@ -39,7 +40,7 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
 
 def _named_type(registry: Registry, type_name: str) -> type[Message]:
     wanted = standard.full_name(type_name)
-    for handler in registry.handlers:
+    for handler in registry.by_topic.values():
         if handler.message_type.__msgtype__ == wanted:
             own: type[Message] = handler.message_type
             return own

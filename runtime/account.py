@@ -21,6 +21,10 @@ class Account:
     """Datagrams that were taken from the socket."""
     published: Counter[str] = field(default_factory=Counter)
     """Messages to topics, by the name of the payload."""
+    fed: Counter[str] = field(default_factory=Counter)
+    """Messages to the further topics of rows, by topic."""
+    unfed: Counter[str] = field(default_factory=Counter)
+    """Messages that a further topic did not get, by topic: a value did not fit, or its subscribers were too slow."""
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams made from messages of topics, by the name of the payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
@@ -58,6 +62,8 @@ class Account:
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "unsent": dict(sorted(self.unsent.items())),
+            "fed": dict(sorted(self.fed.items())),
+            "unfed": dict(sorted(self.unfed.items())),
             "kernel_drops": self.kernel_drops,
             "by_payload": {
                 "published": dict(sorted(self.published.items())),

@@ -16,19 +16,20 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
-from runtime import udp
+from runtime import feeding, udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
 from runtime.admission import Admission
 from runtime.destination import Destination
 from runtime.errors import DatagramError, Reason
 from runtime.inlet import Inlet, PacedInlet
-from runtime.middleware import Middleware
+from runtime.interfaces import Time
+from runtime.middleware import Middleware, Publisher
 from runtime.outlet import Outlet, Send
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.sources import restrict
 from runtime.timekeeper import Tended, Timekeeper
-from runtime.translator import Translator
+from runtime.translator import Fed, Translator
 
 NODE = "udp_forwarder"
 """The bridge's name on the ROS 2 graph, where nobody gives it another."""
@@ -79,6 +80,7 @@ class Bridge:
         self._lanes: dict[str, _Lane] = {}
         self._outlets: list[Outlet] = []
         self._paced: list[PacedInlet] = []
+        self._feeding = feeding.Feeding(self.account, self._warnings)
         self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
         self._next_look = 0.0
         self._failure: BaseException | None = None
@@ -98,7 +100,11 @@ class Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
             self._lanes[handler.route.name] = _Lane(self._inlet(handler), self._forward_of(handler))
-        outbound = [handler for handler in self._registry.handlers if not handler.route.inbound]
+        for feed in self._registry.feeds:
+            if feed.route.inbound:
+                self._feeding.open(feed, self._publisher(feed).publish)
+        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.feeds)
+        outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outlets = [self._outlet(handler) for handler in outbound]
         tended: list[Tended] = [*self._paced, *(outlet for outlet in self._outlets if outlet.is_tended)]
         self._timekeeper = Timekeeper(tended, self._fail)
@@ -172,30 +178,34 @@ class Bridge:
             self._count_lost()
 
     def _bridge(self, batch: udp.Batch, translator: Translator) -> None:
-        messages, forwards = self._translated(self._without_oversized(batch), translator)
+        messages, fed, forwards = self._translated(self._without_oversized(batch), translator, feeding.now())
         for name, run in messages.items():
             self._lanes[name].inlet.take(run)
+        if fed:
+            self._feeding.publish(fed)
         for destination, datagrams in forwards.items():
             if sent := self._send(datagrams, destination):
                 self.account.forwarded[destination.peer] += sent
 
     def _translated(
-        self, batch: udp.Batch, translator: Translator
-    ) -> tuple[dict[str, list[bytes]], dict[Destination, list[bytes]]]:
-        """The messages to publish, by the name of the payload, and the datagrams to hand on as they are."""
+        self, batch: udp.Batch, translator: Translator, stamp: Time
+    ) -> tuple[dict[str, list[bytes]], list[Fed], dict[Destination, list[bytes]]]:
+        """The messages to publish, by the name of the payload; those of feeds; the datagrams to hand on as they are."""
         messages: defaultdict[str, list[bytes]] = defaultdict(list)
         forwards = dict.fromkeys(self._to_all, batch)
-        receive, lanes = translator.receive, self._lanes
+        fed: list[Fed] = []
+        receive, lanes = translator.receive_all, self._lanes
         for datagram in batch:
             try:
-                name, message = receive(datagram)
+                name, message, further = receive(datagram, stamp)
             except DatagramError as error:
                 self._drop(error)
                 continue
             messages[name].append(message)
+            fed += further
             for destination in lanes[name].forward:
                 forwards.setdefault(destination, []).append(datagram)
-        return messages, forwards
+        return messages, fed, forwards
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
@@ -237,9 +247,12 @@ class Bridge:
 
     # --- topics to peers ---
 
+    def _publisher(self, handler: AnyHandler) -> Publisher:
+        return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
+
     def _inlet(self, handler: AnyHandler) -> Inlet:
         route = handler.route
-        publisher = self._middleware.publisher(self._topic(route.topic), handler.message_type, route.qos)
+        publisher = self._publisher(handler)
         if route.max_rate is None:
             return Inlet(route, publisher, self.account, self._drop)
         self._paced.append(PacedInlet(route, publisher, self.account, self._drop, route.max_rate))

@@ -14,10 +14,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from runtime import cdr
 from runtime.errors import ConversionError
+from runtime.interfaces import Time
 from runtime.messages import Message
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
+
+UNSTAMPED = Time()
+"""The time of a payload that came from nowhere."""
 
 P = TypeVar("P", bound="ProtoMessage")
 M = TypeVar("M", bound=Message)
@@ -104,8 +108,11 @@ class Handler(ABC, Generic[P, M]):
         """
         return cdr.encode(self.to_ros(payload))
 
-    def to_cdr(self, payload: P) -> bytes:
-        """The serialized ROS 2 message of a payload; `ConversionError` names route and field that do not fit."""
+    def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # feeds need it
+        """The serialized ROS 2 message of a payload; `ConversionError` names route and field that do not fit.
+
+        ``stamp`` is when the payload was received, for messages that have a header.
+        """
         try:
             return self.pack(payload)
         except (struct.error, ConversionError, ValueError):

@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Any
 from google.protobuf.runtime_version import VersionError
 
 from runtime.errors import RegistryError
+from runtime.feed import Feed
 from runtime.handler import Handler
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 AnyHandler = Handler[Any, Any]
+AnyFeed = Feed[Any, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,8 @@ class Registry:
     handlers: tuple[AnyHandler, ...]
     fingerprint: str
     """SHA-256 over the table and the wire schema from which the code was generated."""
+    feeds: tuple[AnyFeed, ...] = ()
+    """The rows' further topics, with messages of the common interfaces."""
     retired: Mapping[int, str] = field(default_factory=dict)
     """Numbers that were used once and never will be again, with the name that each had."""
 
@@ -64,8 +68,8 @@ class Registry:
 
     @cached_property
     def by_topic(self) -> dict[str, AnyHandler]:
-        """The handlers by their topic, as the table spells it."""
-        return {handler.route.topic: handler for handler in self.handlers}
+        """The handlers and the feeds by their topic, as the table spells it."""
+        return {handler.route.topic: handler for handler in (*self.handlers, *self.feeds)}
 
     @cached_property
     def peers_by_name(self) -> dict[str, Peer]:

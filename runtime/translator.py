@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from google.protobuf.message import DecodeError, EncodeError
 
 from runtime import envelope
 from runtime.errors import ConversionError, DatagramError, Reason
-from runtime.registry import AnyHandler, Registry
+from runtime.feed import UNSTAMPED
+from runtime.interfaces import Time
+from runtime.registry import AnyFeed, AnyHandler, Registry
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
+
+
+Fed = tuple[AnyFeed, "bytes | ConversionError"]
+"""What a further topic gets; a value that does not fit keeps neither the row's own topic nor the others waiting."""
 
 
 class Translator:
@@ -24,12 +31,18 @@ class Translator:
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
         self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
+        self._feeds = {name: tuple(f for f in registry.feeds if f.route.name == name) for name in self._inbound}
 
-    def receive(self, datagram: bytes) -> tuple[str, bytes]:
+    def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
 
-        Raises `DatagramError` with the reason, and number and name of the payload where they are known.
+        ``stamp`` is when it was received. Raises `DatagramError` with the reason, and number and name of the payload
+        where they are known.
         """
+        return self.receive_all(datagram, stamp)[:2]
+
+    def receive_all(self, datagram: bytes, stamp: Time) -> tuple[str, bytes, Sequence[Fed]]:
+        """As `receive`, with what the row's further topics get."""
         try:  # as `parse`, whose call would be felt here
             message = self._parse(datagram)
         except DecodeError:
@@ -39,9 +52,12 @@ class Translator:
         if handler is None:
             raise self._refusal(name, datagram)
         try:
-            return name, handler.to_cdr(getattr(message, name))
+            payload = getattr(message, name)
+            serialized = handler.to_cdr(payload, stamp)
         except ConversionError as error:
             raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}", name) from error
+        feeds = self._feeds[name]
+        return name, serialized, [_fed(feed, payload, stamp) for feed in feeds] if feeds else ()
 
     def parse(self, datagram: bytes) -> ProtoMessage:
         """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
@@ -108,3 +124,10 @@ class Translator:
         return DatagramError(
             Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer", name
         )
+
+
+def _fed(feed: AnyFeed, payload: ProtoMessage, stamp: Time) -> Fed:
+    try:
+        return feed, feed.to_cdr(payload, stamp)
+    except ConversionError as error:
+        return feed, error

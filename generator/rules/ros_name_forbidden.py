@@ -31,16 +31,17 @@ def check(subject: Subject) -> Iterator[Finding]:
         help = "lower case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.package_span, f"ROS forbids the package name {table.package!r}", help)
     for row in filter(_reaches_ros, table.rows):
-        if not naming.is_message_name(row.ros):
+        if row.feed is None and not naming.is_message_name(row.ros):
             nearest = naming.camel_case(row.ros)
             example = nearest if naming.is_message_name(nearest) else "ImuInfo"
             help = f"letters and digits, starting with a capital: {example}"
             message = f"ROS forbids the message name {row.ros!r}"
             yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
-        if not naming.is_topic_name(row.topic):
-            help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
-            message = f"ROS forbids the topic name {row.topic!r}"
-            yield RULE.at(row.at("topic"), message, help, type=table.envelope.message, number=row.number)
+        for topic, span in ((row.topic, row.at("topic")), *((feed.topic, feed.at("topic")) for feed in row.also)):
+            if not naming.is_topic_name(topic):
+                help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
+                message = f"ROS forbids the topic name {topic!r}"
+                yield RULE.at(span, message, help, type=table.envelope.message, number=row.number)
 
 
 def _reaches_ros(row: Row) -> bool:

@@ -1,4 +1,4 @@
-"""A topic stands in two rows.
+"""A topic stands in two rows, or twice in one.
 
 A topic has one type and one meaning; two rows on one topic would mix two payloads, or echo each other in a loop.
 
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.findings import Finding, Rule, Span
 from generator.subject import Subject
 from generator.table import Row
 
@@ -26,14 +26,20 @@ RULE = Rule("TAB102", "topic-taken")
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Rows whose topic an earlier row has."""
-    seen: dict[str, Row] = {}
+    seen: dict[str, tuple[str, Span]] = {}
     envelope = subject.table.envelope.message
     for row in subject.table.rows:
-        if not row.topic:
-            continue
-        first = seen.setdefault(row.topic.removeprefix("/"), row)  # a node's namespace is the root, mostly
-        if first is not row:
-            message = f"the topic {row.topic} is already that of {first.name}"
-            also = [(first.at("topic"), "first used here")]
-            help = "give each row a topic of its own"
-            yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number)
+        for topic, span in _topics(row):
+            # a node's namespace is the root, mostly
+            first, place = seen.setdefault(topic.removeprefix("/"), (row.name, span))
+            if place is not span:
+                message = f"the topic {topic} is already that of {first}"
+                help = "give each row a topic of its own"
+                yield RULE.at(span, message, help, [(place, "first used here")], type=envelope, number=row.number)
+
+
+def _topics(row: Row) -> Iterator[tuple[str, Span]]:
+    """A row's topics, those under `also` among them; none of a member of an envelope without a table."""
+    if row.topic:
+        yield row.topic, row.at("topic")
+    yield from ((feed.topic, feed.at("topic")) for feed in row.also)

@@ -60,7 +60,7 @@ def emit(bridge: ir.Bridge) -> Files:
     """A schema for each row, with everything in it that its payload holds."""
     schemas = _Schemas(bridge)
     for route in bridge.routes:
-        proto = route.conversion.proto
+        proto = route.proto
         schema = {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "$comment": REGENERATE,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from generator import ir
+from generator.feeds import words
 from generator.msg_types import msg_type
 from generator.rendering import Files, header, render
 
@@ -16,7 +17,8 @@ def emit(bridge: ir.Bridge) -> Files:
         for conversion in bridge.conversions().values()
     }
     by_name = {message.name: message for message in bridge.messages}
-    shown = [by_name.pop(route.conversion.ros) for route in bridge.routes if route.conversion.ros in by_name]
+    carried = [route.conversion.ros for route in bridge.routes if route.conversion]
+    shown = [by_name.pop(ros) for ros in dict.fromkeys(carried)]
     yield (
         "docs/messages.md",
         render(
@@ -24,10 +26,18 @@ def emit(bridge: ir.Bridge) -> Files:
             header=header(bridge.table, "<!--", " -->"),
             package=bridge.package,
             routes=bridge.routes,
+            messages_of={route.name: _message_of(route, bridge.package) for route in bridge.routes},
+            feeds=[words.view(route, feed) for route in bridge.routes for feed in route.feeds],
             retired=bridge.envelope.retired,
             messages=[_view(message, taken.get(message.name, {})) for message in (*shown, *by_name.values())],
         ),
     )
+
+
+def _message_of(route: ir.Route, package: str) -> str:
+    if route.conversion:
+        return f"[`{package}/msg/{route.conversion.ros}`](#{route.conversion.ros.lower()})"
+    return f"[`{route.feeds[0].message}`](#standard-messages)"
 
 
 def _view(message: ir.RosMessage, taken: Mapping[str, str]) -> dict[str, object]:

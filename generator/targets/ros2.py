@@ -30,6 +30,7 @@ def emit(bridge: ir.Bridge) -> Files:
         maintainer=name,
         address=address.rstrip(">"),
         others=others,
+        spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
     )
     yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
     yield f"{folder}/scripts/{bridge.package}_node.py", render("node.py.j2", header=comment, package=bridge.package)

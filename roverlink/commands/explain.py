@@ -83,7 +83,8 @@ def _tell(said: dict[str, Any]) -> None:
     _line("row", f"{said['name']}, number {said['number']} in {said['envelope']['message']}")
     _line("proto", f"{said['proto']['message']} ({said['proto']['file']})")
     _line("ros", ros["message"])
-    _line("", ros["type_hash"])
+    if ros["type_hash"]:
+        _line("", ros["type_hash"])
     _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
     _line("direction", f"{said['direction']}; {_peer(peer)}")
     for one in said["forward"]:
@@ -92,8 +93,12 @@ def _tell(said: dict[str, Any]) -> None:
     _line("published", "; ".join(said["published"]) or "never, as far as mapping.lock knows")
     for life in said["history"] or []:
         _line("history", life)
-    print("\nfields")
-    _table([_field(field) for field in said["fields"]] or [("none", "", "")])
+    if said["fields"] or not said["standard"]:
+        print("\nfields")
+        _table([_field(field) for field in said["fields"]] or [("none", "", "")])
+    for feed in said["standard"]:
+        print(f"\n{feed['message']} on {feed['topic']}")
+        _table([(field["ros"], field["takes"]) for field in feed["fields"]])
     for path in said["ignored"]:
         print(f"  {path} is carried by no ROS field")
     print("\nfiles")

@@ -11,16 +11,19 @@ A message whose fields all have a fixed size is one `struct.Struct`; any other i
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import TypeVar
 
 from runtime.cdr.codec import LITTLE_ENDIAN, Codec
 from runtime.cdr.fixed import fixed_codec, fixed_layout, layout, leaves_of
 from runtime.cdr.misfit import MISFITS, misfit, type_name
+from runtime.cdr.template import Template
+from runtime.cdr.template import template as template_of
 from runtime.cdr.variable import variable_codec
 from runtime.errors import ConversionError
 from runtime.messages import Message, once_a_type
 
-__all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "type_name"]
+__all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "template", "type_name"]
 
 M = TypeVar("M", bound=Message)
 
@@ -37,6 +40,11 @@ def encode(message: Message) -> bytes:
         return codec.encode(message)
     except MISFITS as error:
         raise misfit(message) or ConversionError(str(error)) from error
+
+
+def template(message: Message, varying: Sequence[str]) -> Template:
+    """What stays the same in a message where only the fields at some paths vary, and how the others are laid out."""
+    return template_of(encode(message), message, varying)
 
 
 def decode(message_type: type[M], data: bytes) -> M:

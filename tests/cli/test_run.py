@@ -300,3 +300,24 @@ def test_a_project_without_generated_code_is_told(done: Start, tmp_path: Path) -
     code, _, errors = done("run", "--middleware", "memory", "--project", tmp_path)
     assert code == 2
     assert errors == f"roverlink: no generated code in {tmp_path}; run `roverlink generate` there"
+
+
+@_NEEDS_DDS
+def test_echo_knows_the_standard_messages_that_a_row_feeds(start: Start) -> None:
+    """What a board says over UDP is printed, over DDS, as the standard message in its units; no type has to be said."""
+    program = start("run", "--middleware", "dds", "--ros-args", *_FREE_PORT)
+    port = _port(program)
+    listener = start("echo", "/imu/data_raw", "--json", "--count", 1)
+    said = REGISTRY.envelope(imu_info={"gyro_x": 180.0, "accel_y": 0.5}).SerializeToString()
+    for _ in range(600):
+        _send(port, said)
+        if listener.output:
+            break
+        time.sleep(0.1)
+    assert listener.end() == 0
+    message = json.loads(listener.output[0])
+    assert message["angular_velocity"] == {"x": pytest.approx(3.141592653589793), "y": 0.0, "z": 0.0}
+    assert message["linear_acceleration"]["y"] == 0.5
+    assert message["header"]["frame_id"] == "imu_link"
+    assert abs(message["header"]["stamp"]["sec"] - time.time()) < 120
+    assert program.interrupt()[0] == 0

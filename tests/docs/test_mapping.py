@@ -15,7 +15,8 @@ from generator import read
 from generator.findings import Rule
 from generator.pipeline import compile_table
 from generator.rules import modules
-from generator.table_format import TABLE, ListOf, MapOf, Object, Type
+from generator.table_format import TABLE
+from generator.value_types import ListOf, MapOf, Object, Type
 
 _PAGE = ROOT / "docs" / "mapping.md"
 _SMALLEST = """\

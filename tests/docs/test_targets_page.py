@@ -9,7 +9,7 @@ import re
 
 from page import ROOT
 
-from generator import ir, targets
+from generator import ir, ir_standard, targets
 
 _PAGE = (ROOT / "docs" / "targets.md").read_text(encoding="utf-8")
 
@@ -26,7 +26,12 @@ def _documented() -> dict[str, list[tuple[str, str]]]:
 
 def test_every_class_of_the_bridge_is_on_the_page() -> None:
     """Whoever writes a template finds every class with every field, and its type."""
-    classes = {name: cls for name, cls in vars(ir).items() if inspect.isclass(cls) and cls.__module__ == ir.__name__}
+    classes = {
+        name: cls
+        for module in (ir, ir_standard)
+        for name, cls in vars(module).items()
+        if inspect.isclass(cls) and cls.__module__ == module.__name__
+    }
     documented = _documented()
     assert documented.keys() == classes.keys()
     for name, cls in classes.items():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from generator import ir
 from generator.rendering import Files
-from generator.targets.python import conversions, handlers, messages, pb2, registry
+from generator.targets.python import conversions, feeds, handlers, interfaces, messages, pb2, registry
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Handlers, message classes, conversions, protobuf's modules, the registry and its checks."""
-    for part in (conversions, handlers, messages, pb2, registry):
+    """Handlers and feeds, message classes, conversions, protobuf's modules, the registry and its checks."""
+    for part in (conversions, feeds, handlers, interfaces, messages, pb2, registry):
         yield from part.emit(bridge)

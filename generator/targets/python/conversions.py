@@ -16,7 +16,7 @@ class Converters:
     """Where the conversion to each ROS message stands: in a row's handler, or in a module of its own."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
-        self._handlers = {route.conversion.ros: route for route in reversed(bridge.routes)}
+        self._handlers = {route.conversion.ros: route for route in reversed(bridge.routes) if route.conversion}
 
     def of(self, ros: str) -> Converter:
         """The converter to a ROS message."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from generator import ir
@@ -13,8 +12,8 @@ from generator.targets.python import conversions, layout, spelling
 from generator.targets.python.bodies import attribute, members_constant
 from generator.targets.python.conversions import Converters
 from generator.targets.python.layout import Group
+from generator.targets.python.routes import route_arguments, runtime_names
 
-_RCLCPP_DEFAULT = ir.Qos()
 _LONGEST_PACK = 400  # values; CPython's call takes any number, a reader does not
 
 
@@ -23,8 +22,9 @@ def emit(bridge: ir.Bridge) -> Files:
     converters = Converters(bridge)
     by_ros = bridge.conversions()
     for route in bridge.routes:
-        pack = _pack(route.conversion, by_ros)
-        yield f"generated/handlers/{spelling.module(route.name)}.py", _handler(bridge, route, converters, pack)
+        if route.conversion:
+            text = _handler(bridge, route, route.conversion, converters, _pack(route.conversion, by_ros))
+            yield f"generated/handlers/{spelling.module(route.name)}.py", text
     names = [(spelling.module(route.name), spelling.handler_class(route)) for route in bridge.routes]
     yield (
         "generated/handlers/__init__.py",
@@ -40,11 +40,10 @@ def emit(bridge: ir.Bridge) -> Files:
     )
 
 
-def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _Pack | None) -> str:
-    conversion = route.conversion
-    runtime = ["Deadman"] if route.deadman else []
-    runtime += ["Handler", "Route"] if route.qos == _RCLCPP_DEFAULT else ["Handler", "Qos", "Route"]
-    imports = [("runtime.handler", name) for name in runtime]
+def _handler(
+    bridge: ir.Bridge, route: ir.Route, conversion: ir.Conversion, converters: Converters, pack: _Pack | None
+) -> str:
+    imports = [("runtime.handler", name) for name in ("Handler", *runtime_names(route))]
     imports += [("runtime", "cdr"), *pack.imports] if pack else []
     view = conversions.view(conversion, converters, 4, extra_imports=imports)
     what = f"{conversion.local_name} {'to' if route.inbound else 'from'} {bridge.package}/msg/{conversion.ros}"
@@ -61,7 +60,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _
             )
         ),
         class_docstring=layout.docstring(f"{conversion.local_name} {_arrow(route)} {route.topic}.", 4),
-        route=layout.statement(Group("route = Route(", list(_route_arguments(route)), ")"), 4),
+        route=layout.statement(Group("route = Route(", list(route_arguments(route)), ")"), 4),
         conversion=view,
         payload_type=layout.line(f"payload_type = {view.payload}", 4),
         message_type=layout.line(f"message_type = {view.message}", 4),
@@ -73,52 +72,6 @@ def _handler(bridge: ir.Bridge, route: ir.Route, converters: Converters, pack: _
 
 def _arrow(route: ir.Route) -> str:
     return "to the topic" if route.inbound else "from the topic"
-
-
-def _route_arguments(route: ir.Route) -> Iterator[str | Group]:
-    yield f"number={route.number}"
-    yield f'name="{route.name}"'
-    yield f'topic="{route.topic}"'
-    yield f'direction="{route.direction}"'
-    if route.qos != _RCLCPP_DEFAULT:
-        qos, usual = route.qos, _RCLCPP_DEFAULT
-        pairs = [
-            ("reliability", f'"{qos.reliability}"', qos.reliability != usual.reliability),
-            ("durability", f'"{qos.durability}"', qos.durability != usual.durability),
-            ("history", f'"{qos.history}"', qos.history != usual.history),
-            ("depth", str(qos.depth), qos.depth != usual.depth),
-        ]
-        yield Group("qos=Qos(", [f"{name}={value}" for name, value, differs in pairs if differs], ")")
-    if route.forward:
-        peers = [f'"{peer}"' for peer in route.forward]
-        yield Group("forward=(", peers, ")") if len(peers) > 1 else f"forward=({peers[0]},)"
-    if route.deadman:
-        yield _deadman(route.deadman)
-    if route.max_rate is not None:
-        yield f"max_rate={route.max_rate}"
-    if route.priority:
-        yield f"priority={route.priority}"
-    if route.expect_rate is not None:
-        yield f"expect_rate={route.expect_rate}"
-
-
-def _deadman(deadman: ir.Deadman) -> Group:
-    values = [f'"{path}": {_literal(value)}' for path, value in deadman.send]
-    times = [f"after_ms={deadman.after_ms}", f"repeat_ms={deadman.repeat_ms}"]
-    return Group("deadman=Deadman(", [*times, Group("send={", values, "}")], ")")
-
-
-def _literal(value: bool | int | float | str | bytes) -> str:
-    """A value as black writes it: strings in double quotes, unless the others need fewer escapes."""
-    if isinstance(value, bytes):
-        return 'b"' + "".join(f"\\x{byte:02x}" for byte in value) + '"'
-    if not isinstance(value, str):
-        return repr(value)
-    inside = json.dumps(value, ensure_ascii=False)[1:-1]
-    if value.count('"') <= value.count("'"):
-        return f'"{inside}"'
-    single = inside.replace("'", r"\'").replace(r"\"", '"')
-    return f"'{single}'"
 
 
 # --- the hot path: one struct call for a message of fixed size --------------------------------------------------

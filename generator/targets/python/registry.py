@@ -8,13 +8,14 @@ from collections.abc import Iterable, Iterator
 from generator import ir, ledger
 from generator.msg_types import msg_type
 from generator.rendering import Files, header, render
-from generator.targets.python import layout, spelling
+from generator.targets.python import feeds, layout, spelling
 
 
 def emit(bridge: ir.Bridge) -> Files:
     """``registry.py`` and ``checks.py``."""
     package, module = spelling.proto_module(bridge.envelope.file)
     classes = [spelling.handler_class(route) for route in bridge.routes]
+    feed_classes = [name for *_, name in feeds.names(bridge)]
     yield (
         "generated/registry.py",
         render(
@@ -23,6 +24,7 @@ def emit(bridge: ir.Bridge) -> Files:
             imports=layout.in_import_order(
                 [
                     layout.import_from("generated.handlers", classes),
+                    *([layout.import_from("generated.feeds", feed_classes)] if feed_classes else []),
                     layout.import_from(package, [module]),
                     layout.import_from("runtime.registry", ["Peer", "Registry"]),
                 ]
@@ -32,6 +34,7 @@ def emit(bridge: ir.Bridge) -> Files:
             oneof=bridge.envelope.oneof,
             peers=layout.entry("peers=", "(", [layout.statement(_peer(peer), 8) for peer in bridge.peers], ")", 4),
             handlers=layout.entry("handlers=", "(", [f"{name}()" for name in classes], ")", 4),
+            feeds=layout.entry("feeds=", "(", [f"{name}()" for name in feed_classes], ")", 4) if feed_classes else "",
             fingerprint=fingerprint(bridge),
             retired=layout.entry(
                 "retired=", "{", [f'{row.number}: "{row.name}"' for row in bridge.envelope.retired], "}", 4
@@ -75,14 +78,21 @@ def _sources(peer: ir.Peer) -> list[str]:
     return quoted if len(quoted) > 1 else [f"{quoted[0]},"]
 
 
+def _becomes(route: ir.Route) -> str:
+    return route.conversion.ros if route.conversion else route.feeds[0].message
+
+
 def fingerprint(bridge: ir.Bridge) -> str:
     """SHA-256 over the wire schema, the routes, and what becomes of each field.
 
     It is equal where two machines mean the same by the same bytes, and publish the same of it.
     """
     routes = [
-        f"{route.number} {route.name} {route.topic} {route.direction} {route.conversion.proto} {route.conversion.ros}"
+        f"{route.number} {route.name} {route.topic} {route.direction} {route.proto} {_becomes(route)}"
         for route in bridge.routes
+    ]
+    routes += [
+        f"{route.number} {feed.topic} {feed.message} {feed.fields}" for route in bridge.routes for feed in route.feeds
     ]
     lines = [*ledger.schema_lines(bridge.wire_messages, bridge.wire_enums), *routes, *_meanings(bridge)]
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()

@@ -99,6 +99,11 @@ def imported_annotation(type: ir.RosType) -> str | None:
     return _ANNOTATIONS.get(type.name)
 
 
+def primitive(name: str) -> str:
+    """The annotation of a primitive."""
+    return {"byte": "Byte", "octet": "Byte", "char": "Char"}.get(name) or _ANNOTATIONS[name]
+
+
 def default(type: ir.RosType) -> str:
     """The default, in a message class, of a field whose value is no list and no message."""
     if type.is_sequence:

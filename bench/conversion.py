@@ -1,0 +1,207 @@
+"""The section `conversion`: what it costs to turn a payload into a serialized ROS 2 message, by kind of field.
+
+A table with a message of sixteen fields of each kind is compiled, and its handlers are timed on ready payloads.
+The base is a row of sixteen floats that stay as they are; each kind is shown beside it, and a standard message beside
+a message of the table's own with as many fields.
+"""
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from bench.contestants import ROOT
+from bench.errors import BenchError
+from bench.lab import Lab
+from bench.result import Group, SectionResult, Table
+
+COUNT = 16
+CALLS = 1_000
+ROUNDS, QUICK_ROUNDS = 60, 15
+LIMIT = 2.0
+"""A standard message may cost so many times a message of our own with as many fields."""
+
+_TIMED = """\
+import json, sys, timeit
+sys.path[:0] = [{project!r}, {root!r}]
+from runtime import load_registry
+from runtime.interfaces import Time
+from roverlink.simulation import payload_at
+registry, calls = load_registry({project!r}), {{}}
+for handler in (*registry.handlers, *registry.feeds):
+    payload, stamp = payload_at(handler.payload_type, 1.0), Time(1, 2)
+    calls[handler.route.topic] = lambda handler=handler, payload=payload: handler.to_cdr(payload, stamp)
+found = dict.fromkeys(calls, float("inf"))
+for _ in range({rounds}):  # each in turn, so that a busy moment of the machine meets them all
+    for topic, call in calls.items():
+        found[topic] = min(found[topic], timeit.timeit(call, number={number}) / {number} * 1e6)
+print(json.dumps(found))
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Microseconds for one message, and for one of sixteen floats."""
+
+    kind: str
+    whole: float
+    base: float
+
+
+def measure(lab: Lab) -> SectionResult:
+    """Time every kind."""
+    project = _project(lab.site.out / "conversion")
+    found = _timed(project, QUICK_ROUNDS if lab.quick else ROUNDS)
+    base = found["kind_0"]
+    kinds = [Cost(kind, found[f"kind_{index}"], base) for index, kind in enumerate(_KINDS)]
+    standard = [Cost(name, found[topic], found[own]) for name, topic, own in _STANDARD]
+    for cost in standard:
+        lab.say(f"conversion {cost.kind}: {cost.whole:.2f} us, {cost.whole / cost.base:.2f} of a row of our own")
+    tables = [
+        Table(
+            "Payload to CDR, by kind of field",
+            (f"{COUNT} fields", "us a message", "ns a field", "beside floats"),
+            [Group("", [_row(cost, COUNT) for cost in kinds])],
+        ),
+        Table(
+            "Standard messages",
+            ("", "us a message", "us of our own", "ratio"),
+            [Group("", [_beside(cost) for cost in standard])],
+            [f"Beside a message of the table's own with as many fields; the limit is {LIMIT:g}."],
+        ),
+    ]
+    return SectionResult(tables, data={"kinds": [*map(asdict, kinds)], "standard": [*map(asdict, standard)]})
+
+
+def _row(cost: Cost, count: int) -> Sequence[str]:
+    per_field = 1000 * cost.whole / count
+    return (cost.kind, f"{cost.whole:.2f}", f"{per_field:.0f}", f"{cost.whole / cost.base:.2f}")
+
+
+def _beside(cost: Cost) -> Sequence[str]:
+    return (cost.kind, f"{cost.whole:.2f}", f"{cost.base:.2f}", f"{cost.whole / cost.base:.2f}")
+
+
+def _timed(project: Path, rounds: int) -> dict[str, float]:
+    code = _TIMED.format(project=str(project), root=str(ROOT), rounds=rounds, number=CALLS)
+    command = (sys.executable, "-c", code)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
+    if done.returncode:
+        raise BenchError(f"the conversions of {project} do not run:\n{done.stderr}")
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
+
+
+# --- the tables -------------------------------------------------------------------------------------------------
+
+_KINDS = {
+    "float": "float f_{k} = {k};",
+    "double": "double f_{k} = {k};",
+    "int32": "int32 f_{k} = {k};",
+    "bool": "bool f_{k} = {k};",
+    "enum": "Mode f_{k} = {k};",
+    "optional float": "optional float f_{k} = {k};",
+    "nested message of two floats": "Pair f_{k} = {k};",
+    "string": "string f_{k} = {k};",
+    "repeated float": "repeated float f_{k} = {k};",
+}
+_VECTOR = "{{x: f_{0}, y: f_{1}, z: f_{2}{3}}}"
+
+
+def _accel(unit: str, turned: str) -> str:
+    linear = _VECTOR.format(1, 2, 3, f", unit: {unit}")
+    return f"{{linear: {linear}, angular: {_VECTOR.format(4, 5, 6, f', unit: {turned}')}}}"
+
+
+_FEEDS = {
+    "accel": ("geometry_msgs/Accel", _accel("m/s^2", "rad/s^2")),
+    "accel_units": ("geometry_msgs/Accel", _accel("g0", "deg/s^2")),
+    "accel_stamped": (
+        "geometry_msgs/AccelStamped, frame_id: base",
+        "{accel: " + _accel("m/s^2", "rad/s^2") + "}",
+    ),
+    "imu": (
+        "sensor_msgs/Imu, frame_id: base",
+        "{linear_acceleration: " + _VECTOR.format(1, 2, 3, ", unit: m/s^2") + ", angular_velocity: "
+        f"{_VECTOR.format(4, 5, 6, ', unit: deg/s')}, orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]}}",
+    ),
+    "imu_stamped": (
+        "sensor_msgs/Imu, frame_id: base, stamp: {from: t_7, unit: ms}",
+        "{linear_acceleration: " + _VECTOR.format(1, 2, 3, ", unit: m/s^2") + ", angular_velocity: "
+        f"{_VECTOR.format(4, 5, 6, ', unit: deg/s')}, orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]}}",
+    ),
+    "quaternion": (
+        "geometry_msgs/Quaternion",
+        "{x: {from: f_1}, y: {from: f_2}, z: {from: f_3}, w: {from: f_4}}",
+    ),
+    "orientation": (
+        "geometry_msgs/Pose",
+        "{position: " + _VECTOR.format(1, 2, 3, ", unit: m") + ", "
+        "orientation: {euler: {roll: f_4, pitch: f_5, yaw: f_6, unit: deg}}}",
+    ),
+    "status": (
+        "sensor_msgs/NavSatStatus",
+        "{status: {from: e_8, enum: {OFF: STATUS_NO_FIX, ON: STATUS_FIX}}, service: {value: SERVICE_GPS}}",
+    ),
+}
+_STANDARD = (
+    ("Accel: six numbers as they are", "accel", "six"),
+    ("Accel: six numbers in other units", "accel_units", "six"),
+    ("AccelStamped: and a header", "accel_stamped", "six"),
+    ("Imu: header, six numbers, 31 constants", "imu", "six"),
+    ("Imu: the stamp from a field", "imu_stamped", "six"),
+    ("Imu beside a row of 37 doubles", "imu", "thirty_seven"),
+    ("Quaternion: four numbers as they are", "quaternion", "six"),
+    ("Pose: a quaternion from angles", "orientation", "six"),
+    ("NavSatStatus: an enum by its table", "status", "one_enum"),
+)
+
+
+def _project(project: Path) -> Path:
+    shutil.rmtree(project, ignore_errors=True)
+    (project / "proto").mkdir(parents=True)
+    messages = [f"message Kind{index} {{ {_fields(field)} }}" for index, field in enumerate(_KINDS.values())]
+    six = "float f_1 = 1; float f_2 = 2; float f_3 = 3; float f_4 = 4; float f_5 = 5; float f_6 = 6;"
+    doubles = " ".join(f"double f_{k} = {k};" for k in range(1, 38))
+    messages += [
+        "enum Mode { OFF = 0; ON = 1; }",
+        "message Pair { float a = 1; float b = 2; }",
+        f"message Six {{ {six} }}",
+        f"message More {{ {six} int64 t_7 = 7; Mode e_8 = 8; }}",
+        f"message ThirtySeven {{ {doubles} }}",
+        "message OneEnum { Mode e_8 = 8; }",
+    ]
+    text = "\n".join(['syntax = "proto3";', *messages, ""])
+    (project / "proto" / "kinds.proto").write_text(text, encoding="utf-8")
+    own = [(f"kind_{index}", f"Kind{index}") for index in range(len(_KINDS))]
+    own += [("six", "Six"), ("thirty_seven", "ThirtySeven"), ("one_enum", "OneEnum"), ("more", "More")]
+    rows = [
+        f"  - {{number: {number}, name: {name}, proto: {proto}, topic: {name}, direction: board_to_ros"
+        + (f", also: [{_also()}]}}" if name == "more" else "}")
+        for number, (name, proto) in enumerate(own, 1)
+    ]
+    head = (
+        "version: 1",
+        "proto: {root: proto}",
+        "envelope: {file: envelope.proto, message: Envelope, oneof: payload}",
+        "ros: {package: kinds}",
+        "peers: {board: {}}",
+        "messages:",
+    )
+    (project / "mapping.yaml").write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
+    command = (sys.executable, "-m", "roverlink", "generate", "--table", str(project / "mapping.yaml"))
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
+    if done.returncode:
+        raise BenchError(f"roverlink generate fails in {project}:\n{done.stderr}")
+    return project
+
+
+def _fields(field: str) -> str:
+    return " ".join(field.format(k=k) for k in range(1, COUNT + 1))
+
+
+def _also() -> str:
+    return ", ".join(f"{{topic: {topic}, ros: {ros}, fields: {fields}}}" for topic, (ros, fields) in _FEEDS.items())

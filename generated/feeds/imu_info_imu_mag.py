@@ -1,0 +1,81 @@
+# Generated from mapping.yaml (row imu_info) and components/sensor_board/imu_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""imu_info (13): SensorBoardIMUInfo to sensor_msgs/msg/MagneticField on imu/mag."""
+
+from __future__ import annotations
+
+from generated.interfaces import geometry_msgs, sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import imu_sensor_pb2
+from runtime import cdr
+from runtime.feed import UNSTAMPED, Feed, single
+from runtime.handler import Route
+from runtime.interfaces import Time
+
+_CDR = cdr.template(
+    sensor_msgs.MagneticField(header=std_msgs.Header(frame_id="imu_link")),
+    ["header.stamp", "magnetic_field"],
+)
+_UP_TO_HEADER_STAMP_SEC, _UP_TO_MAGNETIC_FIELD_X, _REST = _CDR.constants
+_PACK = _CDR.layout.pack
+
+
+class ImuInfoImuMagFeed(
+    Feed[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField],
+):
+    """SensorBoardIMUInfo to sensor_msgs/MagneticField on the topic imu/mag."""
+
+    route = Route(
+        number=13,
+        name="imu_info",
+        topic="imu/mag",
+        direction="hardware_to_ros",
+    )
+    payload_type = imu_sensor_pb2.SensorBoardIMUInfo
+    message_type = sensor_msgs.MagneticField
+
+    @staticmethod
+    def to_ros(
+        payload: imu_sensor_pb2.SensorBoardIMUInfo,
+        stamp: Time = UNSTAMPED,
+    ) -> sensor_msgs.MagneticField:
+        """The message that says what the payload says."""
+        return sensor_msgs.MagneticField(
+            header=std_msgs.Header(stamp=stamp, frame_id="imu_link"),
+            magnetic_field=geometry_msgs.Vector3(
+                x=payload.mag_x / 1_000_000.0,
+                y=payload.mag_y / 1_000_000.0,
+                z=payload.mag_z / 1_000_000.0,
+            ),
+        )
+
+    @staticmethod
+    def from_ros(
+        message: sensor_msgs.MagneticField,
+    ) -> imu_sensor_pb2.SensorBoardIMUInfo:
+        """The payload that says what the message says.
+
+        It says nothing of accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z,
+        is_calibrated, state, error_code.
+        """
+        return imu_sensor_pb2.SensorBoardIMUInfo(
+            mag_x=single(message.magnetic_field.x * 1_000_000.0),
+            mag_y=single(message.magnetic_field.y * 1_000_000.0),
+            mag_z=single(message.magnetic_field.z * 1_000_000.0),
+        )
+
+    def pack(
+        self,
+        payload: imu_sensor_pb2.SensorBoardIMUInfo,
+        stamp: Time = UNSTAMPED,
+    ) -> bytes:
+        """`to_ros` and its serialization in one step: what varies, in the order of the .msg."""
+        return _PACK(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_MAGNETIC_FIELD_X,
+            payload.mag_x / 1_000_000.0,
+            payload.mag_y / 1_000_000.0,
+            payload.mag_z / 1_000_000.0,
+            _REST,
+        )

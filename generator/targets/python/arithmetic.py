@@ -1,0 +1,126 @@
+"""How Python spells a scaling, there and back: ``payload.pressure_kpa * 1000.0``, ``message.x / _DEG_TO_RAD``."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from generator.ir_standard import Scaling
+
+_EXACT = 2**53
+"""Up to here a float holds every whole number."""
+
+
+def number(value: Fraction, *, whole: bool) -> str:
+    """A number as a literal: of an int, or of the float that it is, or is nearest to.
+
+    >>> number(Fraction(1_000_000), whole=False)
+    '1_000_000.0'
+    """
+    if value.denominator == 1 and abs(value) < _EXACT:
+        return f"{int(value):_}" + ("" if whole else ".0")
+    return repr(float(value))
+
+
+def _times(text: str, factor: Fraction, *, whole: bool) -> str:
+    """A product, by the operation that rounds least.
+
+    >>> _times("x", Fraction(5, 9), whole=False), _times("x", Fraction(-1, 1000), whole=False)
+    ('x / 1.8', '-x / 1_000.0')
+    """
+    size = abs(factor)
+    text = f"-{text}" if factor < 0 else text
+    if size == 1:
+        return text
+    if size.denominator == 1:
+        return f"{text} * {number(size, whole=whole)}"
+    if size.numerator == 1 or (_is_decimal(1 / size) and not _is_decimal(size)):
+        return f"{text} / {number(1 / size, whole=False)}"
+    if _is_decimal(size):
+        return f"{text} * {number(size, whole=False)}"
+    return (
+        f"{text} * {number(Fraction(size.numerator), whole=False)} / {number(Fraction(size.denominator), whole=False)}"
+    )
+
+
+def _by(text: str, factor: Fraction, *, whole: bool) -> str:
+    """A quotient, which undoes what `_times` does."""
+    if _is_decimal(factor) and abs(factor).numerator != 1:
+        text = f"-{text}" if factor < 0 else text
+        return text if abs(factor) == 1 else f"{text} / {number(abs(factor), whole=False)}"
+    return _times(text, 1 / factor, whole=whole)
+
+
+def _is_decimal(value: Fraction) -> bool:
+    """Whether a number has few digits behind its point."""
+    bottom = value.denominator
+    for prime in (2, 5):
+        while bottom % prime == 0:
+            bottom //= prime
+    return bottom == 1
+
+
+def _plus(text: str, offset: Fraction, *, whole: bool) -> str:
+    if not offset:
+        return text
+    return f"{text} {'-' if offset < 0 else '+'} {number(abs(offset), whole=whole)}"
+
+
+class Arithmetic:
+    """Spells scalings, and keeps the constants that they need above the class."""
+
+    def __init__(self) -> None:
+        self.constants: dict[str, str] = {}
+        """Their names and what they are."""
+
+    def forth(self, text: str, scaling: Scaling, *, whole: bool) -> str:
+        """The scaled number; ``whole`` where it stays among whole numbers."""
+        if scaling.pi:
+            return f"{self._turned(text, scaling)} * {self._constant(scaling)}"
+        if _shifted_first(scaling):
+            shifted = _plus(text, scaling.offset / scaling.factor, whole=whole)
+            return _times(f"({shifted})", scaling.factor, whole=whole)
+        return _plus(_times(text, scaling.factor, whole=whole), scaling.offset, whole=whole)
+
+    def back(self, text: str, scaling: Scaling, *, whole: bool) -> str:
+        """The number that was scaled."""
+        if scaling.pi:
+            size = abs(scaling.factor)
+            shifted = _plus(f"{text} / {self._constant(scaling)}", -scaling.offset / size, whole=False)
+            return _negated(shifted) if scaling.factor < 0 else shifted
+        if _shifted_first(scaling):
+            return _plus(_by(text, scaling.factor, whole=whole), -scaling.offset / scaling.factor, whole=whole)
+        shifted = _plus(text, -scaling.offset, whole=whole)
+        inner = f"({shifted})" if scaling.offset and scaling.factor != 1 else shifted
+        return _by(inner, scaling.factor, whole=whole)
+
+    def _turned(self, text: str, scaling: Scaling) -> str:
+        """What the constant is multiplied by: the number with its sign and its offset."""
+        size = abs(scaling.factor)
+        signed = f"-{text}" if scaling.factor < 0 else text
+        return f"({_plus(signed, scaling.offset / size, whole=False)})" if scaling.offset else signed
+
+    def _constant(self, scaling: Scaling) -> str:
+        """A constant's name for a factor with pi in it."""
+        size = abs(scaling.factor)
+        power = "math.pi" if abs(scaling.pi) == 1 else f"math.pi**{abs(scaling.pi)}"
+        value = _times(power, size, whole=True) if scaling.pi > 0 else f"{number(size, whole=True)} / {power}"
+        known = {"math.pi / 180.0": ("_DEG_TO_RAD", "math.pi / 180"), "180 / math.pi": ("_RAD_TO_DEG", "180 / math.pi")}
+        name, value = known.get(value, (f"_{_word(scaling.unit)}_TO_{_word(scaling.to)}", value))
+        while self.constants.setdefault(name, value) != value:
+            name += "_"
+        return name
+
+
+def _shifted_first(scaling: Scaling) -> bool:
+    """Whether the offset has fewer digits before the scaling than after it, as in (F - 32) / 1.8."""
+    return not _is_decimal(scaling.offset) and _is_decimal(scaling.offset / scaling.factor)
+
+
+def _negated(text: str) -> str:
+    return f"-({text})" if " + " in text or " - " in text else f"-{text}"
+
+
+def _word(unit: str) -> str:
+    """A unit as part of a constant's name."""
+    return re.sub(r"\W+", "_", unit.replace("/", "_PER_").replace("%", "PERCENT")).strip("_").upper() or "1"

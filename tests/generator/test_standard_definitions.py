@@ -1,0 +1,83 @@
+"""The definitions of the standard messages are those of the rosbags package, and what is said of them fits."""
+
+from __future__ import annotations
+
+import pytest
+
+from generator import units
+from generator.ir_standard import InterfaceType
+from generator.standard import definitions, extract, meanings
+from generator.standard.definitions import DistributionsDisagreeError
+
+
+def _type_at(message: str, path: str) -> InterfaceType | None:
+    """The type of a field, in any distribution."""
+    for distribution in definitions.DISTRIBUTIONS:
+        name, type = message, None
+        for part in path.split("."):
+            interface = definitions.interface(name, distribution)
+            fields = {field.name: field.type for field in interface.fields} if interface else {}
+            type = fields.get(part)
+            name = type.name if type else ""
+        if type:
+            return type
+    return None
+
+
+def test_the_file_is_what_rosbags_says() -> None:
+    """The definitions in the repository are those of rosbags for Humble and Jazzy."""
+    assert extract.text() == definitions.FILE.read_text(encoding="utf-8"), "run python -m generator.standard.extract"
+
+
+def test_every_message_can_be_read() -> None:
+    """Each has its fields in each distribution that has it, and messages in it are known as well."""
+    for name in map(definitions.full_name, definitions.names()):
+        found = 0
+        for distribution in definitions.DISTRIBUTIONS:
+            try:
+                interface = definitions.interface(name, distribution)
+            except DistributionsDisagreeError:
+                continue
+            assert interface is not None
+            found += 1
+            for field in interface.fields:
+                assert not field.type.is_message or definitions.interface(field.type.name, distribution)
+        assert found
+
+
+def test_what_differs_needs_a_choice() -> None:
+    """A message with a field of one distribution is an error, until that one is chosen; a constant is left out."""
+    with pytest.raises(DistributionsDisagreeError, match="the field `float32 variance` of sensor_msgs/msg/Range"):
+        definitions.interface("sensor_msgs/msg/Range", "")
+    humble, jazzy = (definitions.interface("sensor_msgs/msg/Range", name) for name in definitions.DISTRIBUTIONS)
+    assert humble is not None
+    assert jazzy is not None
+    assert [field.name for field in jazzy.fields] == [*(field.name for field in humble.fields), "variance"]
+    both = definitions.interface("sensor_msgs/msg/NavSatStatus", "")
+    assert both is not None
+    assert "STATUS_UNKNOWN" not in [constant.name for constant in both.constants]
+
+
+@pytest.mark.parametrize("message", sorted(meanings.UNITS))
+def test_units_are_of_numbers(message: str) -> None:
+    """Each field with a unit exists, holds numbers, and its unit is one."""
+    for path, unit in meanings.UNITS[message].items():
+        type = _type_at(message, path)
+        assert type is not None, path
+        assert type.is_message or type.name.startswith("float"), path
+        units.parse(unit)
+
+
+@pytest.mark.parametrize("table", [meanings.ZERO_MEANS, meanings.ABSENT_WHERE_MINUS_ONE, meanings.DEFAULTS])
+def test_what_is_known_is_about_fields(table: dict[str, dict[str, object]]) -> None:
+    """Each field of which something is known exists."""
+    assert [(name, path) for name, known in table.items() for path in known if _type_at(name, path) is None] == []
+
+
+def test_the_outermost_message_knows_the_unit() -> None:
+    """A vector is in the unit of the message that holds it; a message in another keeps its own."""
+    vector = ("sensor_msgs/msg/Imu", "geometry_msgs/msg/Vector3")
+    assert meanings.unit_of(vector, ("linear_acceleration", "x")) == "m/s^2"
+    odometry = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistWithCovariance", "geometry_msgs/msg/Twist")
+    assert meanings.unit_of((*odometry, "geometry_msgs/msg/Vector3"), ("twist", "twist", "linear", "x")) == "m/s"
+    assert meanings.unit_of(("geometry_msgs/msg/Vector3",), ("x",)) == ""

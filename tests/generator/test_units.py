@@ -1,0 +1,146 @@
+"""The units that a mapping may name agree with pint, which knows them from elsewhere."""
+
+from __future__ import annotations
+
+import math
+
+import pint
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from generator import units
+from generator.units import known
+from generator.units.unit import BASES, Unit
+
+_PINT = pint.UnitRegistry()
+_THEIRS = {
+    "1": "dimensionless",
+    "%": "percent",
+    "°": "degree",
+    "g0": "standard_gravity",
+    "C": "coulomb",
+    "rpm": "revolution/minute",
+    "h": "hour",
+    "d": "day",
+    "min": "minute",
+    "t": "metric_ton",
+    "rev": "revolution",
+    "lbf": "pound_force",
+    "lb": "pound",
+    "in": "inch",
+    "ft": "foot",
+    "mi": "mile",
+    "nmi": "nautical_mile",
+    "kn": "knot",
+    "degC": "degC",
+    "°C": "degC",
+    "degF": "degF",
+    "°F": "degF",
+    "Ω": "ohm",
+    "deg": "degree",
+    "lm": "lumen",
+    "lx": "lux",
+    "Wh": "watt_hour",
+    "Ah": "ampere_hour",
+    "ohm": "ohm",
+    "arcmin": "arcminute",
+    "arcsec": "arcsecond",
+    "L": "liter",
+    "H": "henry",
+    "F": "farad",
+    "T": "tesla",
+    "bar": "bar",
+    "ppm": "ppm",
+}
+_PREFIXES = {"u": "micro", "µ": "micro", "μ": "micro", "da": "deca", "h": "hecto", "d": "deci", "c": "centi"}
+_PREFIXES |= {"k": "kilo", "M": "mega", "G": "giga", "m": "milli", "n": "nano"}
+_DIMENSIONS = dict(zip(BASES, ("meter", "kilogram", "second", "ampere", "kelvin", "mole", "candela", "radian")))
+
+
+def _agree(ours: Unit, theirs: str, number: float = 12.5) -> None:
+    """A number in our unit is the same in SI units as one in theirs, and of the same dimension but for angles."""
+    quantity = _PINT.Quantity(number, theirs).to_base_units()
+    dimension = _PINT.Unit("dimensionless")
+    for base, exponent in zip(BASES, ours.dimension):
+        if exponent:
+            dimension *= _PINT.Unit(_DIMENSIONS[base]) ** exponent
+    assert quantity.check((1 * dimension).dimensionality)
+    assert quantity.to(dimension).magnitude == pytest.approx(
+        float(number * ours.factor) * math.pi**ours.pi + float(ours.offset), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    "symbol", [symbol for symbol in known.symbols() if symbol != "G"]
+)  # pint's is of another system
+def test_every_unit_is_the_one_that_pint_knows(symbol: str) -> None:
+    """A unit without a prefix has pint's size, zero and dimension."""
+    _agree(units.parse(symbol), _THEIRS.get(symbol, symbol))
+
+
+@given(st.sampled_from(sorted({*known.PREFIXED} - {"G"})), st.sampled_from(sorted(_PREFIXES)))
+@settings(max_examples=100, deadline=None)
+def test_prefixes_are_those_of_the_si(symbol: str, prefix: str) -> None:
+    """A unit behind a prefix has pint's size, where no other unit has that name."""
+    if prefix + symbol not in (*known.PLAIN, *known.PREFIXED):
+        _agree(units.parse(prefix + symbol), f"{_PREFIXES[prefix]}{_THEIRS.get(symbol, symbol)}")
+
+
+_FACTORS = st.sampled_from(["m", "kg", "s", "deg", "uT", "kPa", "rad", "N", "V", "mA", "h", "km", "lx", "rpm"])
+
+
+@given(st.lists(st.tuples(_FACTORS, st.integers(-3, 3), st.booleans()), min_size=1, max_size=4))
+@settings(max_examples=100, deadline=None)
+def test_products_and_powers_are_read_as_pint_reads_them(parts: list[tuple[str, int, bool]]) -> None:
+    """Factors, divisors and powers, from left to right, are the unit that pint makes of them."""
+    ours = theirs = "1"
+    for symbol, power, divided in parts:
+        sign = "/" if divided else "*"
+        ours += f" {sign} {symbol}^{power}"
+        spelled = {"uT": "microtesla", "kPa": "kilopascal", "mA": "milliampere"}.get(symbol, symbol)
+        if power:  # pint stumbles over the power 0 of some
+            theirs += f" {sign} ({_THEIRS.get(symbol, spelled)}) ** {power}"
+    _agree(units.parse(ours), theirs)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("m/s^2", "m s-2"),
+        ("m/s²", "m*s**-2"),
+        ("N·m", "kg m^2/s^2"),
+        ("(m/s)^2", "m^2/s^2"),
+        ("µT", "uT"),
+        ("m/s2", "m/s^2"),
+    ],
+)
+def test_a_unit_can_be_written_in_several_ways(one: str, other: str) -> None:
+    """Products, powers and micro may be written as people write them."""
+    assert units.parse(one) == units.parse(other)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "an empty text is no unit; of what has none, the unit is 1"),
+        ("metre", "'metre' is no unit that is known here"),
+        ("degC/s", "degC has a zero of its own"),
+        ("m/", "it ends too early"),
+        ("(m", "it ends too early"),
+        ("m)", "')' was not expected"),
+        ("m^99", "'99' is no power"),
+        ("m&s", "'&' was not expected"),
+    ],
+)
+def test_what_is_no_unit_says_why(text: str, why: str) -> None:
+    """An expression that cannot be read is an error that quotes the part which cannot."""
+    with pytest.raises(units.UnitError) as caught:
+        units.parse(text)
+    assert why in str(caught.value)
+
+
+def test_a_conversion_is_exact() -> None:
+    """From Fahrenheit to Celsius is a fraction, and no float."""
+    scaling = units.conversion(units.parse("degF"), units.parse("degC"))
+    assert (str(scaling.factor), str(scaling.offset), scaling.pi) == ("5/9", "-160/9", 0)

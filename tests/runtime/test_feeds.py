@@ -1,0 +1,200 @@
+"""The feeds of this repository's table: standard messages with the right physical values, and back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from generated.registry import REGISTRY
+from runtime import ConversionError, Translator, cdr
+from runtime.feed import Feed
+from runtime.interfaces import Time
+
+_FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
+_STORES = [get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)]
+_NUMBERS = st.floats(width=32, allow_nan=False, allow_infinity=False)
+_STAMPS = st.builds(Time, st.integers(-(2**31), 2**31 - 1), st.integers(0, 2**32 - 1))
+
+
+def _close(found: float, wanted: float) -> None:
+    assert found == pytest.approx(wanted, rel=1e-15, abs=0)
+
+
+def _imu(message: Any, payload: dict[str, Any]) -> None:
+    """Degrees a second become radians a second, by the definition of a degree; the orientation is said to be none."""
+    for axis in "xyz":
+        _close(getattr(message.angular_velocity, axis), payload[f"gyro_{axis}"] * 3.141592653589793 / 180)
+        assert getattr(message.linear_acceleration, axis) == payload[f"accel_{axis}"]
+    assert message.orientation_covariance.tolist() == [-1, 0, 0, 0, 0, 0, 0, 0, 0]
+    assert message.angular_velocity_covariance.tolist() == message.linear_acceleration_covariance.tolist() == [0] * 9
+    assert (message.orientation.x, message.orientation.y, message.orientation.z, message.orientation.w) == (0, 0, 0, 1)
+
+
+def _mag(message: Any, payload: dict[str, Any]) -> None:
+    """A microtesla is a millionth of a tesla."""
+    for axis in "xyz":
+        _close(getattr(message.magnetic_field, axis), payload[f"mag_{axis}"] * 1e-6)
+
+
+def _fix(message: Any, payload: dict[str, Any]) -> None:
+    """The position stays as it is; the quality is what NavSatStatus calls it, as the usual GPS nodes have it."""
+    assert (message.latitude, message.longitude) == (payload["latitude"], payload["longitude"])
+    assert message.altitude == payload["altitude"]
+    assert message.status.status == [-1, 0, 1, 0, 2, 2][payload["fix_quality"]]
+    assert (message.status.service, message.position_covariance_type) == (1, 0)
+
+
+def _pressure(message: Any, payload: dict[str, Any]) -> None:
+    """A kilopascal is 1000 pascal."""
+    _close(message.fluid_pressure, payload["pressure_kpa"] * 1000)
+    assert message.variance == 0
+
+
+def _celsius(field: str) -> Callable[[Any, dict[str, Any]], None]:
+    def check(message: Any, payload: dict[str, Any]) -> None:
+        """Temperature is in degrees Celsius on both sides."""
+        assert message.temperature == payload[field]
+
+    return check
+
+
+_CHECKS: dict[str, tuple[str, Callable[[Any, dict[str, Any]], None]]] = {
+    "imu/data_raw": ("imu_link", _imu),
+    "imu/mag": ("imu_link", _mag),
+    "gps/fix": ("gps_link", _fix),
+    "pressure/fluid_pressure": ("pressure_link", _pressure),
+    "pressure/temperature": ("pressure_link", _celsius("temperature_c")),
+    "ph/temperature": ("ph_link", _celsius("temperature")),
+}
+
+
+def _payloads(feed: Feed[Any, Any]) -> st.SearchStrategy[dict[str, Any]]:
+    """Every number of a payload, and any declared value of its enums."""
+    fields: dict[str, st.SearchStrategy[Any]] = {}
+    for field in feed.payload_type.DESCRIPTOR.fields:
+        if field.enum_type is not None:
+            fields[field.name] = st.sampled_from([value.number for value in field.enum_type.values])
+        elif field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
+            fields[field.name] = _NUMBERS
+    return st.fixed_dictionaries(fields)
+
+
+def test_every_feed_is_checked() -> None:
+    """Each standard message of the table has its hand-computed values here."""
+    assert set(_CHECKS) == set(_FEEDS)
+
+
+@pytest.mark.parametrize("topic", sorted(_CHECKS))
+@given(data=st.data())
+def test_a_feed_says_what_the_payload_says(topic: str, data: st.DataObject) -> None:
+    """Any payload, as protobuf, becomes CDR in which Humble and Jazzy read the physical values, and comes back."""
+    feed, (frame_id, check) = _FEEDS[topic], _CHECKS[topic]
+    fields, stamp = data.draw(_payloads(feed)), data.draw(_STAMPS)
+    payload = feed.payload_type.FromString(feed.payload_type(**fields).SerializeToString())
+    serialized = feed.to_cdr(payload, stamp)
+    assert serialized == cdr.encode(feed.to_ros(payload, stamp))
+    for store in _STORES:
+        theirs = store.deserialize_cdr(serialized, feed.message_type.__msgtype__)
+        assert (theirs.header.stamp.sec, theirs.header.stamp.nanosec) == (stamp.sec, stamp.nanosec)
+        assert theirs.header.frame_id == frame_id
+        check(theirs, fields)
+        _check_way_back(feed, theirs, store, payload)
+
+
+def _check_way_back(feed: Feed[Any, Any], theirs: Any, store: Typestore, payload: Any) -> None:
+    """What the message tells of the payload is what the payload said, to the last bit."""
+    data = bytes(store.serialize_cdr(theirs, feed.message_type.__msgtype__))
+    if feed.route.topic == "gps/fix":
+        with pytest.raises(ConversionError, match="STATUS_FIX for GPS_FIX and for PPS_FIX"):
+            feed.from_cdr(data)
+        return
+    back = feed.from_cdr(data)
+    for field, value in back.ListFields():
+        assert value == getattr(payload, field.name)
+    assert back.ListFields() or not any(value for field, value in payload.ListFields() if field.name in _told(feed))
+
+
+def _told(feed: Feed[Any, Any]) -> set[str]:
+    """The fields of the payload that come back from a message in which every number is 1."""
+    ones = feed.payload_type(**{f.name: 1.0 for f in feed.payload_type.DESCRIPTOR.fields if f.type == f.TYPE_FLOAT})
+    return {field.name for field, _ in feed.from_ros(feed.to_ros(ones)).ListFields()}
+
+
+def test_an_undeclared_enum_value_is_refused() -> None:
+    """A quality that a newer board may send has no counterpart: the error names row, topic, field and value."""
+    feed = _FEEDS["gps/fix"]
+    with pytest.raises(ConversionError, match=r"^gps_info on gps/fix: fix_quality: 9 has no counterpart$"):
+        feed.to_cdr(feed.payload_type(fix_quality=9))
+
+
+def test_a_number_too_large_for_the_payload_is_refused() -> None:
+    """A float64 that no float32 holds does not become infinite on the way to a payload."""
+    feed = _FEEDS["pressure/temperature"]
+    with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 1e\+300 does not fit a float"):
+        feed.from_cdr(cdr.encode(feed.message_type(temperature=1e300)))
+    assert math.isinf(feed.from_cdr(cdr.encode(feed.message_type(temperature=math.inf))).temperature_c)
+
+
+def test_a_feed_that_fails_leaves_the_others_alone() -> None:
+    """The row's own message is translated, and what the feed refuses stands beside it as an error."""
+    datagram = REGISTRY.envelope(gps_info={"fix_quality": 9, "speed": 2.0}).SerializeToString()
+    name, message, fed = Translator(REGISTRY).receive_all(datagram, Time(5, 6))
+    assert cdr.decode(REGISTRY.by_name["gps_info"].message_type, message).speed == 2.0
+    assert name == "gps_info"
+    assert [(feed.route.topic, type(outcome)) for feed, outcome in fed] == [("gps/fix", ConversionError)]
+
+
+def test_the_template_is_what_the_codec_writes() -> None:
+    """A message packed around its constants equals one that is serialized whole, whatever stands between."""
+    message = _FEEDS["gps/fix"].message_type(latitude=1.5, position_covariance=[0.25] * 9)
+    message.header.frame_id = "a frame of some length"
+    made = cdr.template(message, ["header.stamp", "status.service", "latitude", "position_covariance"])
+    values = [7, 8, 3, 1.5, *message.position_covariance]
+    message.header.stamp, message.status.service = Time(7, 8), 3
+    head, frame, rest = made.constants[0], made.constants[1], made.constants[2:]
+    packed = made.layout.pack(head, *values[:2], frame, 3, 1.5, rest[0], *values[4:], *rest[1:])
+    assert packed == cdr.encode(message)
+
+
+def test_what_has_no_fixed_size_cannot_vary() -> None:
+    """A text in a template is a constant."""
+    with pytest.raises(TypeError, match=r"header\.frame_id has no fixed size"):
+        cdr.template(_FEEDS["imu/mag"].message_type(), ["header"])
+
+
+@given(st.tuples(*[st.floats(-math.pi, math.pi)] * 3))
+def test_angles_come_back_from_their_quaternion(angles: tuple[float, float, float]) -> None:
+    """Roll, pitch and yaw make a quaternion of length 1, from which the same rotation is read."""
+    from runtime import rotations
+
+    class Quaternion:
+        def __init__(self, x: float, y: float, z: float, w: float) -> None:
+            self.x, self.y, self.z, self.w = x, y, z, w
+
+    parts = rotations.quaternion(*angles)
+    assert math.hypot(*parts) == pytest.approx(1)
+    again = rotations.quaternion(*rotations.angles(Quaternion(*parts)))
+    assert abs(sum(a * b for a, b in zip(parts, again))) == pytest.approx(1, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("angles", "parts"),
+    [
+        ((math.pi / 2, 0, 0), (math.sqrt(0.5), 0, 0, math.sqrt(0.5))),
+        ((0, math.pi / 2, 0), (0, math.sqrt(0.5), 0, math.sqrt(0.5))),
+        ((0, 0, math.pi), (0, 0, 1, 0)),
+        ((math.pi / 2, 0, math.pi / 2), (0.5, 0.5, 0.5, 0.5)),
+    ],
+)
+def test_quaternions_are_those_of_the_books(angles: Any, parts: Any) -> None:
+    """Quarter turns, and one about x followed by one about the fixed z."""
+    from runtime import rotations
+
+    assert rotations.quaternion(*angles) == pytest.approx(parts, abs=1e-15)
