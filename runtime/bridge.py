@@ -24,7 +24,7 @@ from runtime.errors import DatagramError, Reason
 from runtime.inlet import Inlet, PacedInlet
 from runtime.interfaces import Time
 from runtime.middleware import Middleware, Publisher
-from runtime.outlet import Outlet, Send
+from runtime.outlet import Outlet, PublisherWatch, Send
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.sources import restrict
@@ -107,19 +107,21 @@ class Bridge:
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outlets = [self._outlet(handler) for handler in outbound]
         tended: list[Tended] = [*self._paced, *(outlet for outlet in self._outlets if outlet.is_tended)]
-        self._timekeeper = Timekeeper(tended, self._fail)
+        self._timekeeper = Timekeeper("timekeeper", tended, self._fail)
         for inlet in self._paced:
             inlet.wake = self._timekeeper.wake
-        for handler, outlet in zip(outbound, self._outlets):
-            self._subscribe(handler, outlet)
+        watches = [self._subscribe(handler, outlet) for handler, outlet in zip(outbound, self._outlets)]
+        self._watch = Timekeeper("publisher-watch", [watch for watch in watches if watch], self._fail)
         self._warn_of_small_buffer()
         self._timekeeper.__enter__()
+        self._watch.__enter__()
         self._receiver.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._receiver.__exit__()
         self._count_left()
+        self._watch.__exit__()
         self._timekeeper.__exit__()
         for inlet in self._paced:
             inlet.end()
@@ -269,7 +271,7 @@ class Bridge:
             send = observer.sending(destination.peer, send)
         return Outlet(handler, self._translator, send, self.account, self._warnings)
 
-    def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> None:
+    def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> PublisherWatch | None:
         route = handler.route
 
         def take(messages: Sequence[bytes]) -> None:
@@ -282,7 +284,7 @@ class Bridge:
         subscription = self._middleware.subscribe(
             self._topic(route.topic), handler.message_type, route.qos, take, route.priority
         )
-        outlet.watch(subscription, self._timekeeper.wake)
+        return outlet.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
         """Something unforeseen ended another thread; whoever waits in `run` has to hear of it."""

@@ -51,11 +51,10 @@ class Outlet:
         """Whether a timekeeper has to look after it."""
         return self._pacer is not None or self._guard is not None
 
-    def watch(self, subscription: Subscription, wake: Callable[[], None]) -> None:
-        """Know who publishes on the topic, and whom to wake when a message begins to wait."""
+    def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
+        """Know whom to wake when something is due earlier; gives what looks after the publishers of a guarded topic."""
         self._wake = wake
-        if self._guard:
-            self._guard.subscription = subscription
+        return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Send what the topic says; at a limited rate, the newest of it."""
@@ -139,21 +138,36 @@ class _Guard:
     def __init__(self, deadman: Deadman, stop: bytes, warn: Callable[[], None]) -> None:
         self.stop, self._warn = stop, warn
         self.watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
-        self.subscription: Subscription | None = None
-        self._published = False
 
     def is_due(self, now: float) -> bool:
         """Whether the peer has to be told to stop now."""
-        published = self.subscription is not None and self.subscription.has_publishers()
-        if self._published and not published:
-            self.watchdog.lost_publisher()
-        self._published = published
         was_silent = self.watchdog.silent
         if not self.watchdog.is_due(now):
             return False
         if not was_silent:
             self._warn()
         return True
+
+
+class PublisherWatch:
+    """Tells a watchdog when the last publisher of its topic has gone.
+
+    Asking the middleware may wait for a thread of its own that stands still, so whoever sends the stop does not ask.
+    """
+
+    next_due = math.inf
+
+    def __init__(self, subscription: Subscription, watchdog: Watchdog, wake: Callable[[], None]) -> None:
+        self._subscription, self._watchdog, self._wake = subscription, watchdog, wake
+        self._published = False
+
+    def tend(self, _: float) -> None:
+        """Look who publishes."""
+        published = self._subscription.has_publishers()
+        if self._published and not published:
+            self._watchdog.lost_publisher()
+            self._wake()
+        self._published = published
 
 
 def _stop_of(handler: AnyHandler, deadman: Deadman, translator: Translator) -> bytes:

@@ -35,13 +35,13 @@ class Tended(Protocol):
 class Timekeeper:
     """Tends what it is given. A context manager; of nothing it makes no thread."""
 
-    def __init__(self, tended: Sequence[Tended], fail: Callable[[BaseException], None]) -> None:
-        """``fail`` is told what ended the thread before it was asked to end."""
+    def __init__(self, name: str, tended: Sequence[Tended], fail: Callable[[BaseException], None]) -> None:
+        """``name`` is the thread's; ``fail`` is told what ended the thread before it was asked to end."""
         self._tended, self._fail = tended, fail
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._stopping = False
-        self._thread = threading.Thread(target=self._run, name="timekeeper", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def wake(self) -> None:
         """Something is due earlier than it was."""
