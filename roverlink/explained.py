@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from generator import ir
+from generator import ir, ir_standard
 from generator.feeds import words
-from generator.ir_standard import Feed
 from generator.linting import Question, lint_project
 from generator.nanopb import Unbounded, envelope_size, largest_size
 from generator.pipeline import Compiled, compile_table
@@ -56,7 +55,7 @@ class Project:
             "number": row.number,
             "name": row.name,
             "envelope": {"message": bridge.envelope.message, "file": self._proto(bridge.envelope.file)},
-            "proto": {"message": row.proto, "file": self._proto(self._file(row.proto))},
+            "proto": {"message": row.proto, "file": self._proto(self._member(row.number).file)},
             "ros": self._ros(route),
             "topic": row.topic,
             "direction": row.direction,
@@ -69,8 +68,8 @@ class Project:
                 "depth": route.qos.depth,
             },
             "size": self._size(row),
-            "fields": [self._field(field, row) for field in route.conversion.fields] if route.conversion else [],
-            "standard": [self._feed(feed) for feed in route.feeds],
+            "fields": [self._field(field, row) for field in (route.conversion.fields if route.conversion else ())],
+            "standard": [self._standard(feed) for feed in route.feeds],
             "ignored": list(row.ignore),
             "published": self._published(row.number),
             "history": self._history(row.number),
@@ -78,19 +77,21 @@ class Project:
             "example": self._example(row),
         }
 
-    def _file(self, proto: str) -> str:
-        return next(member.file for member in self.compiled.bridge.envelope.members if member.proto == proto)
+    def _member(self, number: int) -> ir.Member:
+        return next(member for member in self.compiled.bridge.envelope.members if member.number == number)
 
     def _ros(self, route: ir.Route) -> dict[str, Any]:
-        """The row's own message; the hash of a standard one is ROS 2's to know."""
+        """The row's own message; ROS 2 itself knows the hash of a standard one."""
         if route.conversion is None:
             return {"message": route.feeds[0].message, "type_hash": None}
         name = route.conversion.ros
         return {"message": f"{self.compiled.bridge.package}/msg/{name}", "type_hash": self.hashes[name]}
 
-    def _feed(self, feed: Feed) -> dict[str, Any]:
-        fields = [{"ros": field, "takes": takes} for field, takes in words.rows(feed)]
-        return {"topic": feed.topic, "message": feed.message, "fields": fields, "no_way_back": feed.obstacle or None}
+    @staticmethod
+    def _standard(feed: ir_standard.Feed) -> dict[str, Any]:
+        """A topic with a standard message, and what fills it."""
+        fields = [{"ros": name, "takes": taken} for name, taken in words.fields(feed)]
+        return {"topic": feed.topic, "message": feed.message, "fields": fields, "way_back": feed.obstacle or "yes"}
 
     def _proto(self, file: str) -> str:
         return f"{self.subject.table.proto.root}/{file}"
@@ -149,16 +150,14 @@ class Project:
 
     def _files(self, route: ir.Route) -> list[str]:
         """The generated files that are about it and its message alone."""
-        package = self.compiled.bridge.package
-        folder, module = spelling.proto_module(self._file(route.proto))
-        own = [route.conversion.ros] if route.conversion else []
-        wanted = [
-            f"generated/handlers/{spelling.module(route.name)}.py",
-            *(f"generated/feeds/{name}.py" for one, _, name, _ in feeds.names(self.compiled.bridge) if one is route),
-            *(f"generated/messages/{spelling.message_module(ros)}.py" for ros in own),
-            *(f"generated/ros/{package}/msg/{ros}.msg" for ros in own),
-            f"{folder.replace('.', '/')}/{module}.py",
-        ]
+        bridge = self.compiled.bridge
+        folder, module = spelling.proto_module(self._member(route.number).file)
+        wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
+        wanted += [f"generated/feeds/{name}.py" for one, _, name, _ in feeds.names(bridge) if one is route]
+        if route.conversion:
+            wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
+            wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")
+        wanted.append(f"{folder.replace('.', '/')}/{module}.py")
         return [path for path in wanted if path in self.compiled.files]
 
     def _example(self, row: Row) -> dict[str, Any]:

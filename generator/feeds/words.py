@@ -1,4 +1,4 @@
-"""What fills the standard messages, in words: for docs/messages.md, and for whoever asks about a row."""
+"""What fills the standard messages, in words: for docs/messages.md."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def view(route: ir.Route, feed: Feed) -> dict[str, object]:
         "name": f"`{route.name}`",
         "message": f"`{feed.message}`",
         "topic": f"`{feed.topic}`",
-        "fields": [(field, words.replace("|", "\\|")) for field, words in rows(feed)],
+        "fields": [(field, words.replace("|", "\\|")) for field, words in fields(feed)],
     }
 
 
-def rows(feed: Feed) -> Iterator[tuple[str, str]]:
-    """The path of each field that is filled, and what fills it."""
-    yield from _rows(feed.fields, ())
+def fields(feed: Feed) -> list[tuple[str, str]]:
+    """Each field that something fills, and what does."""
+    return list(_rows(feed.fields, ()))
 
 
 def _rows(fields: tuple[TargetField, ...], path: Path) -> Iterator[tuple[str, str]]:

@@ -93,14 +93,13 @@ def _tell(said: dict[str, Any]) -> None:
     _line("published", "; ".join(said["published"]) or "never, as far as mapping.lock knows")
     for life in said["history"] or []:
         _line("history", life)
-    if said["fields"] or not said["standard"]:
-        print("\nfields")
-        _table([_field(field) for field in said["fields"]] or [("none", "", "")])
-    for feed in said["standard"]:
-        print(f"\n{feed['message']} on {feed['topic']}")
-        _table([(field["ros"], field["takes"]) for field in feed["fields"]])
+    print("\nfields")
+    _table([_field(field) for field in said["fields"]] or [("none", "", "")])
     for path in said["ignored"]:
         print(f"  {path} is carried by no ROS field")
+    for feed in said["standard"]:
+        print(f"\n{feed['message']} on {feed['topic']}")
+        _table([(field["ros"], field["takes"].replace("`", "")) for field in feed["fields"]])
     print("\nfiles")
     for path in said["files"]:
         print(f"  {path}")

@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import feedcheck
 import pytest
+from feed_crosscheck import check_feeds
 from google.protobuf.message import Message as Payload
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -23,11 +23,9 @@ from rosbags.typesys.store import Typestore
 from walker import RefusedError, Walker
 
 from generator.ir import Conversion, ConversionKind
-from generator.ir_standard import Feed
 from generator.pipeline import compile_table
 from generator.write import compare, write
 from runtime import ConversionError, cdr, load_registry
-from runtime.interfaces import Time
 from runtime.messages import fields_of
 
 _EXAMPLES = settings(max_examples=25, deadline=None, database=None, suppress_health_check=list(HealthCheck))
@@ -68,21 +66,14 @@ def check(table: Path) -> None:
     registry = load_registry(table.parent)
     store, walker = typestore(table.parent, registry.package), Walker(compiled.bridge)
     in_any = sorted({member.proto for conversion in compiled.bridge.anys for member in conversion.members})
-    random = Payloads(in_any)
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0
     for route in compiled.bridge.routes:
         handler = registry.by_number[route.number]
         if route.conversion:
-            _check_handler(handler, route.conversion, walker, store, random)
+            _check_handler(handler, route.conversion, walker, store, Payloads(in_any))
             _check_any_number(handler)
             _check_refusals(handler, route.conversion)
-    distro = registry_distro(table)
-    meant = {(route.number, feed.topic): feed for route in compiled.bridge.routes for feed in route.feeds}
-    for handler in (*registry.handlers, *registry.feeds):
-        if feed := meant.pop((handler.route.number, handler.route.topic), None):
-            for store in map(get_typestore, distro):
-                _check_feed(handler, feed, store, random)
-    assert not meant
+    check_feeds(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
 
 
 def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:
@@ -124,53 +115,6 @@ def _must_be(found: Any, expected: Any) -> None:
             _must_be(one, other)
     else:
         assert expected is None or found == expected, (found, expected)
-
-
-_REFUSALS = ("has no counterpart", "out of range", "infinity", "does not fit a float of 32 bits")
-"""Why a number that float64 holds, or an enum's default, may not come back."""
-
-
-def registry_distro(table: Path) -> list[Stores]:
-    """The distributions of which the standard messages are."""
-    if "distro: jazzy" in table.read_text(encoding="utf-8"):
-        return [Stores.ROS2_JAZZY]
-    return [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]
-
-
-def _check_feed(handler: Any, feed: Feed, store: Typestore, random: Payloads) -> None:
-    @_EXAMPLES
-    @given(random.of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
-    def both_ways(payload: Any, sec: int, nanosec: int) -> None:
-        stamp = Time(sec, nanosec)
-        wanted = feedcheck.values(feed, payload, stamp)
-        try:
-            serialized = handler.to_cdr(payload, stamp)
-        except ConversionError:
-            assert not feedcheck.fits(wanted)
-            return
-        assert feedcheck.fits(wanted)
-        assert cdr.encode(handler.to_ros(payload, stamp)) == serialized == handler.pack(payload, stamp)
-        theirs = store.deserialize_cdr(serialized, feed.message)
-        assert bytes(store.serialize_cdr(theirs, feed.message)) == serialized
-        assert feedcheck.equal(plain(theirs, store), wanted)
-        if feed.recovered:
-            _check_way_back(handler, feed, serialized, wanted, stamp)
-
-    both_ways()
-
-
-def _check_way_back(handler: Any, feed: Feed, serialized: bytes, wanted: Any, stamp: Time) -> None:
-    """What comes back says the same once more; what does not fit, as a number that only float64 holds, is refused."""
-    try:
-        back = handler.from_cdr(serialized)
-    except ConversionError as error:
-        if not any(why in str(error) for why in _REFUSALS):
-            raise
-        return
-    again = feedcheck.values(feed, back, stamp)
-    told = {recovered.path[0] for recovered in feed.recovered}
-    kept = {name: part for name, part in again.items() if name in told}
-    assert feedcheck.equal(wanted, kept, 1e-6), (wanted, kept)
 
 
 def _check_any_number(handler: Any) -> None:

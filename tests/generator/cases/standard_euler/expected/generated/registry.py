@@ -20,6 +20,6 @@ REGISTRY = Registry(
         LevelHandler(),
     ),
     feeds=(LevelLevelPoseFeed(),),
-    fingerprint="33c09964987982ab4f94f6ff11198074a35a23740d71cbd456bdd9e66e3b3582",
+    fingerprint="eccfff9e781f5f72551873db1897a93691fff2aa1b4b257741219e2ad4448cad",
     retired={},
 )

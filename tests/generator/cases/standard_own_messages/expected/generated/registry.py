@@ -29,6 +29,6 @@ REGISTRY = Registry(
         SpeedSpeedCounterFeed(),
         DriveDriveTwistFeed(),
     ),
-    fingerprint="ca5ee6f286ef24c293877b445e95aa832ee911657f213c17359efc13a95eefcd",
+    fingerprint="3e58315e78fd998f03c4f32ad21cec5f6ba6a4186d4c40fcb0cf99483e9b8e07",
     retired={},
 )

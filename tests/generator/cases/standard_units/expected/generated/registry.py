@@ -28,6 +28,6 @@ REGISTRY = Registry(
         WeatherWeatherLightFeed(),
         WeatherImuDataFeed(),
     ),
-    fingerprint="db70737703a5a843ff1a24a69af317a6adc17e234e441f6b2b5e055fab024a15",
+    fingerprint="6c3b2014993949abaa9a7b01d0d39c155f9a050c65968d4cf75d28cb6158c558",
     retired={},
 )

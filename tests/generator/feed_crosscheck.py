@@ -1,0 +1,71 @@
+"""The part of `crosscheck` that is about standard messages: by rosbags' own definitions of them, and by `feedcheck`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import feedcheck
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from random_payloads import Payloads
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from generator.ir import Bridge
+from generator.ir_standard import Feed
+from runtime import ConversionError, Registry, cdr
+from runtime.interfaces import Time
+
+Plain = Callable[[Any, Typestore], Any]
+
+_EXAMPLES = settings(max_examples=15, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+_REFUSALS = ("has no counterpart", "out of range", "infinity", "does not fit a float of 32 bits")
+"""Why a number that float64 holds, or an enum's default, may not come back."""
+
+
+def check_feeds(registry: Registry, bridge: Bridge, plain: Plain, *, jazzy: bool) -> None:
+    """Raise `AssertionError` where a feed does something else than the IR and rosbags."""
+    distributions = [Stores.ROS2_JAZZY] if jazzy else [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]
+    meant = {(route.number, feed.topic): feed for route in bridge.routes for feed in route.feeds}
+    for handler in (*registry.handlers, *registry.feeds):
+        if feed := meant.pop((handler.route.number, handler.route.topic), None):
+            for store in map(get_typestore, distributions):
+                _check_feed(handler, feed, store, plain)
+    assert not meant
+
+
+def _check_feed(handler: Any, feed: Feed, store: Typestore, plain: Plain) -> None:
+    @_EXAMPLES
+    @given(Payloads([]).of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
+    def both_ways(payload: Any, sec: int, nanosec: int) -> None:
+        stamp = Time(sec, nanosec)
+        wanted = feedcheck.values(feed, payload, stamp)
+        try:
+            serialized = handler.to_cdr(payload, stamp)
+        except ConversionError:
+            assert not feedcheck.fits(wanted)
+            return
+        assert feedcheck.fits(wanted)
+        assert cdr.encode(handler.to_ros(payload, stamp)) == serialized == handler.pack(payload, stamp)
+        theirs = store.deserialize_cdr(serialized, feed.message)
+        assert bytes(store.serialize_cdr(theirs, feed.message)) == serialized
+        assert feedcheck.equal(plain(theirs, store), wanted)
+        if feed.recovered:
+            _check_way_back(handler, feed, serialized, wanted, stamp)
+
+    both_ways()
+
+
+def _check_way_back(handler: Any, feed: Feed, serialized: bytes, wanted: Any, stamp: Time) -> None:
+    """What comes back says the same once more; what does not fit, as a number that only float64 holds, is refused."""
+    try:
+        back = handler.from_cdr(serialized)
+    except ConversionError as error:
+        if not any(why in str(error) for why in _REFUSALS):
+            raise
+        return
+    again = feedcheck.values(feed, back, stamp)
+    told = {recovered.path[0] for recovered in feed.recovered}
+    kept = {name: part for name, part in again.items() if name in told}
+    assert feedcheck.equal(wanted, kept, 1e-6), (wanted, kept)
