@@ -58,5 +58,10 @@ def _heading(message: ir.RosMessage, enum: str) -> str:
 
 
 def _comment(text: str) -> list[str]:
-    """The lines of a comment. rosidl decodes backslashes in them twice; one that it cannot decode ends its build."""
-    return [f"# {line}".rstrip() for line in text.replace("\\", "\\" * 4).splitlines()]
+    """The lines of a comment, so that they do no harm in C either.
+
+    rosidl decodes backslashes in them twice, and one that it cannot decode ends its build; and one at the end of a line
+    would make the next line of a header a comment.
+    """
+    lines = [f"{line}." if line.endswith("\\") else line for line in text.splitlines()]
+    return ["# " + line.replace("\\", "\\" * 4) if line else "#" for line in lines]
