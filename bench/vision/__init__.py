@@ -1,0 +1,1 @@
+"""Accuracy and speed of the rover's eyes on rendered frames, whose truth is known: python -m bench.vision."""
