@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-OURS = {"generator", "generated", "runtime", "roverlink", "bench", "tests"}
+OURS = {"generator", "generated", "runtime", "vision", "roverlink", "bench", "tests"}
 MAY_IMPORT = {
     "generator": set[str](),
     "runtime": set[str](),
     "generated": {"runtime"},
-    "roverlink": {"generator", "runtime"},
+    "vision": {"runtime", "generated"},
+    "roverlink": {"generator", "runtime", "vision"},
 }
 
 

@@ -1,0 +1,26 @@
+"""Cameras: where markers are, and where that puts the camera.
+
+`Tracker` finds markers in images and estimates their poses; `localize` puts those together on a field whose landmarks
+are known. Importing this without OpenCV raises `SetupError`, which says how to install it.
+"""
+
+from vision._opencv import cv2 as _cv2  # noqa: F401  # first: it says what is missing, numpy included
+from vision.camera import CameraParameters
+from vision.localization import FieldPose, Landmark, Landmarks, localize
+from vision.markers import Board, MarkerSet, TargetId
+from vision.pose import Pose
+from vision.tracking import Sighting, Tracker
+
+__all__ = [
+    "Board",
+    "CameraParameters",
+    "FieldPose",
+    "Landmark",
+    "Landmarks",
+    "MarkerSet",
+    "Pose",
+    "Sighting",
+    "TargetId",
+    "Tracker",
+    "localize",
+]

@@ -1,0 +1,190 @@
+"""Where a marker or a board is, from its corners: both solutions, and how uncertain each is.
+
+Corners are taken as rays, so that no lens enters here. A pose's error is (dx, dy, dz, rx, ry, rz): the true
+translation is t + d, the true rotation exp([r]x) R; both in the axes of the frame that the pose is given in, as in
+ROS 2's `PoseWithCovariance`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision._opencv import cv2
+from vision.camera import Floats
+
+STEPS = 30
+_CONVERGED = 1e-3
+"""Change of chi squared, in parts of it, at which a refinement ends."""
+_SAME = np.radians(0.05)
+"""Solutions whose rotations differ less are one."""
+_SINGULAR = 1e14
+"""Condition number of a normal matrix that determines no pose."""
+_NORMAL_QUANTILE = 3.09  # 99.9 %
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """Takes points of one frame to another: `rotation` (3, 3) @ point + `translation` (3,) in metres."""
+
+    rotation: Floats
+    translation: Floats
+
+    def apply(self, points: Floats) -> Floats:
+        """The points (..., 3) in the other frame."""
+        moved: Floats = points @ self.rotation.T + self.translation
+        return moved
+
+    def __matmul__(self, first: Pose) -> Pose:
+        return Pose(self.rotation @ first.rotation, self.rotation @ first.translation + self.translation)
+
+    def inverse(self) -> Pose:
+        """The way back."""
+        return Pose(self.rotation.T, -self.rotation.T @ self.translation)
+
+    def moved(self, change: Floats) -> Pose:
+        """The pose after a change (6,): x y z rotX rotY rotZ."""
+        return Pose(rotation_of(change[3:]) @ self.rotation, self.translation + change[:3])
+
+    def change_to(self, other: Pose) -> Floats:
+        """The change (6,) that makes this pose the other: the inverse of `moved`."""
+        return np.concatenate([other.translation - self.translation, angles_of(other.rotation @ self.rotation.T)])
+
+    def angle_to(self, other: Pose) -> float:
+        """The angle in radians between both rotations."""
+        return float(np.linalg.norm(angles_of(other.rotation @ self.rotation.T)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Corners:
+    """What was seen of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
+
+    points: Floats
+    rays: Floats
+    covariance: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """A pose (landmark to camera) at which the corners fit best among the poses near it."""
+
+    pose: Pose
+    covariance: Floats
+    """(6, 6): x y z rotX rotY rotZ."""
+    chi2: float
+    """Squared residuals in standard deviations; about 2N - 6 where all is as assumed."""
+    error: float
+    """Root of the mean squared distance between corners and their projections, in the plane z = 1."""
+
+
+def rotation_of(angles: Floats) -> Floats:
+    """The rotation (3, 3) about an axis (3,) by its length in radians."""
+    rotation: Floats = cv2.Rodrigues(np.asarray(angles, dtype=float))[0]
+    return rotation
+
+
+def angles_of(rotation: Floats) -> Floats:
+    """The inverse of `rotation_of`."""
+    angles: Floats = cv2.Rodrigues(rotation)[0].ravel()
+    return angles
+
+
+def square_poses(points: Floats, rays: Floats) -> list[Pose]:
+    """Both poses of one marker's corners (4, 3), a square anywhere in its landmark's frame, seen at rays (4, 2).
+
+    IPPE (Collins and Bartoli, 2014), by OpenCV.
+    """
+    right, up = points[1] - points[0], points[0] - points[3]
+    side = float(np.linalg.norm(right))
+    own = np.column_stack([right / side, up / side, np.cross(right, up) / side**2])
+    in_landmark = Pose(own, points.mean(axis=0))
+    h = side / 2
+    corners = np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
+    _, turns, shifts, _ = cv2.solvePnPGeneric(
+        corners, rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
+    poses = [Pose(rotation_of(turn), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
+    return [
+        pose @ in_landmark.inverse() for pose in poses if np.isfinite(pose.rotation).all() and pose.translation[2] > 0
+    ]
+
+
+def solve(corners: Corners, starts: Sequence[Pose]) -> list[Solution]:
+    """Refine each start; the different outcomes, best first."""
+    try:
+        whitening = np.linalg.inv(np.linalg.cholesky(corners.covariance))
+    except np.linalg.LinAlgError:
+        return []
+    solutions: list[Solution] = []
+    found = (_refine(corners, whitening, start) for start in starts)
+    for solution in sorted((one for one in found if one), key=lambda one: one.chi2):
+        if all(solution.pose.angle_to(other.pose) > _SAME for other in solutions):
+            solutions.append(solution)
+    return solutions
+
+
+def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
+    """The rays (N, 2) of points (N, 3), and their derivative (N, 2, 6) by the pose's change; nan behind the camera."""
+    turned = points @ pose.rotation.T
+    seen = turned + pose.translation
+    z = np.where(seen[:, 2] > 0, seen[:, 2], np.nan)
+    rays = seen[:, :2] / z[:, None]
+    (u, v), (x, y, depth) = rays.T, turned.T
+    derivative = np.zeros((len(points), 2, 6))
+    derivative[:, 0, 0] = derivative[:, 1, 1] = 1
+    derivative[:, :, 2] = -rays
+    # a turn r moves a point by r x turned
+    derivative[:, 0, 3], derivative[:, 0, 4], derivative[:, 0, 5] = -u * y, depth + u * x, -y
+    derivative[:, 1, 3], derivative[:, 1, 4], derivative[:, 1, 5] = -depth - v * y, v * x, x
+    return rays, derivative / z[:, None, None]
+
+
+def _refine(corners: Corners, whitening: Floats, pose: Pose) -> Solution | None:
+    """Levenberg and Marquardt's method from a pose; None where it leads nowhere."""
+    residuals, derivative = _residuals(corners, whitening, pose)
+    chi2, damping = float(residuals @ residuals), 1e-4
+    for _ in range(STEPS):
+        normal = derivative.T @ derivative
+        if not math.isfinite(normal.sum()):
+            return None
+        damped = normal.copy()
+        damped.flat[::7] *= 1 + damping
+        moved = pose.moved(np.linalg.solve(damped, derivative.T @ residuals))
+        new_residuals, new_derivative = _residuals(corners, whitening, moved)
+        new_chi2 = float(new_residuals @ new_residuals)
+        if not new_chi2 <= chi2:  # nan, too
+            if damping > 1e6:
+                break
+            damping *= 10
+            continue
+        gain = chi2 - new_chi2
+        pose, residuals, derivative, chi2 = moved, new_residuals, new_derivative, new_chi2
+        damping /= 10
+        if gain < _CONVERGED * (0.1 + chi2):
+            break
+    normal = derivative.T @ derivative
+    if not np.linalg.cond(normal) < _SINGULAR:
+        return None
+    miss = corners.rays - predict(pose, corners.points)[0]
+    covariance = np.linalg.inv(normal) * _doubt(chi2, residuals.size - 6)
+    return Solution(pose, (covariance + covariance.T) / 2, chi2, float(np.sqrt((miss**2).sum(axis=1).mean())))
+
+
+def _residuals(corners: Corners, whitening: Floats, pose: Pose) -> tuple[Floats, Floats]:
+    """Seen minus predicted in standard deviations (2N,), and the prediction's derivative (2N, 6)."""
+    rays, derivative = predict(pose, corners.points)
+    return whitening @ (corners.rays - rays).ravel(), whitening @ derivative.reshape(-1, 6)
+
+
+def _doubt(chi2: float, freedom: int) -> float:
+    """The factor of a covariance whose chi squared is not chance: the camera's parameters or sizes are wrong."""
+    return chi2 / freedom if chi2 > chi2_limit(freedom) else 1.0
+
+
+def chi2_limit(freedom: int) -> float:
+    """What chi squared of so many degrees of freedom exceeds once in a thousand (Wilson and Hilferty, 1931)."""
+    part = 2 / (9 * freedom)
+    return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)
