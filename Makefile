@@ -4,9 +4,9 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
-HAND_WRITTEN := generator runtime roverlink bench tests
+HAND_WRITTEN := generator runtime vision roverlink bench tests
 
-.PHONY: help demo test test-slow ros-package soak fuzz lint bench generate clean
+.PHONY: help demo test test-slow ros-package soak fuzz lint bench bench-vision generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -42,6 +42,9 @@ lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is wh
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench
 
+bench-vision: $(VENV)/ready-bench-vision  ## accuracy and speed of marker poses on rendered frames, beside OpenCV
+	$(BIN)/python -m bench.vision
+
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
 
@@ -68,4 +71,8 @@ $(VENV)/ready-fuzz: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/ready-bench: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@
+
+$(VENV)/ready-bench-vision: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[vision,bench]'
 	@touch $@

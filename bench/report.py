@@ -17,7 +17,7 @@ from bench.result import Chart, SectionResult, Table
 PICTURE_COLUMNS = 2
 PANEL_INCHES = (6.0, 3.6)
 COLOURS = {"floor": "tab:gray", "cpp": "tab:blue", "handwritten": "tab:orange", "roverlink": "tab:green"}
-PACKAGES = ("cyclonedds", "protobuf", "roverlink")
+PACKAGES = ("cyclonedds", "numpy", "opencv-contrib-python-headless", "protobuf", "roverlink")
 DEFAULT_BUFFER = Path("/proc/sys/net/core/rmem_default")
 
 

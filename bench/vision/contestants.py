@@ -1,0 +1,85 @@
+"""Who estimates poses: roverlink, and OpenCV as one would use it, with each way of refining corners."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+
+from bench.vision.rendering import Floats, Grey, Lens
+from bench.vision.scenes import DICTIONARY, SIDE, corner_points
+from vision.camera import CameraParameters
+from vision.markers import MarkerSet
+from vision.tracking import Tracker
+
+OURS = "roverlink"
+REFINEMENTS = {
+    "OpenCV": cv2.aruco.CORNER_REFINE_NONE,
+    "OpenCV SUBPIX": cv2.aruco.CORNER_REFINE_SUBPIX,
+    "OpenCV APRILTAG": cv2.aruco.CORNER_REFINE_APRILTAG,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A marker's number and pose in the camera's optical frame; the covariance (6, 6) where there is one."""
+
+    number: int
+    rotation: Floats
+    translation: Floats
+    covariance: Floats | None = None
+
+
+Estimator = Callable[[Grey], Sequence[Estimate]]
+
+
+def estimators(lens: Lens) -> dict[str, Estimator]:
+    """By name, what makes estimates from single frames."""
+    plain = {name: _Plain(lens, refinement) for name, refinement in REFINEMENTS.items()}
+    return {OURS: _Ours(lens), **plain}
+
+
+def camera_of(lens: Lens) -> CameraParameters:
+    """The lens as roverlink describes it."""
+    return CameraParameters(lens.matrix, np.array(lens.distortion), lens.size)
+
+
+def plain_detector(refinement: int = cv2.aruco.CORNER_REFINE_NONE) -> Any:
+    """OpenCV's detector with its defaults."""
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.cornerRefinementMethod = refinement
+    return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), parameters)
+
+
+class _Ours:
+    def __init__(self, lens: Lens) -> None:
+        self._tracker = Tracker(camera_of(lens), MarkerSet(side=SIDE))
+
+    def __call__(self, frame: Grey) -> Sequence[Estimate]:
+        self._tracker.reset()  # every frame for itself: no earlier one may help
+        return [
+            Estimate(one.id, one.pose.rotation, one.pose.translation, one.covariance)
+            for one in self._tracker.track(frame, 0)
+            if isinstance(one.id, int)
+        ]
+
+
+class _Plain:
+    def __init__(self, lens: Lens, refinement: int) -> None:
+        self._lens, self._detector = lens, plain_detector(refinement)
+
+    def __call__(self, frame: Grey) -> Sequence[Estimate]:
+        corners, numbers, _ = self._detector.detectMarkers(frame)
+        found = [] if numbers is None else np.reshape(numbers, -1).tolist()
+        return [self._estimate(number, np.reshape(corner, (4, 2))) for number, corner in zip(found, corners)]
+
+    def _estimate(self, number: int, corners: Any) -> Estimate:
+        distortion = np.array(self._lens.distortion)
+        points = corner_points()
+        _, turn, shift = cv2.solvePnP(
+            points, corners.astype(float), self._lens.matrix, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE
+        )
+        return Estimate(number, cv2.Rodrigues(turn)[0], np.ravel(shift))
