@@ -6,7 +6,8 @@ are known. Importing this without OpenCV raises `SetupError`, which says how to 
 
 from vision._opencv import cv2 as _cv2  # noqa: F401  # first: it says what is missing, numpy included
 from vision.camera import CameraParameters
-from vision.localization import FieldPose, Landmark, Landmarks, localize
+from vision.landmarks import Landmark, Landmarks, read_landmarks
+from vision.localization import FieldPose, localize
 from vision.markers import Board, MarkerSet, TargetId
 from vision.pose import Pose
 from vision.tracking import Sighting, Tracker
@@ -23,4 +24,5 @@ __all__ = [
     "TargetId",
     "Tracker",
     "localize",
+    "read_landmarks",
 ]

@@ -21,10 +21,9 @@ Image = NDArray[np.uint8]
 
 _CELL = 8
 """Pixels to which OpenCV resamples a bit before it reads it; its 4 loses markers below 30 pixels."""
-_WINDOWS = (5, 21, 16)
+_WINDOWS = (7, 23, 16)
 """Smallest and largest window of the adaptive threshold, and the step between, at full resolution."""
 _HALF_WINDOWS = (5, 13, 8)
-_REGION_WINDOWS = (7, 23, 16)
 _SMALLEST_SIDE = 9
 """Pixels; what is smaller cannot be read."""
 
@@ -35,8 +34,6 @@ class Detection:
 
     number: int
     corners: Floats
-    doubt: float
-    """About how many pixels the corners may be off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +64,14 @@ class Detector:
         )
         # the centre of the half image's first pixel is the corner between four pixels
         found = self._detect(half, _HALF_WINDOWS)
-        return [Detection(one.number, one.corners * 2 + 0.5, one.doubt * 2) for one in found]
+        return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
         """Look at a region of an image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
-        found = self._detect(part, _REGION_WINDOWS)
-        return [Detection(one.number, one.corners + offset, one.doubt) for one in found]
+        found = self._detect(part, _WINDOWS)
+        return [Detection(one.number, one.corners + offset) for one in found]
 
     def _detect(self, image: Image, windows: tuple[int, int, int]) -> list[Detection]:
         height, width = image.shape
@@ -84,7 +81,7 @@ class Detector:
         corners, numbers, _ = self._detector(windows, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
-            Detection(number, np.reshape(corner, (4, 2)).astype(float), 1.0)
+            Detection(number, np.reshape(corner, (4, 2)).astype(float))
             for number, corner in zip(found, corners)
             if number in self._markers
         ]

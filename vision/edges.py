@@ -27,7 +27,11 @@ CLEAR = 2.2
 """How far pixels stay away from what is behind the white rim, in pixels; the rim is at least one module wide."""
 COARSE = 3
 """The first steps take every third pixel."""
-COARSE_STEPS = 2
+COARSE_STEPS = 3
+FINE_STEPS = 8
+"""The most steps with all pixels."""
+SETTLED, UNSETTLED = 0.05, 0.5
+"""Pixels that corners move in a step: when the next step moves them by next to nothing, and when they run away."""
 OUTLIER = 4.0
 """Pixels are dropped whose residual is so many standard deviations."""
 FIRST_BLUR = 0.85
@@ -50,8 +54,6 @@ class Guess:
     pattern: Pattern
     corners: Floats
     """(4, 2) in pixels."""
-    doubt: float = 1.0
-    """About how many pixels the corners may be off."""
     blur: float = FIRST_BLUR
     """Standard deviation of the blur in pixels, as in the frame before."""
 
@@ -138,15 +140,20 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
     rays[~visible] = _SQUARE.T  # anything that can be computed with
     views = _views([guess.pattern for guess in guesses], rays)
     scaled = (rays - views.centre[:, None]) / views.scale[:, None, None]
-    blurs = np.array([max(guess.blur, FIRST_BLUR * guess.doubt) for guess in guesses])
-    state = _State(_homographies(scaled.transpose(0, 2, 1)), np.log(np.clip(blurs, *BLURS)))
+    blurs = np.clip([guess.blur for guess in guesses], *BLURS)
+    state = _State(_homographies(scaled.transpose(0, 2, 1)), np.log(blurs))
     with np.errstate(all="ignore"):  # of a guess that was wrong anything may come; it is left out below
         pixels = _pixels(image, camera, views, state.homography)
         coarse = pixels.every(COARSE)
         for _ in range(COARSE_STEPS):
             state, _unused = _step(views, state, coarse)
-        state, outcome = _step(views, state, pixels)
-        visible &= pixels.real.sum(axis=1) >= _FEWEST
+        for _ in range(FINE_STEPS):
+            before = state
+            state, outcome = _step(views, before, pixels)
+            shift = _shift(before, state) * views.scale * float(np.max(camera.focal))
+            if not (shift[visible] > SETTLED).any():
+                break
+        visible &= (pixels.real.sum(axis=1) >= _FEWEST) & (shift < UNSETTLED)
         return [_fit(views, state, outcome, k) if visible[k] else None for k in range(len(guesses))]
 
 
@@ -273,6 +280,13 @@ def _step(views: _Views, state: _State, pixels: _Pixels) -> tuple[_State, _Outco
     explained = 1 - _squares(residuals) / np.maximum(_squares(spread), 1e-9)
     variance = _squares(left) / np.maximum(weights.sum(axis=1) - _UNKNOWNS, 1.0)
     return moved, _Outcome(normal, variance, explained, level[:, 3])
+
+
+def _shift(before: _State, after: _State) -> Floats:
+    """How far (K,) the corners moved, in scaled rays."""
+    places = [lifted[:, :2] / lifted[:, 2:] for lifted in (before.homography @ _LIFTED, after.homography @ _LIFTED)]
+    distance: Floats = np.hypot(*(places[1] - places[0]).transpose(1, 0, 2)).max(axis=1)
+    return distance
 
 
 def _squares(values: Floats) -> Floats:

@@ -30,11 +30,7 @@ class Flips:
         """Which of the solutions, at most two and best first, is the pose; `stamp` in nanoseconds."""
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
-        freedom = 2.0  # what a chi squared that is too large for chance is measured by
-        unit = max(1.0, solutions[0].chi2 / freedom)
-        misfits = [
-            old + min((one.chi2 - solutions[0].chi2) / unit, LARGEST) for one, (_, old) in zip(solutions, before)
-        ]
+        misfits = [old + min(one.chi2 - solutions[0].chi2, LARGEST) for one, (_, old) in zip(solutions, before)]
         least = min(misfits)
         self._followed = [(one.pose, misfit - least) for one, misfit in zip(solutions, misfits)]
         self._stamp = stamp

@@ -7,39 +7,23 @@ than one thinks, does not fit the pose that the others agree on; it is left out 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from vision.camera import Floats
+from vision.landmarks import Landmark, Landmarks
 from vision.markers import TargetId
-from vision.pose import Pose, chi2_limit, predict
+from vision.pose import SINGULAR, Pose, chi2_limit, predict
 from vision.tracking import Sighting
 
-SURVEY_POSITION = 0.01
-"""Standard deviation in metres of a landmark's position along each axis, where none is given."""
-SURVEY_ROTATION = float(np.radians(0.5))
-"""Standard deviation in radians of a landmark's orientation about each axis, where none is given."""
+_SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
+"""A start comes from one landmark, and may fit the others badly at first: by how much, in chi squared's limits."""
+_TRIED = 4
+"""How many starts are followed at most; one is enough where all landmarks agree."""
 _STEPS = 15
-_CONVERGED = 1e-6
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Landmark:
-    """A marker's or board's pose on the field (landmark to field), and how well it is known (one sigma an axis)."""
-
-    pose: Pose
-    position_sigma: float = SURVEY_POSITION
-    rotation_sigma: float = SURVEY_ROTATION
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Landmarks:
-    """Where the landmarks of a field are; `frame` is the field's name."""
-
-    frame: str
-    places: Mapping[TargetId, Landmark] = field(default_factory=dict)
+_CONVERGED = 1e-4  # change of chi squared, in parts of it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,94 +46,108 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
 
     Of two landmarks that contradict each other nobody can tell which is wrong: the one that is surer is used.
     """
-    known = [sighting for sighting in sightings if sighting.id in landmarks.places]
+    known = [_known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places]
     starts = [
-        solution.pose @ landmarks.places[sighting.id].pose.inverse()
-        for sighting in known
-        for solution in sighting.solutions
+        solution.pose @ landmarks.places[one.sighting.id].pose.inverse()
+        for one in known
+        for solution in one.sighting.solutions
     ]
-    best: tuple[float, Pose, list[Sighting]] | None = None
-    for start in starts:
-        outcome = _agree(known, landmarks, start)
+    starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
+    best: tuple[float, Pose, list[_Known]] | None = None
+    for start in starts[:_TRIED]:
+        outcome = _agree(known, start)
         if outcome and (best is None or outcome[0] < best[0]):
             best = outcome
+        if best and len(best[2]) == len(known):
+            break
     if best is None:
         return None
     _, pose, used = best
-    normal, _, _ = _normal(used, landmarks, pose)
+    normal, _, _ = _normal(used, pose)
     return FieldPose(
         frame=landmarks.frame,
         pose=pose.inverse(),
         covariance=_of_inverse(pose, np.linalg.inv(normal)),
-        used=tuple(sighting.id for sighting in used),
-        rejected=tuple(sighting.id for sighting in known if sighting not in used),
+        used=tuple(one.sighting.id for one in used),
+        rejected=tuple(one.sighting.id for one in known if one not in used),
     )
 
 
-def _agree(known: Sequence[Sighting], landmarks: Landmarks, pose: Pose) -> tuple[float, Pose, list[Sighting]] | None:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """A sighting of a known landmark."""
+
+    sighting: Sighting
+    points: Floats
+    """The corners (N, 3) on the field."""
+    whitening: Floats
+    """Makes residuals (2N,) independent, with a standard deviation of 1."""
+    limit: float
+    """The chi squared that it has by chance once in a thousand."""
+
+
+def _known(sighting: Sighting, landmark: Landmark) -> _Known:
+    """Add the landmark's own uncertainty to the image's.
+
+    Its sigmas are the same along all axes, so it can be taken in the camera's, from the pose that was seen.
+    """
+    seen = sighting.seen
+    _, derivative = predict(sighting.pose, seen.points)
+    by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
+    whitening = np.linalg.inv(np.linalg.cholesky(seen.covariance + by_landmark @ by_landmark.T))
+    return _Known(sighting, landmark.pose.apply(seen.points), whitening, chi2_limit(2 * len(seen.points)))
+
+
+def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
     """From a start (field to camera): the cost, the pose, and the sightings that fit it."""
-    used = [one for one in known if _chi2(one, landmarks, pose) < 4 * _limit(one)] or list(known)
-    for _ in range(4):
-        refined = _refine(used, landmarks, pose)
+    used: list[_Known] = []
+    for slack in _SLACK:
+        used = [one for one in known if _chi2(one, pose) < slack * one.limit]
+        refined = _refine(used, pose) if used else None
         if refined is None:
             return None
         pose = refined
-        fitting = [one for one in known if _chi2(one, landmarks, pose) < _limit(one)]
-        if not fitting:
-            return None
-        if fitting == used:
-            break
-        used = fitting
-    cost = sum(min(_chi2(one, landmarks, pose), _limit(one)) for one in known)
-    return cost, pose, used
+    return _cost(known, pose), pose, used
 
 
-def _limit(sighting: Sighting) -> float:
-    return chi2_limit(2 * len(sighting.seen.points))
+def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
+    """Chi squared, where what does not fit counts no more than what hardly does."""
+    return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
 
 
-def _chi2(sighting: Sighting, landmarks: Landmarks, pose: Pose) -> float:
-    terms = _terms(sighting, landmarks.places[sighting.id], pose)
-    return float(terms[0] @ terms[0]) if np.isfinite(terms[0]).all() else np.inf
+def _chi2(one: _Known, pose: Pose) -> float:
+    residuals, _ = _terms(one, pose)
+    chi2 = float(residuals @ residuals)
+    return chi2 if np.isfinite(chi2) else np.inf
 
 
-def _terms(sighting: Sighting, landmark: Landmark, pose: Pose) -> tuple[Floats, Floats]:
+def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
     """Residuals (2N,) in standard deviations and their derivative (2N, 6) by the pose (field to camera)."""
-    on_field = landmark.pose.apply(sighting.seen.points)
-    rays, derivative = predict(pose, on_field)
-    # the landmark's own error (shift along the field's axes, turn about its origin) moves the points on the field
-    _, by_landmark = predict(pose @ landmark.pose, sighting.seen.points)
-    by_landmark = by_landmark.reshape(-1, 6)
-    sigmas = np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
-    turned = by_landmark * sigmas  # both sigmas are the same along all axes, so the axes do not matter
-    try:
-        whitening = np.linalg.inv(np.linalg.cholesky(sighting.seen.covariance + turned @ turned.T))
-    except np.linalg.LinAlgError:
-        return np.full(2 * len(rays), np.inf), derivative.reshape(-1, 6)
-    return whitening @ (sighting.seen.rays - rays).ravel(), whitening @ derivative.reshape(-1, 6)
+    rays, derivative = predict(pose, one.points)
+    return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ derivative.reshape(-1, 6)
 
 
-def _normal(used: Sequence[Sighting], landmarks: Landmarks, pose: Pose) -> tuple[Floats, Floats, float]:
+def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
     """The normal matrix (6, 6), the right side (6,) and chi squared at a pose."""
     normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
-    for sighting in used:
-        residuals, derivative = _terms(sighting, landmarks.places[sighting.id], pose)
+    for one in used:
+        residuals, derivative = _terms(one, pose)
         normal += derivative.T @ derivative
         right += derivative.T @ residuals
         chi2 += float(residuals @ residuals)
     return normal, right, chi2
 
 
-def _refine(used: Sequence[Sighting], landmarks: Landmarks, pose: Pose) -> Pose | None:
+def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
     """Gauss-Newton steps, halved while they make it worse."""
-    normal, right, chi2 = _normal(used, landmarks, pose)
+    normal, right, chi2 = _normal(used, pose)
     for _ in range(_STEPS):
-        if not np.isfinite(chi2) or np.linalg.cond(normal) > 1e14:
+        if not np.isfinite(chi2) or not np.linalg.cond(normal) < SINGULAR:
             return None
         change = np.linalg.solve(normal, right)
         for part in (1.0, 0.5, 0.25, 0.1):
             moved = pose.moved(part * change)
-            trial = _normal(used, landmarks, moved)
+            trial = _normal(used, moved)
             if trial[2] <= chi2:
                 break
         else:

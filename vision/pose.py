@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ _CONVERGED = 1e-3
 """Change of chi squared, in parts of it, at which a refinement ends."""
 _SAME = np.radians(0.05)
 """Solutions whose rotations differ less are one."""
-_SINGULAR = 1e14
+SINGULAR = 1e14
 """Condition number of a normal matrix that determines no pose."""
 _NORMAL_QUANTILE = 3.09  # 99.9 %
 
@@ -166,10 +166,10 @@ def _refine(corners: Corners, whitening: Floats, pose: Pose) -> Solution | None:
         if gain < _CONVERGED * (0.1 + chi2):
             break
     normal = derivative.T @ derivative
-    if not np.linalg.cond(normal) < _SINGULAR:
+    if not np.linalg.cond(normal) < SINGULAR:
         return None
     miss = corners.rays - predict(pose, corners.points)[0]
-    covariance = np.linalg.inv(normal) * _doubt(chi2, residuals.size - 6)
+    covariance = np.linalg.inv(normal)
     return Solution(pose, (covariance + covariance.T) / 2, chi2, float(np.sqrt((miss**2).sum(axis=1).mean())))
 
 
@@ -179,9 +179,18 @@ def _residuals(corners: Corners, whitening: Floats, pose: Pose) -> tuple[Floats,
     return whitening @ (corners.rays - rays).ravel(), whitening @ derivative.reshape(-1, 6)
 
 
-def _doubt(chi2: float, freedom: int) -> float:
-    """The factor of a covariance whose chi squared is not chance: the camera's parameters or sizes are wrong."""
-    return chi2 / freedom if chi2 > chi2_limit(freedom) else 1.0
+def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
+    """Both with larger covariances where the best chi squared is not chance.
+
+    Then the camera's parameters, the marker's side or its flatness are not what one thinks.
+    """
+    freedom = corners.rays.size - 6
+    chi2 = solutions[0].chi2
+    if chi2 <= chi2_limit(freedom):
+        return corners, list(solutions)
+    factor = chi2 / freedom
+    wider = [replace(one, covariance=one.covariance * factor, chi2=one.chi2 / factor) for one in solutions]
+    return replace(corners, covariance=corners.covariance * factor), wider
 
 
 def chi2_limit(freedom: int) -> float:

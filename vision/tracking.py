@@ -20,7 +20,7 @@ from vision.detection import Detection, Detector, Image, Region
 from vision.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from vision.flips import Flips
 from vision.markers import MarkerSet, TargetId
-from vision.pose import Corners, Pose, Solution, solve, square_poses
+from vision.pose import Corners, Pose, Solution, doubted, solve, square_poses
 
 SCAN_EVERY = 6
 """Frames from one scan of the whole frame to the next."""
@@ -171,7 +171,7 @@ class Tracker:
     def _guess(self, detection: Detection) -> Guess:
         track = self._tracks.get(detection.number)
         pattern = self._markers.pattern(detection.number)
-        return Guess(pattern, detection.corners, detection.doubt, track.blur if track else FIRST_BLUR)
+        return Guess(pattern, detection.corners, track.blur if track else FIRST_BLUR)
 
     def _by_target(self, fits: Mapping[int, Fit]) -> dict[TargetId, list[int]]:
         targets: dict[TargetId, list[int]] = {}
@@ -189,6 +189,7 @@ class Tracker:
         solutions = solve(seen, starts)[:2]
         if not solutions:
             return None
+        seen, solutions = doubted(seen, solutions)
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(float(np.prod(self._camera.focal)))
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf

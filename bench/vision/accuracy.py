@@ -97,9 +97,11 @@ def measure(poses: int, sizes: Sequence[int], say: Callable[[str], None]) -> Sec
     return SectionResult([table], _charts(results), {"accuracy": [asdict(one) for one in results]})
 
 
-def measure_size(side_px: int, poses: int, say: Callable[[str], None] = lambda _: None) -> list[Accuracy]:
-    """Measure one size; `say` reports progress."""
-    contestants = estimators(lens())
+def measure_size(
+    side_px: int, poses: int, say: Callable[[str], None] = lambda _: None, names: Sequence[str] = ()
+) -> list[Accuracy]:
+    """Measure one size; `say` reports progress, `names` are contestants, none meaning all."""
+    contestants = {name: one for name, one in estimators(lens()).items() if not names or name in names}
     misses: dict[str, list[Miss]] = defaultdict(list)
     false_ids: dict[str, int] = defaultdict(int)
     for index, scene in enumerate(scenes(side_px, poses, SEED), 1):

@@ -1,0 +1,93 @@
+"""Where the camera is on a field."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.vision.seen import camera_on_field, view, wall
+from vision import Landmark, Landmarks, Pose, TargetId, localize
+from vision.pose import rotation_of
+
+EXACT = (1e-4, 1e-4)
+"""Metres and radians to which the landmarks are known."""
+
+
+def landmarks(places: dict[TargetId, Pose], sigmas: tuple[float, float] = EXACT) -> Landmarks:
+    return Landmarks("field", {number: Landmark(place, *sigmas) for number, place in places.items()})
+
+
+def test_all_markers_together_are_better_than_each() -> None:
+    """Over several places the joint estimate's error is below that of the best single marker's, mostly far below."""
+    rng = np.random.default_rng(0)
+    known, joint, single = landmarks(wall()), [], []
+    for _ in range(20):
+        camera = camera_on_field(rng)
+        sightings = view(camera, wall(), rng)
+        for group, errors in [(sightings, joint), *(([one], single) for one in sightings)]:
+            found = localize(group, known)
+            assert found
+            errors.append(np.linalg.norm(found.pose.translation - camera.translation))
+    assert np.median(joint) < 0.5 * np.median(single)
+
+
+def test_the_covariance_is_honest_about_survey_and_noise() -> None:
+    """With landmarks off by what their survey says, the squared error is 6 on average, to 4 sigma of 60 draws' mean."""
+    rng, nees = np.random.default_rng(1), []
+    sigmas = (0.01, 0.005)
+    for _ in range(60):
+        camera, places = camera_on_field(rng), wall()
+        off = {n: place.moved(rng.normal(0, np.repeat(sigmas, 3))) for n, place in places.items()}
+        found = localize(view(camera, off, rng), landmarks(places, sigmas))
+        assert found
+        error = found.pose.change_to(camera)
+        nees.append(error @ np.linalg.solve(found.covariance, error))
+    assert np.mean(nees) == pytest.approx(6, abs=4 * (12 / 60) ** 0.5)
+
+
+@pytest.mark.parametrize("moved", [1, 2, 3, 4])
+@pytest.mark.parametrize("by", [0.1, 1.0])
+def test_a_moved_marker_is_named_and_left_out(moved: int, by: float) -> None:
+    """The others agree, and the pose is theirs."""
+    rng = np.random.default_rng(moved)
+    camera, places = camera_on_field(rng), wall()
+    really = {**places, moved: Pose(places[moved].rotation, places[moved].translation + np.array([0, by, 0]))}
+    found = localize(view(camera, really, rng), landmarks(places, (0.005, 0.005)))
+    assert found
+    assert found.rejected == (moved,)
+    assert set(found.used) == set(places) - {moved}
+    assert found.pose.translation == pytest.approx(camera.translation, abs=0.05)
+
+
+def test_a_turned_marker_is_named() -> None:
+    """A marker that hangs askew is no landmark either."""
+    rng = np.random.default_rng(7)
+    camera, places = camera_on_field(rng), wall()
+    askew = Pose(places[2].rotation @ rotation_of(np.array([0, 0, np.radians(20)])), places[2].translation)
+    found = localize(view(camera, {**places, 2: askew}, rng), landmarks(places, (0.005, 0.005)))
+    assert found
+    assert found.rejected == (2,)
+
+
+def test_strangers_are_ignored() -> None:
+    """A marker that is no landmark is neither used nor rejected; without any landmark there is no pose."""
+    rng = np.random.default_rng(2)
+    camera, places = camera_on_field(rng), wall()
+    known = landmarks({number: place for number, place in places.items() if number != 3})
+    found = localize(view(camera, places, rng), known)
+    assert found
+    assert set(found.used) == {1, 2, 4}
+    assert found.rejected == ()
+    assert localize(view(camera, {3: places[3]}, rng), known) is None
+    assert localize([], known) is None
+
+
+def test_the_covariance_is_symmetric_and_positive() -> None:
+    """It is a covariance, for one landmark as for many."""
+    rng = np.random.default_rng(3)
+    sightings = view(camera_on_field(rng), wall(), rng)
+    for count in range(1, 5):
+        found = localize(sightings[:count], landmarks(wall()))
+        assert found
+        assert (found.covariance == found.covariance.T).all()
+        assert np.linalg.eigvalsh(found.covariance).min() > 0

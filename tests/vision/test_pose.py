@@ -1,0 +1,116 @@
+"""Poses: how they compose, both solutions, and their covariance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vision.markers import square
+from vision.pose import Corners, Pose, chi2_limit, doubted, predict, rotation_of, solve, square_poses
+
+FACING = np.diag([1.0, -1.0, -1.0])
+vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
+changes = st.tuples(*[st.floats(-0.9, 0.9)] * 6).map(np.array)
+
+
+@st.composite
+def poses(draw: st.DrawFn) -> Pose:
+    """A marker before the camera, turned by up to 60 degrees."""
+    tilt = draw(st.floats(0, 1.0)) * np.array([np.cos(a := draw(st.floats(0, 6.3))), np.sin(a), 0])
+    turn = rotation_of(tilt) @ FACING @ rotation_of(np.array([0, 0, draw(st.floats(0, 6.3))]))
+    distance = draw(st.floats(0.3, 3))
+    return Pose(turn, np.array([draw(st.floats(-0.4, 0.4)), draw(st.floats(-0.3, 0.3)), 1.0]) * distance)
+
+
+def seen_at(pose: Pose, points: np.ndarray, noise: float, rng: np.random.Generator) -> Corners:
+    """Corners with noise in the plane z = 1."""
+    rays, _ = predict(pose, points)
+    return Corners(points, rays + rng.normal(0, noise, rays.shape), np.eye(rays.size) * noise**2)
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses(), changes)
+def test_a_change_is_undone_by_its_inverse(pose: Pose, change: np.ndarray) -> None:
+    """`change_to` finds what `moved` did."""
+    assert pose.change_to(pose.moved(change)) == pytest.approx(change, abs=1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses(), poses(), vectors)
+def test_composition_is_one_after_the_other(first: Pose, second: Pose, point: np.ndarray) -> None:
+    """A product applies its right side first, and the inverse takes a pose back."""
+    assert (second @ first).apply(point) == pytest.approx(second.apply(first.apply(point)), abs=1e-12)
+    assert (first.inverse() @ first).apply(point) == pytest.approx(point, abs=1e-12)
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses())
+def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
+    """Numerical differences agree."""
+    _, derivative = predict(pose, square(0.05))
+    for axis, step in enumerate(np.eye(6) * 1e-6):
+        difference = (predict(pose.moved(step), square(0.05))[0] - predict(pose.moved(-step), square(0.05))[0]) / 2e-6
+        assert derivative[:, :, axis] == pytest.approx(difference, abs=1e-6)
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses(), st.integers(0, 1000))
+def test_the_covariance_is_symmetric_and_positive(pose: Pose, seed: int) -> None:
+    """Whatever is seen, the covariance is one."""
+    seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(seed))
+    for solution in solve(seen, square_poses(seen.points, seen.rays)):
+        assert (solution.covariance == solution.covariance.T).all()
+        assert np.linalg.eigvalsh(solution.covariance).min() > 0
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses(), vectors, vectors)
+def test_a_marker_anywhere_on_a_board_gives_the_board_s_pose(marker: Pose, turn: np.ndarray, shift: np.ndarray) -> None:
+    """The solutions are in the frame in which the corners are given."""
+    on_board = Pose(rotation_of(turn), shift)
+    points, board = on_board.apply(square(0.05)), marker @ on_board.inverse()
+    seen = seen_at(board, points, 1e-7, np.random.default_rng(0))
+    found = solve(seen, square_poses(points, seen.rays))
+    assert min(np.abs(one.pose.change_to(board)).max() for one in found) < 1e-2
+
+
+def test_both_solutions_are_kept_best_first() -> None:
+    """A small tilted marker has two; the true one fits better where the noise is small."""
+    pose = Pose(rotation_of(np.array([0.6, 0.2, 0])) @ FACING, np.array([0.1, 0.05, 1.5]))
+    seen = seen_at(pose, square(0.05), 2e-5, np.random.default_rng(3))
+    best, other = solve(seen, square_poses(seen.points, seen.rays))
+    assert best.chi2 < other.chi2
+    assert best.error < other.error
+    assert best.pose.angle_to(pose) < 0.05 < other.pose.angle_to(pose)
+
+
+def test_the_covariance_is_honest() -> None:
+    """Over many draws the squared error in its units is 6 on average: the mean of 400 stays within 4 sigma."""
+    rng, nees = np.random.default_rng(5), []
+    for _ in range(400):
+        tilt = rng.uniform(0.3, 1.0) * np.array([np.cos(a := rng.uniform(0, 6.3)), np.sin(a), 0])
+        pose = Pose(rotation_of(tilt) @ FACING, np.append(rng.uniform(-0.3, 0.3, 2), 1) * 0.8)
+        seen = seen_at(pose, square(0.05), 2e-5, rng)
+        solution = min(solve(seen, square_poses(seen.points, seen.rays)), key=lambda one: one.pose.angle_to(pose))
+        error = solution.pose.change_to(pose)
+        nees.append(error @ np.linalg.solve(solution.covariance, error))
+    assert np.mean(nees) == pytest.approx(6, abs=4 * (12 / 400) ** 0.5)
+
+
+def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
+    """Corners that no square has say that something is wrong; the covariance says so, too."""
+    pose = Pose(rotation_of(np.array([0.6, 0.2, 0])) @ FACING, np.array([0.1, 0.05, 0.8]))
+    seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(0))
+    seen.rays[0] += 2e-3
+    solutions = solve(seen, square_poses(seen.points, seen.rays))
+    wider, doubtful = doubted(seen, solutions)
+    assert doubtful[0].covariance.trace() > 10 * solutions[0].covariance.trace()
+    assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]
+
+
+@pytest.mark.parametrize(("freedom", "limit"), [(2, 13.8), (8, 26.1), (40, 73.4)])
+def test_the_limit_is_chi_squared_s_quantile(freedom: int, limit: float) -> None:
+    """99.9 %, to a few percent of the table's value."""
+    assert chi2_limit(freedom) == pytest.approx(limit, rel=0.03)

@@ -1,0 +1,128 @@
+"""Following markers from frame to frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import pytest
+
+from bench.vision.accuracy import miss_of
+from bench.vision.contestants import Estimate, camera_of
+from bench.vision.rendering import Pose as TruePose
+from bench.vision.rendering import marker_print, render
+from bench.vision.scenes import DICTIONARY, SIDE, DriveFrame, drive, lens
+from runtime.errors import SetupError
+from vision import Board, MarkerSet, Sighting, Tracker
+from vision.markers import square
+from vision.pose import Pose, rotation_of
+
+SIZE = (640, 480)
+LENS = lens(*SIZE)
+FRAME = 33_000_000
+
+
+@pytest.fixture(scope="module")
+def film() -> Sequence[DriveFrame]:
+    """Eight frames of a drive with four markers."""
+    return list(drive(8, 5, SIZE))
+
+
+def tracker(markers: MarkerSet | None = None, **options: int) -> Tracker:
+    return Tracker(camera_of(LENS), markers or MarkerSet(side=SIDE), **options)
+
+
+def off_by(sighting: Sighting, truth: TruePose) -> float:
+    """The error of the translation in parts of the distance."""
+    return miss_of(Estimate(0, sighting.pose.rotation, sighting.pose.translation), truth).translation
+
+
+@pytest.mark.parametrize("scan_every", [1, 4, 1000])
+def test_every_marker_is_seen_in_every_frame(film: Sequence[DriveFrame], scan_every: int) -> None:
+    """However it was found - scan, half scan or region - its pose is the same to a thousandth of the distance."""
+    following = tracker(scan_every=scan_every, full_every=3)
+    for shot in film:
+        sightings = following.track(shot.frame, shot.stamp)
+        assert {one.id for one in sightings} == set(shot.poses)
+        assert max(off_by(one, shot.poses[one.id]) for one in sightings) < 0.002
+        assert all(one.stamp == shot.stamp for one in sightings)
+
+
+def test_a_marker_that_jumps_is_found_again(film: Sequence[DriveFrame]) -> None:
+    """What is not where it should be makes the whole frame be scanned."""
+    following = tracker(scan_every=1000)
+    following.track(film[0].frame, 0)
+    turned = np.ascontiguousarray(film[0].frame[::-1, ::-1])
+    assert {one.id for one in following.track(turned, FRAME)} == set(film[0].poses)
+
+
+def test_a_new_marker_is_found_by_the_next_scan(film: Sequence[DriveFrame]) -> None:
+    """Regions alone would never see it."""
+    following = tracker(scan_every=3)
+    empty = np.full(SIZE[::-1], 128, np.uint8)
+    counts = [len(following.track(frame, index * FRAME)) for index, frame in enumerate([empty, *[film[0].frame] * 3])]
+    assert counts == [0, 0, 0, 4]
+
+
+def test_time_that_goes_back_starts_anew(film: Sequence[DriveFrame]) -> None:
+    """As when a recording is played again: the first frame is scanned."""
+    following = tracker(scan_every=1000)
+    following.track(np.full(SIZE[::-1], 128, np.uint8), 10 * FRAME)
+    assert len(following.track(film[0].frame, 0)) == 4
+
+
+def test_colour_is_the_same_as_grey(film: Sequence[DriveFrame]) -> None:
+    """A BGR image of greys gives the same sightings."""
+    colour = cv2.cvtColor(film[0].frame, cv2.COLOR_GRAY2BGR)
+    for one, other in zip(tracker().track(colour, 0), tracker().track(film[0].frame, 0), strict=True):
+        assert one.pose.translation == pytest.approx(other.pose.translation, abs=1e-9)
+
+
+def test_a_sighting_says_all_about_itself(film: Sequence[DriveFrame]) -> None:
+    """Corners in pixels, a covariance that is one, both solutions, and how well they fit."""
+    for one in tracker().track(film[0].frame, 0):
+        assert one.corners.shape == (4, 2)
+        projected = camera_of(LENS).project(one.pose.apply(square(SIDE)))
+        assert np.abs(projected - one.corners).max() < 0.1
+        assert one.error < 0.05
+        assert one.ambiguity > 2
+        assert np.linalg.eigvalsh(one.covariance).min() > 0
+        assert one.pose is one.solutions[0].pose
+
+
+def test_an_image_of_another_size_is_refused(film: Sequence[DriveFrame]) -> None:
+    """Such a calibration would give wrong distances in silence."""
+    with pytest.raises(SetupError, match=r"640x480.*320x240"):
+        tracker().track(film[0].frame[::2, ::2], 0)
+
+
+def test_an_image_of_another_kind_is_refused() -> None:
+    """Floats and masks are no images."""
+    with pytest.raises(SetupError, match="8 bits"):
+        tracker().track(np.zeros(SIZE[::-1], np.float32), 0)
+
+
+def test_a_board_is_one_landmark() -> None:
+    """Its markers, not in one plane, are fitted together; one that is hidden is not missed."""
+    rng = np.random.default_rng(0)
+    corner = {
+        1: Pose(np.eye(3), np.array([-0.05, 0, 0.0])),
+        2: Pose(rotation_of(np.array([0, 0.6, 0])), np.array([0.06, 0, 0])),
+    }
+    board = Board("corner", {number: place.apply(square(SIDE)) for number, place in corner.items()})
+    pose = Pose(rotation_of(np.array([0.3, -0.4, 0.2])) @ np.diag([1.0, -1, -1]), np.array([0.02, 0.01, 0.7]))
+    following = tracker(MarkerSet(side=SIDE, boards=(board,)))
+    for stamp, hidden in enumerate([set(), {2}]):
+        planes = []
+        for number in corner.keys() - hidden:
+            placed = pose @ corner[number]
+            planes.append(
+                (marker_print(DICTIONARY, number, SIDE, texels=30), TruePose(placed.rotation, placed.translation))
+            )
+        frame = render(LENS, np.full(SIZE[::-1], 110.0), planes, rng)
+        (found,) = following.track(frame, stamp)
+        assert found.id == "corner"
+        assert found.corners.shape == (4 * len(planes), 2)
+        assert found.pose.translation == pytest.approx(pose.translation, abs=1e-3)
+        assert found.pose.angle_to(pose) < np.radians(0.5)

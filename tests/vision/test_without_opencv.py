@@ -1,0 +1,35 @@
+"""What somebody reads who has not installed OpenCV."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("missing", ["cv2", "numpy"])
+def test_what_is_missing_is_a_setup_error_with_its_cure(missing: str) -> None:
+    """Importing the package names the extra that installs what it needs."""
+    program = (
+        f"import sys; sys.modules[{missing!r}] = None\n"
+        "from runtime.errors import SetupError\n"
+        "try:\n    import vision\nexcept SetupError as error:\n    print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "pip install 'roverlink[vision]'" in done.stdout
+
+
+def test_an_old_opencv_is_told_so() -> None:
+    """A version whose interface differs is refused by number, not by an AttributeError later."""
+    program = (
+        "import sys, types; old = types.ModuleType('cv2'); old.__version__ = '4.8.1'\n"
+        "old.aruco = types.SimpleNamespace(ArucoDetector=None); sys.modules['cv2'] = old\n"
+        "from runtime.errors import SetupError\n"
+        "try:\n    import vision\nexcept SetupError as error:\n    print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "4.8.1 is installed" in done.stdout
