@@ -115,7 +115,8 @@ class CameraParameters:
 
 def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
     """OpenCV's rational model: a quotient of polynomials in r^2, and the tangential part of Brown and Conrady."""
-    k1, k2, p1, p2, k3, k4, k5, k6 = np.pad(coefficients, (0, 8 - coefficients.size)).tolist()
+    given: list[float] = coefficients.tolist()
+    k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy

@@ -26,6 +26,8 @@ _WINDOWS = (7, 23, 16)
 _HALF_WINDOWS = (5, 13, 8)
 _SMALLEST_SIDE = 9
 """Pixels; what is smaller cannot be read."""
+_SMALLEST_IN_REGION = 0.5
+"""Perimeter in parts of the region's longer side, which is about twice a marker's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,10 +53,11 @@ class Detector:
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
+        self._detectors: dict[tuple[tuple[int, int, int], float], Any] = {}
 
     def scan(self, image: Image) -> list[Detection]:
         """Look at a whole grey image (H, W)."""
-        return self._detect(image, _WINDOWS)
+        return self._detect(image, _WINDOWS, _smallest(image))
 
     def scan_half(self, image: Image) -> list[Detection]:
         """Look at a whole image at half its resolution: a quarter of the time, and nothing below some 25 pixels."""
@@ -63,22 +66,22 @@ class Detector:
             image[: height // 2 * 2, : width // 2 * 2], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
         )
         # the centre of the half image's first pixel is the corner between four pixels
-        found = self._detect(half, _HALF_WINDOWS)
+        found = self._detect(half, _HALF_WINDOWS, _smallest(half))
         return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
         """Look at a region of an image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
-        found = self._detect(part, _WINDOWS)
+        found = self._detect(part, _WINDOWS, _SMALLEST_IN_REGION)
         return [Detection(one.number, one.corners + offset) for one in found]
 
-    def _detect(self, image: Image, windows: tuple[int, int, int]) -> list[Detection]:
+    def _detect(self, image: Image, windows: tuple[int, int, int], smallest: float) -> list[Detection]:
         height, width = image.shape
         if min(height, width) < 2 * _SMALLEST_SIDE:
             return []
         # every version has (N, 1, 4, 2) corners in one shape or another, and ids (N, 1) or (N,) or None
-        corners, numbers, _ = self._detector(windows, max(height, width)).detectMarkers(image)
+        corners, numbers, _ = self._detector(windows, smallest).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
             Detection(number, np.reshape(corner, (4, 2)).astype(float))
@@ -86,7 +89,9 @@ class Detector:
             if number in self._markers
         ]
 
-    def _detector(self, windows: tuple[int, int, int], longest: int) -> Any:
+    def _detector(self, windows: tuple[int, int, int], smallest: float) -> Any:
+        if (windows, smallest) in self._detectors:
+            return self._detectors[windows, smallest]
         parameters = cv2.aruco.DetectorParameters()
         (
             parameters.adaptiveThreshWinSizeMin,
@@ -94,5 +99,12 @@ class Detector:
             parameters.adaptiveThreshWinSizeStep,
         ) = windows
         parameters.perspectiveRemovePixelPerCell = _CELL
-        parameters.minMarkerPerimeterRate = min(4 * _SMALLEST_SIDE / longest, 0.5)
-        return cv2.aruco.ArucoDetector(self._markers.bits, parameters)
+        parameters.minMarkerPerimeterRate = smallest
+        detector = self._detectors[windows, smallest] = cv2.aruco.ArucoDetector(self._markers.bits, parameters)
+        return detector
+
+
+def _smallest(image: Image) -> float:
+    """The smallest perimeter of a marker, in parts of the image's longer side."""
+    longest: int = max(image.shape)
+    return 4 * _SMALLEST_SIDE / longest

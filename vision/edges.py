@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from vision.camera import CameraParameters, Floats
 from vision.pattern import Pattern, look
 
-ACROSS = (-1.5, -0.5, 0.5, 1.5)
+ACROSS = (-1.2, 0.0, 1.2)
 """How far from an edge pixels are taken, in pixels."""
 CLEAR = 2.2
 """How far pixels stay away from what is behind the white rim, in pixels; the rim is at least one module wide."""

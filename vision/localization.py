@@ -15,11 +15,13 @@ import numpy as np
 from vision.camera import Floats
 from vision.landmarks import Landmark, Landmarks
 from vision.markers import TargetId
-from vision.pose import SINGULAR, Pose, chi2_limit, predict
+from vision.pose import Pose, chi2_limit, predict
 from vision.tracking import Sighting
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
 """A start comes from one landmark, and may fit the others badly at first: by how much, in chi squared's limits."""
+_SINGULAR = 1e14
+"""Condition number of a normal matrix that determines no pose."""
 _TRIED = 4
 """How many starts are followed at most; one is enough where all landmarks agree."""
 _STEPS = 15
@@ -142,7 +144,7 @@ def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
     """Gauss-Newton steps, halved while they make it worse."""
     normal, right, chi2 = _normal(used, pose)
     for _ in range(_STEPS):
-        if not np.isfinite(chi2) or not np.linalg.cond(normal) < SINGULAR:
+        if not np.isfinite(chi2) or not np.linalg.cond(normal) < _SINGULAR:
             return None
         change = np.linalg.solve(normal, right)
         for part in (1.0, 0.5, 0.25, 0.1):

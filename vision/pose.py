@@ -17,12 +17,12 @@ from vision._opencv import cv2
 from vision.camera import Floats
 
 STEPS = 30
+HOPELESS = 1000.0
+"""A start is not refined whose chi squared is so many times the best start's: IPPE's solutions are nearly minima."""
 _CONVERGED = 1e-3
 """Change of chi squared, in parts of it, at which a refinement ends."""
 _SAME = np.radians(0.05)
 """Solutions whose rotations differ less are one."""
-SINGULAR = 1e14
-"""Condition number of a normal matrix that determines no pose."""
 _NORMAL_QUANTILE = 3.09  # 99.9 %
 
 
@@ -99,7 +99,8 @@ def square_poses(points: Floats, rays: Floats) -> list[Pose]:
     """
     right, up = points[1] - points[0], points[0] - points[3]
     side = float(np.linalg.norm(right))
-    own = np.column_stack([right / side, up / side, np.cross(right, up) / side**2])
+    (a, b, c), (d, e, f) = right / side, up / side
+    own = np.array([[a, d, b * f - c * e], [b, e, c * d - a * f], [c, f, a * e - b * d]])
     in_landmark = Pose(own, points.mean(axis=0))
     h = side / 2
     corners = np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
@@ -119,7 +120,7 @@ def solve(corners: Corners, starts: Sequence[Pose]) -> list[Solution]:
     except np.linalg.LinAlgError:
         return []
     solutions: list[Solution] = []
-    found = (_refine(corners, whitening, start) for start in starts)
+    found = _refine_likely(corners, whitening, starts)
     for solution in sorted((one for one in found if one), key=lambda one: one.chi2):
         if all(solution.pose.angle_to(other.pose) > _SAME for other in solutions):
             solutions.append(solution)
@@ -142,11 +143,24 @@ def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
     return rays, derivative / z[:, None, None]
 
 
-def _refine(corners: Corners, whitening: Floats, pose: Pose) -> Solution | None:
+def _refine_likely(corners: Corners, whitening: Floats, starts: Sequence[Pose]) -> list[Solution | None]:
+    """Refine what may be true; what is far behind already stays as it is."""
+    misfits = []
+    for start in starts:
+        residuals, _ = _residuals(corners, whitening, start)
+        misfits.append(float(residuals @ residuals))
+    least = min(misfits, default=0.0)
+    return [
+        _refine(corners, whitening, start, STEPS if misfit < HOPELESS * (1 + least) else 0)
+        for start, misfit in zip(starts, misfits)
+    ]
+
+
+def _refine(corners: Corners, whitening: Floats, pose: Pose, steps: int) -> Solution | None:
     """Levenberg and Marquardt's method from a pose; None where it leads nowhere."""
     residuals, derivative = _residuals(corners, whitening, pose)
     chi2, damping = float(residuals @ residuals), 1e-4
-    for _ in range(STEPS):
+    for _ in range(steps):
         normal = derivative.T @ derivative
         if not math.isfinite(normal.sum()):
             return None
@@ -166,10 +180,13 @@ def _refine(corners: Corners, whitening: Floats, pose: Pose) -> Solution | None:
         if gain < _CONVERGED * (0.1 + chi2):
             break
     normal = derivative.T @ derivative
-    if not np.linalg.cond(normal) < SINGULAR:
+    try:
+        covariance = np.linalg.inv(normal)
+    except np.linalg.LinAlgError:
+        return None
+    if not covariance.diagonal().min() > 0:  # nan, too
         return None
     miss = corners.rays - predict(pose, corners.points)[0]
-    covariance = np.linalg.inv(normal)
     return Solution(pose, (covariance + covariance.T) / 2, chi2, float(np.sqrt((miss**2).sum(axis=1).mean())))
 
 

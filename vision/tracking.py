@@ -191,7 +191,7 @@ class Tracker:
             return None
         seen, solutions = doubted(seen, solutions)
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
-        best, focal = solutions[chosen], math.sqrt(float(np.prod(self._camera.focal)))
+        best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
         return Sighting(
             id=target,
