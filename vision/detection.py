@@ -24,10 +24,12 @@ _CELL = 8
 _WINDOWS = (7, 23, 16)
 """Smallest and largest window of the adaptive threshold, and the step between, at full resolution."""
 _HALF_WINDOWS = (5, 13, 8)
+_WINDOW = (15, 15, 2)
+"""In a region, where one window mostly does; where it does not, the others are tried."""
 _SMALLEST_SIDE = 9
 """Pixels; what is smaller cannot be read."""
-_SMALLEST_IN_REGION = 0.5
-"""Perimeter in parts of the region's longer side, which is about twice a marker's."""
+_STEP = 64
+"""Pixels to which the size of a region is rounded, so that regions of about one size share a detector."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,11 +55,11 @@ class Detector:
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
-        self._detectors: dict[tuple[tuple[int, int, int], float], Any] = {}
+        self._detectors: dict[tuple[tuple[int, int, int], int], Any] = {}
 
     def scan(self, image: Image) -> list[Detection]:
         """Look at a whole grey image (H, W)."""
-        return self._detect(image, _WINDOWS, _smallest(image))
+        return self._detect(image, _WINDOWS)
 
     def scan_half(self, image: Image) -> list[Detection]:
         """Look at a whole image at half its resolution: a quarter of the time, and nothing below some 25 pixels."""
@@ -66,22 +68,22 @@ class Detector:
             image[: height // 2 * 2, : width // 2 * 2], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
         )
         # the centre of the half image's first pixel is the corner between four pixels
-        found = self._detect(half, _HALF_WINDOWS, _smallest(half))
+        found = self._detect(half, _HALF_WINDOWS)
         return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
         """Look at a region of an image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
-        found = self._detect(part, _WINDOWS, _SMALLEST_IN_REGION)
+        found = self._detect(part, _WINDOW) or self._detect(part, _WINDOWS)
         return [Detection(one.number, one.corners + offset) for one in found]
 
-    def _detect(self, image: Image, windows: tuple[int, int, int], smallest: float) -> list[Detection]:
+    def _detect(self, image: Image, windows: tuple[int, int, int]) -> list[Detection]:
         height, width = image.shape
         if min(height, width) < 2 * _SMALLEST_SIDE:
             return []
         # every version has (N, 1, 4, 2) corners in one shape or another, and ids (N, 1) or (N,) or None
-        corners, numbers, _ = self._detector(windows, smallest).detectMarkers(image)
+        corners, numbers, _ = self._detector(windows, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
             Detection(number, np.reshape(corner, (4, 2)).astype(float))
@@ -89,22 +91,20 @@ class Detector:
             if number in self._markers
         ]
 
-    def _detector(self, windows: tuple[int, int, int], smallest: float) -> Any:
-        if (windows, smallest) in self._detectors:
-            return self._detectors[windows, smallest]
-        parameters = cv2.aruco.DetectorParameters()
-        (
-            parameters.adaptiveThreshWinSizeMin,
-            parameters.adaptiveThreshWinSizeMax,
-            parameters.adaptiveThreshWinSizeStep,
-        ) = windows
-        parameters.perspectiveRemovePixelPerCell = _CELL
-        parameters.minMarkerPerimeterRate = smallest
-        detector = self._detectors[windows, smallest] = cv2.aruco.ArucoDetector(self._markers.bits, parameters)
-        return detector
+    def _detector(self, windows: tuple[int, int, int], longest: int) -> Any:
+        longest = -(-longest // _STEP) * _STEP
+        if (windows, longest) not in self._detectors:
+            self._detectors[windows, longest] = cv2.aruco.ArucoDetector(
+                self._markers.bits, _parameters(windows, longest)
+            )
+        return self._detectors[windows, longest]
 
 
-def _smallest(image: Image) -> float:
-    """The smallest perimeter of a marker, in parts of the image's longer side."""
-    longest: int = max(image.shape)
-    return 4 * _SMALLEST_SIDE / longest
+def _parameters(windows: tuple[int, int, int], longest: int) -> Any:
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.adaptiveThreshWinSizeMin = windows[0]
+    parameters.adaptiveThreshWinSizeMax = windows[1]
+    parameters.adaptiveThreshWinSizeStep = windows[2]
+    parameters.perspectiveRemovePixelPerCell = _CELL
+    parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
+    return parameters

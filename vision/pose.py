@@ -23,6 +23,7 @@ _CONVERGED = 1e-3
 """Change of chi squared, in parts of it, at which a refinement ends."""
 _SAME = np.radians(0.05)
 """Solutions whose rotations differ less are one."""
+_MOST_DAMPED = 1e6
 _NORMAL_QUANTILE = 3.09  # 99.9 %
 
 
@@ -143,57 +144,65 @@ def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
     return rays, derivative / z[:, None, None]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Place:
+    """How a pose fits: residuals (2N,) in standard deviations, the prediction's derivative (2N, 6), and chi squared."""
+
+    pose: Pose
+    residuals: Floats
+    derivative: Floats
+    chi2: float
+
+
+def _place(corners: Corners, whitening: Floats, pose: Pose) -> _Place:
+    rays, derivative = predict(pose, corners.points)
+    residuals = whitening @ (corners.rays - rays).ravel()
+    return _Place(pose, residuals, whitening @ derivative.reshape(-1, 6), float(residuals @ residuals))
+
+
 def _refine_likely(corners: Corners, whitening: Floats, starts: Sequence[Pose]) -> list[Solution | None]:
     """Refine what may be true; what is far behind already stays as it is."""
-    misfits = []
-    for start in starts:
-        residuals, _ = _residuals(corners, whitening, start)
-        misfits.append(float(residuals @ residuals))
-    least = min(misfits, default=0.0)
+    places = [_place(corners, whitening, start) for start in starts]
+    least = min((place.chi2 for place in places), default=0.0)
     return [
-        _refine(corners, whitening, start, STEPS if misfit < HOPELESS * (1 + least) else 0)
-        for start, misfit in zip(starts, misfits)
+        _solution(corners, _refine(corners, whitening, place) if place.chi2 < HOPELESS * (1 + least) else place)
+        for place in places
     ]
 
 
-def _refine(corners: Corners, whitening: Floats, pose: Pose, steps: int) -> Solution | None:
-    """Levenberg and Marquardt's method from a pose; None where it leads nowhere."""
-    residuals, derivative = _residuals(corners, whitening, pose)
-    chi2, damping = float(residuals @ residuals), 1e-4
-    for _ in range(steps):
-        normal = derivative.T @ derivative
+def _refine(corners: Corners, whitening: Floats, place: _Place) -> _Place:
+    """Levenberg and Marquardt's method."""
+    damping = 1e-4
+    for _ in range(STEPS):
+        normal = place.derivative.T @ place.derivative
         if not math.isfinite(normal.sum()):
-            return None
-        damped = normal.copy()
-        damped.flat[::7] *= 1 + damping
-        moved = pose.moved(np.linalg.solve(damped, derivative.T @ residuals))
-        new_residuals, new_derivative = _residuals(corners, whitening, moved)
-        new_chi2 = float(new_residuals @ new_residuals)
-        if not new_chi2 <= chi2:  # nan, too
-            if damping > 1e6:
+            break
+        normal.flat[::7] *= 1 + damping
+        change = np.linalg.solve(normal, place.derivative.T @ place.residuals)
+        moved = _place(corners, whitening, place.pose.moved(change))
+        if not moved.chi2 <= place.chi2:  # nan, too
+            if damping > _MOST_DAMPED:
                 break
             damping *= 10
             continue
-        gain = chi2 - new_chi2
-        pose, residuals, derivative, chi2 = moved, new_residuals, new_derivative, new_chi2
-        damping /= 10
-        if gain < _CONVERGED * (0.1 + chi2):
+        gain, place, damping = place.chi2 - moved.chi2, moved, damping / 10
+        if gain < _CONVERGED * (0.1 + place.chi2):
             break
-    normal = derivative.T @ derivative
+    return place
+
+
+def _solution(corners: Corners, place: _Place) -> Solution | None:
+    """What a place is worth; None where the corners determine no pose there."""
     try:
-        covariance = np.linalg.inv(normal)
+        covariance = np.linalg.inv(place.derivative.T @ place.derivative)
     except np.linalg.LinAlgError:
         return None
     if not covariance.diagonal().min() > 0:  # nan, too
         return None
-    miss = corners.rays - predict(pose, corners.points)[0]
-    return Solution(pose, (covariance + covariance.T) / 2, chi2, float(np.sqrt((miss**2).sum(axis=1).mean())))
-
-
-def _residuals(corners: Corners, whitening: Floats, pose: Pose) -> tuple[Floats, Floats]:
-    """Seen minus predicted in standard deviations (2N,), and the prediction's derivative (2N, 6)."""
-    rays, derivative = predict(pose, corners.points)
-    return whitening @ (corners.rays - rays).ravel(), whitening @ derivative.reshape(-1, 6)
+    miss = corners.rays - predict(place.pose, corners.points)[0]
+    return Solution(
+        place.pose, (covariance + covariance.T) / 2, place.chi2, float(np.sqrt((miss**2).sum(axis=1).mean()))
+    )
 
 
 def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
