@@ -95,7 +95,7 @@ class _Schema:
 
     def _member(self, kind: str, number: int) -> list[str]:
         if kind == "extensions" and self._syntax != "proto3":
-            return ["extensions", str(1000 + 4 * number), "to", str(1003 + 4 * number), ";"]
+            return ["extensions", str(50_000 + 4 * number), "to", str(50_003 + 4 * number), ";"]
         if kind == "group" and self._syntax == "proto2":
             return ["repeated", "group", self._name("G"), "=", self._number(number), "{", "}"]
         if kind == "map":
