@@ -16,7 +16,15 @@ from bench.result import Chart, SectionResult, Table
 
 PICTURE_COLUMNS = 2
 PANEL_INCHES = (6.0, 3.6)
-COLOURS = {"floor": "tab:gray", "cpp": "tab:blue", "handwritten": "tab:orange", "roverlink": "tab:green"}
+COLOURS = {
+    "floor": "tab:gray",
+    "cpp": "tab:blue",
+    "handwritten": "tab:orange",
+    "roverlink": "tab:green",
+    "OpenCV": "tab:blue",
+    "OpenCV SUBPIX": "tab:orange",
+    "OpenCV APRILTAG": "tab:red",
+}
 PACKAGES = ("cyclonedds", "numpy", "opencv-contrib-python-headless", "protobuf", "roverlink")
 DEFAULT_BUFFER = Path("/proc/sys/net/core/rmem_default")
 

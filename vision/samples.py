@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vision.camera import CameraParameters, Floats
 from vision.pattern import Pattern
 
-ACROSS = (-1.2, 0.0, 1.2)
+ACROSS = (-1.0, 0.0, 1.0)
 """How far from an edge pixels are taken, in pixels."""
 CLEAR = 2.2
 """How far pixels stay away from what is behind the white rim, in pixels; the rim is at least one module wide."""
