@@ -24,6 +24,7 @@ _CONVERGED = 1e-3
 _SAME = np.radians(0.05)
 """Solutions whose rotations differ less are one."""
 _MOST_DAMPED = 1e6
+_HALF_TURN = -0.99  # cosine
 _NORMAL_QUANTILE = 3.09  # 99.9 %
 
 
@@ -88,9 +89,15 @@ def rotation_of(angles: Floats) -> Floats:
 
 
 def angles_of(rotation: Floats) -> Floats:
-    """The inverse of `rotation_of`."""
-    angles: Floats = cv2.Rodrigues(rotation)[0].ravel()
-    return angles
+    """The inverse of `rotation_of`. OpenCV's takes angles below 1e-5 for nothing, so it only does the half turns."""
+    (_, a, b), (c, _, d), (e, f, _) = rotation.tolist()
+    sine = math.sqrt((f - d) ** 2 + (b - e) ** 2 + (c - a) ** 2) / 2
+    cosine = (float(rotation.trace()) - 1) / 2
+    if cosine < _HALF_TURN:
+        angles: Floats = cv2.Rodrigues(rotation)[0].ravel()
+        return angles
+    factor = math.atan2(sine, cosine) / sine / 2 if sine else 0.5
+    return np.array([f - d, b - e, c - a]) * factor
 
 
 def square_poses(points: Floats, rays: Floats) -> list[Pose]:

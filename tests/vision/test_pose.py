@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from vision.markers import square
@@ -32,6 +32,7 @@ def seen_at(pose: Pose, points: np.ndarray, noise: float, rng: np.random.Generat
 
 @settings(deadline=None, max_examples=40)
 @given(poses(), changes)
+@example(Pose(FACING, np.array([0, 0, 1.0])), np.array([0, 0, 0, 0, 0, 1e-7]))
 def test_a_change_is_undone_by_its_inverse(pose: Pose, change: np.ndarray) -> None:
     """`change_to` finds what `moved` did."""
     assert pose.change_to(pose.moved(change)) == pytest.approx(change, abs=1e-9)
