@@ -12,6 +12,7 @@ import pytest
 from google.protobuf import wrappers_pb2
 
 from generated.registry import REGISTRY
+from roverlink.__main__ import main
 from roverlink.simulation import payload_at
 from roverlink.wire_lines import wire_lines
 
@@ -31,10 +32,11 @@ def project(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("word", ["imu_info", "13", "imu_data", "SensorBoardIMUInfo", "ImuSensorInformation"])
-def test_a_row_is_found_by_whatever_it_is_called(word: str, done: Start) -> None:
+def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name, number, topic, proto and ROS message all lead to the row, told with sizes, fields and bytes."""
-    code, said, errors = done("explain", word)
-    assert (code, errors) == (0, "")
+    assert main(["explain", word]) == 0
+    said, errors = capsys.readouterr()
+    assert errors == ""
     assert "row        imu_info, number 13 in PBEnvelope" in said
     assert "size       at most 51 bytes, 53 in the envelope" in said
     assert "float accel_x = 1" in said

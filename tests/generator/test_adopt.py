@@ -66,6 +66,7 @@ def test_the_table_that_is_drafted(name: str, tmp_path: Path, request: pytest.Fi
     assert text == _table(_adopted(tmp_path))  # and once more the same
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", _TREES)
 def test_generate_and_lint_have_nothing_to_say(name: str, tmp_path: Path) -> None:
     """Right after it was taken over, a tree generates without drift, and the lint finds hints at most."""

@@ -13,10 +13,12 @@ _CROSSCHECK = Path(__file__).parent / "crosscheck.py"
 _ABOUT_OTHER_THINGS = {
     *("comments", "deprecated", "envelope_of_another_owner", "extensions", "ledger_merge_conflict"),
     *("ledger_one_number_in_two_branches", "only_what_is_needed", "qos_and_peers", "retired"),
-    "tab107_topic_changed",
+    *("json_schemas", "nanopb_options", "own_templates", "guards", "expect_rate", "tab107_topic_changed"),
 }
 _LESS_LIKELY_TO_BREAK = {
     *("empty_messages", "long_constructs", "long_names", "names_of_python", "one_message_in_two_rows", "packages"),
+    *("dialects", "nested", "optional", "proto2_and_editions", "renamed_and_ignored", "standard_absences"),
+    *("standard_lists", "standard_of_one_distribution", "standard_times"),
 }
 _CASES = [
     pytest.param(case, marks=[pytest.mark.slow] if case.folder.name in _LESS_LIKELY_TO_BREAK else [])

@@ -269,7 +269,8 @@ def imu_values(number: int) -> dict[str, Any]:
 
 def dds_names(handler: AnyHandler) -> tuple[str, str]:
     """The topic and the type of a row, as ROS 2 names them in DDS."""
-    return f"rt/{handler.route.topic}", f"comms::msg::dds_::{handler.message_type.__msgtype__.rpartition('/')[2]}_"
+    package, _, name = handler.message_type.__msgtype__.split("/")
+    return f"rt/{handler.route.topic}", f"{package}::msg::dds_::{name}_"
 
 
 # --- the tests ----------------------------------------------------------------------------------------------------
@@ -306,7 +307,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
 
 @pytest.mark.parametrize(("distribution", "gid_size"), [("humble", 24), ("jazzy", 16)])
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
-    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a row, and /diagnostics."""
+    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, and /diagnostics."""
     endpoints: dict[str, tuple[str, str]] = {}
     node: dict[str, Any] = {}
     with bridge(fast_dds.domain, distribution), fast_dds.graph(gid_size) as graph:
@@ -317,7 +318,8 @@ def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution
             else:
                 endpoints[found["gid"].ljust(2 * gid_size, "0")] = (found["topic"], found["type"])
     assert (node["namespace"], node["name"]) == ("/", "udp_forwarder")
-    inbound, outbound = ([h for h in REGISTRY.handlers if h.route.inbound == wanted] for wanted in (True, False))
+    handlers = [*REGISTRY.handlers, *REGISTRY.feeds]
+    inbound, outbound = ([h for h in handlers if h.route.inbound == wanted] for wanted in (True, False))
     diagnostics = ("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_")
     assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics])
     assert sorted(endpoints[gid] for gid in node["readers"]) == sorted(map(dds_names, outbound))

@@ -71,6 +71,7 @@ def _of_rosbags(definition: Any) -> str:
     return str(detail) if kind.name == "NAME" else str(detail[0])
 
 
+@pytest.mark.slow
 def test_rosidl_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
     """ROS 2's own adapter and parser find the same fields, and the constants with their values."""
     has = subprocess.run([_SYSTEM_PYTHON, "-c", "import rosidl_adapter, rosidl_parser"], capture_output=True)

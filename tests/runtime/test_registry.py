@@ -258,6 +258,7 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
         "dst_a_port": 1,
         "dst_b_port": 65_535,
         "forward_policy": "all",
+        "source_policy": "any",
         "max_datagram": 65_507,
         "receive_buffer": 1,
     }
