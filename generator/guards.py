@@ -59,6 +59,9 @@ def _misplaced(row: Row) -> Iterator[Finding]:
         if row.inbound and key in row.spans:
             message = f"{row.name} goes {row.direction}: `{key}` is for topics that are sent to a peer"
             yield MISPLACED.at(row.at(key), message, f"remove `{key}`")
+    if not row.inbound and row.also and row.deadman:
+        message = f"{row.name} has further topics under `also`: `deadman` would stop the peer while one of them speaks"
+        yield MISPLACED.at(row.at("deadman"), message, "let one topic command the peer")
 
 
 def _too_slow(row: Row) -> Iterator[Finding]:

@@ -7,13 +7,14 @@ on the plane z = 1. Integer pixel coordinates are centres of pixels.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from runtime.errors import SetupError
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating[Any]]
 
 _MODELS = {0: "no distortion", 4: "k1 k2 p1 p2", 5: "k1 k2 p1 p2 k3", 8: "k1 k2 p1 p2 k3 k4 k5 k6"}
 _FISHEYE = 4

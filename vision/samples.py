@@ -88,7 +88,8 @@ def homographies(points: Floats) -> Floats:
     rows[:, :, :, 6] = -u * points
     rows[:, :, :, 7] = -v * points
     solution = np.linalg.solve(rows.reshape(-1, 8, 8), points.reshape(-1, 8, 1))
-    return np.concatenate([solution[..., 0], np.ones((len(points), 1))], axis=1).reshape(-1, 3, 3)
+    whole: Floats = np.concatenate([solution[..., 0], np.ones((len(points), 1))], axis=1)
+    return whole.reshape(-1, 3, 3)
 
 
 def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:

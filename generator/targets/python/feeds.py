@@ -23,7 +23,9 @@ def emit(bridge: ir.Bridge) -> Files:
             yield f"generated/handlers/{spelling.module(route.name)}.py", text
     named = names(bridge)
     for route, feed, module, name in named:
-        turned = dataclasses.replace(route, topic=feed.topic, qos=feed.qos, forward=())
+        turned = dataclasses.replace(
+            route, topic=feed.topic, qos=feed.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
+        )
         yield f"generated/feeds/{module}.py", _module(bridge, turned, feed, name)
     if named:
         yield (
