@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -79,7 +80,10 @@ class Network:
 
     def impair(self, namespace: str, *netem: str) -> str:
         """Let tc(8) spoil what leaves a namespace; why it cannot, or nothing."""
-        command = ["tc", "-n", namespace, "qdisc", "replace", "dev", "cable", "root", "netem", *netem]
+        tc = shutil.which("tc", path=f"{os.environ['PATH']}:/usr/sbin:/sbin")  # not every user's path has it
+        if tc is None:
+            return "tc is not installed"
+        command = [tc, "-n", namespace, "qdisc", "replace", "dev", "cable", "root", "netem", *netem]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         return "" if done.returncode == 0 else f"this kernel has no netem: {done.stderr.strip()}"
 
