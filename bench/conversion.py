@@ -155,7 +155,7 @@ _STANDARD = (
     ("Imu: the stamp from a field", "imu_stamped", "six"),
     ("Imu beside a row of 37 doubles", "imu", "thirty_seven"),
     ("Quaternion: four numbers as they are", "quaternion", "six"),
-    ("Pose: a quaternion from angles", "orientation", "six"),
+    ("Pose: a quaternion from angles", "orientation", "seven"),
     ("NavSatStatus: an enum by its table", "status", "one_enum"),
 )
 
@@ -170,6 +170,7 @@ def _project(project: Path) -> Path:
         "enum Mode { OFF = 0; ON = 1; }",
         "message Pair { float a = 1; float b = 2; }",
         f"message Six {{ {six} }}",
+        f"message Seven {{ {six} float f_7 = 7; }}",
         f"message More {{ {six} int64 t_7 = 7; Mode e_8 = 8; }}",
         f"message ThirtySeven {{ {doubles} }}",
         "message OneEnum { Mode e_8 = 8; }",
@@ -177,7 +178,13 @@ def _project(project: Path) -> Path:
     text = "\n".join(['syntax = "proto3";', *messages, ""])
     (project / "proto" / "kinds.proto").write_text(text, encoding="utf-8")
     own = [(f"kind_{index}", f"Kind{index}") for index in range(len(_KINDS))]
-    own += [("six", "Six"), ("thirty_seven", "ThirtySeven"), ("one_enum", "OneEnum"), ("more", "More")]
+    own += [
+        ("six", "Six"),
+        ("seven", "Seven"),
+        ("thirty_seven", "ThirtySeven"),
+        ("one_enum", "OneEnum"),
+        ("more", "More"),
+    ]
     rows = [
         f"  - {{number: {number}, name: {name}, proto: {proto}, topic: {name}, direction: board_to_ros"
         + (f", also: [{_also()}]}}" if name == "more" else "}")
