@@ -28,6 +28,11 @@ def complain(message: str) -> None:
     print(f"roverlink: {message}", file=sys.stderr)
 
 
+def counted(count: int, what: str) -> str:
+    """How many of something there are, in words: ``1 row``, ``2 rows``."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
 def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
     """A subcommand with its help and an example."""
     parser: argparse.ArgumentParser = commands.add_parser(

@@ -71,6 +71,15 @@ UInt64 = Annotated[int, Primitive("uint64", "Q", 8)]
 Float32 = Annotated[float, Primitive("float32", "f", 4)]
 Float64 = Annotated[float, Primitive("float64", "d", 8)]
 
+PRIMITIVES: dict[str, Any] = {
+    get_args(annotation)[1].name: annotation
+    for annotation in (
+        *(Bool, Byte, Char, Int8, UInt8, Int16, UInt16, Int32, UInt32, Int64, UInt64),
+        *(Float32, Float64),
+    )
+}
+"""The annotations above, by the names that ROS has for them."""
+
 UINT8 = Primitive("uint8", "B", 1)
 
 

@@ -9,22 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from runtime.errors import SetupError
 from runtime.messages import (
-    Bool,
+    PRIMITIVES,
     Bound,
-    Byte,
-    Char,
-    Float32,
-    Float64,
-    Int8,
-    Int16,
-    Int32,
-    Int64,
     Length,
     Message,
     UInt8,
-    UInt16,
-    UInt32,
-    UInt64,
     default_of,
     type_of,
 )
@@ -32,22 +21,6 @@ from runtime.messages import (
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-_PRIMITIVES: dict[str, Any] = {
-    "bool": Bool,
-    "byte": Byte,
-    "octet": Byte,
-    "char": Char,
-    "int8": Int8,
-    "uint8": UInt8,
-    "int16": Int16,
-    "uint16": UInt16,
-    "int32": Int32,
-    "uint32": UInt32,
-    "int64": Int64,
-    "uint64": UInt64,
-    "float32": Float32,
-    "float64": Float64,
-}
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
@@ -105,7 +78,7 @@ def _annotation(definition: Any) -> Any:
         base, bound = detail
         if base in ("string", "wstring"):
             return _text(base, bound)
-        return _PRIMITIVES[base]
+        return PRIMITIVES["byte" if base == "octet" else base]
     element, count = _annotation(detail[0]), detail[1]
     container: Any = bytes if element is UInt8 else list.__class_getitem__(element)
     if kind.name == "ARRAY":

@@ -10,7 +10,7 @@ from pathlib import Path
 from generator.findings import FindingsError, Severity
 from generator.pipeline import Compiled, compile_table
 from generator.write import Change, compare, write
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, table_file
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
 
 
 def add(commands: Subparsers) -> None:
@@ -61,7 +61,7 @@ def say_changes(compiled: Compiled, changes: list[Change]) -> None:
     """Print what was written."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
-    said = _counted(len(changes), "change"), _counted(len(compiled.bridge.routes), "message")
+    said = counted(len(changes), "change"), counted(len(compiled.bridge.routes), "message")
     print(f"{said[0]} in {len(compiled.files)} files for {said[1]}")
 
 
@@ -80,9 +80,5 @@ def report(table: Path, error: FindingsError) -> int:
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     print(error, file=sys.stderr)
-    print(f"{_counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
+    print(f"{counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
     return UNABLE if Severity.FATAL in severities else FINDINGS
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"

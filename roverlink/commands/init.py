@@ -9,7 +9,7 @@ from pathlib import Path
 from generator.adopt import Adoption, Wanted, adopt
 from generator.findings import FindingsError, Severity
 from generator.write import write
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.linted import progress
 from runtime.errors import SetupError
 
@@ -67,7 +67,7 @@ def _tell(adoption: Adoption) -> None:
     """Say what was found, what was guessed, and what comes next."""
     draft = adoption.draft
     guessed = sum(bool(row.doubt) for row in draft.rows)
-    print(f"{draft.message} in {draft.root}/{draft.file} has {_counted(len(draft.rows), 'payload')} in {draft.oneof}")
+    print(f"{draft.message} in {draft.root}/{draft.file} has {counted(len(draft.rows), 'payload')} in {draft.oneof}")
     print(f"  {draft.owner_reason}")
     for row in draft.rows:
         print(f"  {row.number:>5} {row.name:<28} {row.direction:<24}{'  guessed' if row.doubt else ''}".rstrip())
@@ -88,7 +88,7 @@ def _tell(adoption: Adoption) -> None:
     changed = [change.path for change in adoption.changes if change.verb != "added"]
     print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; changed {path}" for path in changed))
     print("next:")
-    print(f"  look at {TABLE}: {_counted(guessed, 'direction')} and the peers' ports are guessed")
+    print(f"  look at {TABLE}: {counted(guessed, 'direction')} and the peers' ports are guessed")
     print("  roverlink generate    after each change of it")
     print("  roverlink lint        what is wrong with numbers and names")
     print("  roverlink run         the bridge")
@@ -101,7 +101,3 @@ def _tell_findings(adoption: Adoption) -> None:
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):
         print(f"{', '.join(lowered)}: a hint for now, under `lint` in {TABLE}; remove that once it is mended,")
         print(f"or keep it with your reason; `roverlink explain {lowered[0]}` says what it is about")
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"

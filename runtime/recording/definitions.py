@@ -14,46 +14,20 @@ from typing import Annotated, Any
 from runtime.cdr import type_name
 from runtime.errors import SetupError
 from runtime.messages import (
+    PRIMITIVES,
     Array,
-    Bool,
     Bound,
-    Byte,
-    Char,
     FieldType,
-    Float32,
-    Float64,
-    Int8,
-    Int16,
-    Int32,
-    Int64,
     Length,
     Message,
     Sequence,
     UInt8,
-    UInt16,
-    UInt32,
-    UInt64,
     default_of,
     fields_of,
     type_of,
 )
 
 _SEPARATOR = "=" * 80
-_PRIMITIVES: dict[str, Any] = {
-    "bool": Bool,
-    "byte": Byte,
-    "char": Char,
-    "int8": Int8,
-    "uint8": UInt8,
-    "int16": Int16,
-    "uint16": UInt16,
-    "int32": Int32,
-    "uint32": UInt32,
-    "int64": Int64,
-    "uint64": UInt64,
-    "float32": Float32,
-    "float64": Float64,
-}
 _FIELD = re.compile(
     r"(?P<base>[\w/]+)(<=(?P<characters>\d+))?(?P<list>\[(?P<most><=)?(?P<count>\d*)\])?\s+(?P<name>\w+)\s*(?P<rest>.*)"
 )
@@ -150,8 +124,8 @@ class _Reader:
     def _element(self, base: str, characters: str | None, package: str) -> Any:
         if base == "string":
             return Annotated[str, Bound(int(characters))] if characters else str
-        if base in _PRIMITIVES:
-            return _PRIMITIVES[base]
+        if base in PRIMITIVES:
+            return PRIMITIVES[base]
         if base == "wstring":
             raise SetupError("the recorded definition has a wide string, for which there is no conversion yet")
         return self.message_type(_short(base) if "/" in base else f"{package}/{base}")
