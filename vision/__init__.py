@@ -9,6 +9,7 @@ from vision.camera import CameraParameters
 from vision.landmarks import Landmark, Landmarks, read_landmarks
 from vision.localization import FieldPose, localize
 from vision.markers import Board, MarkerSet, TargetId
+from vision.parameters import read_parameters, write_parameters
 from vision.pose import Pose
 from vision.tracking import Sighting, Tracker
 
@@ -25,4 +26,6 @@ __all__ = [
     "Tracker",
     "localize",
     "read_landmarks",
+    "read_parameters",
+    "write_parameters",
 ]

@@ -1,0 +1,140 @@
+"""The file of a camera's parameters. OpenCV's own reader and writer are the judges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from runtime.errors import SetupError
+from vision import CameraParameters, read_parameters, write_parameters
+from vision.parameters import model_name
+
+MATRIX = np.array([[1163.311, 0, 941.628], [0, 1168.458, 618.535], [0, 0, 1.0]])
+ROVER = (0.100096, -0.256227, 0.00111085, 2.69882e-07, 0.203651)
+CAMERAS = {
+    "plumb_bob": CameraParameters(MATRIX, np.array(ROVER), (1920, 1200)),
+    "rational_polynomial": CameraParameters(MATRIX, np.linspace(-1, 1, 8) / 3, (1920, 1200)),
+    "equidistant": CameraParameters(MATRIX, np.array([0.1, -0.02, 0.01, -0.002]), (640, 480), fisheye=True),
+}
+OLD = """%YAML:1.0
+---
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 1.1633110000000000e+03, 0., 9.4162800000000004e+02, 0.,
+       1.1684580000000001e+03, 6.1853499999999997e+02, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 1.00096e-01, -2.56227e-01, 1.11085e-03, 2.69882e-07,
+       2.03651e-01 ]
+"""
+ROS = """image_width: 1920
+image_height: 1200
+camera_name: rover
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [1163.311, 0, 941.628, 0, 1168.458, 618.535, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [0.100096, -0.256227, 0.00111085, 2.69882e-7, 0.203651]
+"""
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+def test_opencv_reads_what_is_written(tmp_path: Path, model: str) -> None:
+    """Every number arrives as it was, facts beside the parameters included; so it does when read back here."""
+    path, camera = tmp_path / "camera.yml", CAMERAS[model]
+    deviations = np.arange(40.0).reshape(2, 20) / 7e5
+    write_parameters(path, camera, {"rms": 0.1, "views": 20, "of": 'a "lens" \\ or so', "deviations": deviations})
+    file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+    assert (file.getNode("camera_matrix").mat() == camera.matrix).all()
+    assert (file.getNode("distortion_coefficients").mat() == camera.distortion[None]).all()
+    assert (file.getNode("deviations").mat() == deviations).all()
+    assert file.getNode("distortion_model").string() == model == model_name(camera)
+    assert (file.getNode("image_width").real(), file.getNode("image_height").real()) == camera.size
+    assert (file.getNode("rms").real(), file.getNode("views").real()) == (0.1, 20)
+    assert file.getNode("of").string() == 'a "lens" \\ or so'
+    again = read_parameters(path)
+    assert (again.matrix == camera.matrix).all()
+    assert (again.distortion == camera.distortion).all()
+    assert (again.size, again.fisheye) == (camera.size, camera.fisheye)
+
+
+def test_what_opencv_writes_is_read(tmp_path: Path) -> None:
+    """Files of whichever version is installed, whose first line differs."""
+    path = tmp_path / "camera.yml"
+    file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    file.write("camera_matrix", MATRIX)
+    file.write("distortion_coefficients", np.array(ROVER)[:, None])
+    file.release()
+    camera = read_parameters(path)
+    assert (camera.matrix == MATRIX).all()
+    assert (camera.distortion == ROVER).all()
+    assert camera.size is None
+
+
+@pytest.mark.parametrize(("text", "size"), [(OLD, None), (ROS, (1920, 1200))])
+def test_files_of_others_are_read(tmp_path: Path, text: str, size: tuple[int, int] | None) -> None:
+    """The lost calibration program's file, without a size; and that of ROS's camera_calibration."""
+    path = tmp_path / "camera.yml"
+    path.write_text(text)
+    camera = read_parameters(path)
+    assert (camera.matrix == MATRIX).all()
+    assert (camera.distortion == ROVER).all()
+    assert camera.size == size
+
+
+def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None:
+    """OpenCV has no matrices without elements in its files."""
+    write_parameters(tmp_path / "camera.yml", CameraParameters(MATRIX, np.array([])))
+    assert (read_parameters(tmp_path / "camera.yml").distortion == np.zeros(5)).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("camera_matrix:", "camera_matrx:", r"there is no camera_matrix; did you mean camera_matrx\?"),
+        ("   rows: 3\n", "", r"yml:3:16: camera_matrix is no matrix"),
+        ("rows: 3", "rows: 2", r"yml:7:10: camera_matrix is 2x3, and has 9 numbers"),
+        ("rows: 3", "rows: three", r"yml:4:10: rows is 'three'"),
+        (" 0.,\n", " zero,\n", r"yml:7:64: a number of camera_matrix is 'zero'"),
+        (" 0.,\n", " .Nan,\n", r"finite number"),
+        ("1.1633", "-1.1633", r"yml: the camera matrix .* positive focal"),
+        ("data: [", "data: [[", r"yml:\d+:\d+: no YAML"),
+        ("distortion_coefficients: ", "image_width: 3\ndistortion_coefficients: ", r"yml:9:14: .* go together"),
+        (OLD, "", r"no camera parameters"),
+        ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: no distortion model 'fishy'"),
+        ("distortion_coef", "distortion_model: equidistant\ndistortion_coef", r"equidistant has 4 coefficients"),
+    ],
+)
+def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, words: str) -> None:
+    """The file, the line and the column, where the mistake has them."""
+    path = tmp_path / "camera.yml"
+    path.write_text(OLD.replace(old, new, 1))
+    with pytest.raises(SetupError, match=words) as raised:
+        read_parameters(path)
+    assert str(raised.value).startswith(str(path))
+
+
+def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:
+    """Nobody has to know which program writes the file."""
+    with pytest.raises(SetupError, match="roverlink aruco calibrate"):
+        read_parameters(tmp_path / "camera.yml")
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    """Where it cannot be written, nothing is left behind, and what was there stays."""
+    (tmp_path / "folder").mkdir()
+    for path in (tmp_path / "folder", tmp_path / "nowhere" / "camera.yml"):
+        with pytest.raises(SetupError, match="cannot be written"):
+            write_parameters(path, CAMERAS["plumb_bob"])
+    assert list(tmp_path.rglob("*")) == [tmp_path / "folder"]
