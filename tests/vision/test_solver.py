@@ -1,0 +1,80 @@
+"""From views to a camera, without images: the corners are OpenCV's projections, and noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, views
+from vision import CameraParameters
+from vision.calibration import Model, PoorViewsError, calibrate
+from vision.calibration.adjustment import by_parameters, moved_camera
+
+MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_camera_that_saw_the_views_is_found(model: Model) -> None:
+    """The error is some standard deviations of the noise, everywhere in the image, and as large as stated."""
+    truth = MODELS[model]
+    found = calibrate(views(truth, 20, 3), BOARD, model)
+    assert found.rms == pytest.approx(NOISE * 2**0.5, rel=0.1)
+    assert found.camera.matrix == pytest.approx(truth.matrix, rel=1e-3)
+    miss = np.abs(found.camera.matrix - truth.matrix)[[0, 1, 0, 1], [0, 1, 2, 2]]
+    assert (miss < 4 * found.deviations[:4]).all()
+
+
+@pytest.mark.parametrize("camera", MODELS.values(), ids=MODELS)
+def test_the_derivatives_are_those_of_the_projection(camera: CameraParameters) -> None:
+    """A small change of each parameter moves pixels as the derivative says."""
+    rays = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2))
+    derivative = by_parameters(camera, rays)
+    for place, step in enumerate(np.eye(derivative.shape[2]) * 1e-6):
+        difference = moved_camera(camera, step).distort(rays) - moved_camera(camera, -step).distort(rays)
+        assert derivative[:, :, place] == pytest.approx(difference / 2e-6, rel=1e-4, abs=1e-4)
+
+
+def test_a_corrupted_view_is_dropped_and_named() -> None:
+    """One whose corners shake by two pixels does not fit the others, and the camera is as without it."""
+    good = views(CAMERA, 20, 4)
+    bad = replace(good[7], corners=good[7].corners + np.random.default_rng(1).normal(0, 2, good[7].corners.shape))
+    found = calibrate([*good[:7], bad, *good[8:]], BOARD)
+    assert [one.view.name for one in found.views if one.dropped] == ["view 7"]
+    assert "blurred" in found.views[7].dropped
+    assert found.camera.matrix == pytest.approx(CAMERA.matrix, rel=1e-3)
+
+
+def test_corners_that_do_not_fit_are_left_out() -> None:
+    """Some corners that were taken for others count in no view."""
+    good = views(CAMERA, 20, 5)
+    for one in good[:5]:
+        one.corners[3:6] += 1.5
+    found = calibrate(good, BOARD)
+    assert all(not one.used[3:6].any() for one in found.views[:5])
+    assert sum(one.rejected for one in found.views) < 5 * 3 + 10
+
+
+def test_too_few_views_are_refused() -> None:
+    """With their number, and the number that is needed."""
+    few = views(CAMERA, 12, 6)
+    few[2:5] = [replace(one, ids=one.ids[:5], corners=one.corners[:5]) for one in few[2:5]]
+    with pytest.raises(PoorViewsError, match="9 of 12 views are usable, and 10 are needed"):
+        calibrate(few, BOARD)
+
+
+def test_views_that_all_face_the_camera_are_refused() -> None:
+    """The focal length is not to be had from them."""
+    with pytest.raises(PoorViewsError, match="tilted in 0 views"):
+        calibrate(views(CAMERA, 12, 7, tilt=0.05), BOARD)
+
+
+def test_views_of_a_part_of_the_image_are_refused() -> None:
+    """The part that nothing is known about is named."""
+    left = [
+        replace(one, ids=one.ids[one.corners[:, 0] < 560], corners=one.corners[one.corners[:, 0] < 560])
+        for one in views(CAMERA, 40, 8)
+    ]
+    with pytest.raises(PoorViewsError, match=r"parts of the image have no corners: .*right"):
+        calibrate(left, BOARD)

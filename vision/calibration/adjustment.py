@@ -1,0 +1,171 @@
+"""Bundle adjustment: the camera's parameters and the board's poses at which the corners fit best.
+
+Every view has a pose of its own, which is eliminated (Schur's complement) before the camera's parameters are solved
+for; see Triggs et al., Bundle adjustment - a modern synthesis, 2000.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.camera import CameraParameters, Floats
+from vision.pose import Pose, predict
+
+_STEPS = 100
+_CONVERGED = 1e-10
+"""Change of the squared residuals, in parts of them, at which the adjustment ends."""
+_LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """Corners of one view: points (N, 3) of the board, pixels (N, 2), and how much each counts (N,)."""
+
+    points: Floats
+    pixels: Floats
+    weights: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """A camera, and the board's pose in each view (board to camera)."""
+
+    camera: CameraParameters
+    poses: tuple[Pose, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """One view near an estimate: residuals (2N,), and the derivatives of what is predicted, all times root weights."""
+
+    residuals: Floats
+    by_camera: Floats
+    """(2N, P)"""
+    by_pose: Floats
+    """(2N, 6)"""
+
+
+def adjust(observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_]) -> Estimate:
+    """Move the camera's `free` parameters (P,) and all poses to the nearest best fit: Levenberg and Marquardt."""
+    slopes = linearise(observations, estimate)
+    damping, cost = 1e-3, _cost(slopes)
+    for _ in range(_STEPS):
+        moved = _step(slopes, estimate, free, damping)
+        moved_slopes = linearise(observations, moved) if moved else []
+        moved_cost = _cost(moved_slopes) if moved else math.inf
+        if moved is None or not moved_cost <= cost:  # nan, too
+            if damping > _MOST_DAMPED:
+                break
+            damping *= 10
+            continue
+        gain, cost, slopes, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
+        damping = max(damping / 10, _LEAST_DAMPED)
+        if gain <= _CONVERGED * cost:
+            break
+    return estimate
+
+
+def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Slopes]:
+    """What each view says near an estimate."""
+    return [_linearise(one, estimate.camera, pose) for one, pose in zip(observations, estimate.poses)]
+
+
+def information(slopes: Slopes) -> tuple[Floats, Floats]:
+    """What one view says of the camera whatever its pose: the normal matrix (P, P), and the right side (P,)."""
+    free_of_pose = slopes.by_camera - slopes.by_pose @ np.linalg.lstsq(slopes.by_pose, slopes.by_camera, rcond=None)[0]
+    return free_of_pose.T @ free_of_pose, free_of_pose.T @ slopes.residuals
+
+
+def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
+    """The derivative (N, 2, P) of the pixels that rays (N, 2) meet by fx fy cx cy and the distortion."""
+    bent = (camera.distort(rays) - camera.centre) / camera.focal
+    derivative = np.zeros((len(rays), 2, 4 + camera.distortion.size))
+    derivative[:, 0, 0], derivative[:, 1, 1] = bent.T
+    derivative[:, 0, 2] = derivative[:, 1, 3] = 1
+    by_distortion = _by_fisheye if camera.fisheye else _by_rational
+    derivative[:, :, 4:] = by_distortion(rays, camera.distortion) * camera.focal[:, None]
+    return derivative
+
+
+def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
+    """A camera after a change (P,) of its parameters."""
+    matrix = camera.matrix.copy()
+    matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
+    return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
+
+
+def _linearise(observation: Observation, camera: CameraParameters, pose: Pose) -> Slopes:
+    rays, by_pose = predict(pose, observation.points)
+    pixels, slope = camera.distort_with_slope(rays)
+    roots = np.sqrt(observation.weights)[:, None]
+    counted = roots[:, 0] > 0  # the others may have no numbers at all
+    residuals = (roots * (observation.pixels - pixels))[counted]
+    by_camera = (roots[:, :, None] * by_parameters(camera, rays))[counted]
+    return Slopes(
+        residuals.ravel(),
+        by_camera.reshape(residuals.size, -1),
+        (roots[:, :, None] * (slope @ by_pose))[counted].reshape(-1, 6),
+    )
+
+
+def _cost(slopes: Sequence[Slopes]) -> float:
+    return float(sum(one.residuals @ one.residuals for one in slopes))
+
+
+def _step(slopes: Sequence[Slopes], estimate: Estimate, free: NDArray[np.bool_], damping: float) -> Estimate | None:
+    """The estimate after one step; None where it leads to no camera."""
+    count = int(free.sum())
+    normal, right = np.zeros((count, count)), np.zeros(count)
+    eliminated = []
+    for one in slopes:
+        by_camera = one.by_camera[:, free]
+        by_both = one.by_pose.T @ by_camera
+        own = one.by_pose.T @ one.by_pose
+        own.flat[::7] *= 1 + damping
+        solved = np.linalg.solve(own, np.column_stack([by_both, one.by_pose.T @ one.residuals]))
+        diagonal = by_camera.T @ by_camera
+        diagonal.flat[:: count + 1] *= 1 + damping
+        normal += diagonal - by_both.T @ solved[:, :-1]
+        right += by_camera.T @ one.residuals - by_both.T @ solved[:, -1]
+        eliminated.append(solved)
+    scale = 1 / np.sqrt(normal.diagonal())
+    change = np.zeros(free.size)
+    change[free] = scale * np.linalg.solve(normal * scale[:, None] * scale, scale * right)
+    matrix = estimate.camera.matrix
+    if not np.isfinite(change).all() or min(matrix[0, 0] + change[0], matrix[1, 1] + change[1]) <= 0:
+        return None
+    poses = tuple(
+        pose.moved(solved[:, -1] - solved[:, :-1] @ change[free]) for pose, solved in zip(estimate.poses, eliminated)
+    )
+    return Estimate(moved_camera(estimate.camera, change), poses)
+
+
+def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
+    """The derivative (N, 2, count) of bent rays by k1 k2 p1 p2 k3 k4 k5 k6, or the first so many of them."""
+    x, y = rays.T
+    r2 = x * x + y * y
+    powers = np.stack([r2, r2**2, r2**3])
+    k1, k2, _, _, k3, *below = coefficients
+    under = 1 + np.array(below) @ powers if below else np.ones_like(r2)
+    quotient = (1 + np.array([k1, k2, k3]) @ powers) / under
+    above = powers / under
+    tangential = np.stack([[2 * x * y, r2 + 2 * y * y], [r2 + 2 * x * x, 2 * x * y]])  # by p1, by p2
+    radial = above[:, None] * rays.T
+    parts = [radial[0], radial[1], tangential[0], tangential[1], radial[2]]
+    parts += list(-quotient * radial) if below else []
+    derivative: Floats = np.stack(parts, axis=-1).transpose(1, 0, 2)
+    return derivative
+
+
+def _by_fisheye(rays: Floats, coefficients: Floats) -> Floats:
+    """The derivative (N, 2, 4) of bent rays by k1 k2 k3 k4."""
+    r = np.maximum(np.hypot(*rays.T), 1e-12)
+    angle = np.arctan(r)
+    powers = angle[:, None] ** (3 + 2 * np.arange(coefficients.size)) / r[:, None]
+    derivative: Floats = rays[:, :, None] * powers[:, None]
+    return derivative
