@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -36,7 +38,7 @@ def view(camera: CameraParameters, turn: np.ndarray, shift: np.ndarray, rng: np.
     """What is in the image of a board at a pose."""
     pixels = project(camera, BOARD.points, turn, shift) + rng.normal(0, NOISE, (len(BOARD.points), 2))
     inside = ((pixels > 2) & (pixels < np.array(SIZE) - 3)).all(axis=1)
-    return View(name, np.flatnonzero(inside), pixels[inside], SIZE)
+    return View(name, np.flatnonzero(inside), pixels[inside], np.full(inside.sum(), NOISE), SIZE)
 
 
 def views(camera: CameraParameters, count: int, seed: int, tilt: float = 0.7) -> list[View]:
@@ -56,3 +58,8 @@ def views(camera: CameraParameters, count: int, seed: int, tilt: float = 0.7) ->
         if len(one.ids) >= 40:
             found.append(one)
     return found
+
+
+def part(whole: View, mask: np.ndarray) -> View:
+    """A view of which only some corners are seen."""
+    return replace(whole, ids=whole.ids[mask], corners=whole.corners[mask], sigmas=whole.sigmas[mask])

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, views
+from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, part, views
 from vision import CameraParameters
 from vision.calibration import Model, PoorViewsError, calibrate
 from vision.calibration.adjustment import by_parameters, moved_camera
@@ -59,7 +59,7 @@ def test_corners_that_do_not_fit_are_left_out() -> None:
 def test_too_few_views_are_refused() -> None:
     """With their number, and the number that is needed."""
     few = views(CAMERA, 12, 6)
-    few[2:5] = [replace(one, ids=one.ids[:5], corners=one.corners[:5]) for one in few[2:5]]
+    few[2:5] = [part(one, one.ids < 5) for one in few[2:5]]
     with pytest.raises(PoorViewsError, match="9 of 12 views are usable, and 10 are needed"):
         calibrate(few, BOARD)
 
@@ -72,9 +72,6 @@ def test_views_that_all_face_the_camera_are_refused() -> None:
 
 def test_views_of_a_part_of_the_image_are_refused() -> None:
     """The part that nothing is known about is named."""
-    left = [
-        replace(one, ids=one.ids[one.corners[:, 0] < 560], corners=one.corners[one.corners[:, 0] < 560])
-        for one in views(CAMERA, 40, 8)
-    ]
+    left = [part(one, one.corners[:, 0] < 560) for one in views(CAMERA, 40, 8)]
     with pytest.raises(PoorViewsError, match=r"parts of the image have no corners: .*right"):
         calibrate(left, BOARD)

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from vision.camera import CameraParameters, Floats
 from vision.pose import Pose, predict
 
+CONVERGED = 1e-10
 _STEPS = 100
-_CONVERGED = 1e-10
-"""Change of the squared residuals, in parts of them, at which the adjustment ends."""
 _LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9
 
 
@@ -50,8 +49,13 @@ class Slopes:
     """(2N, 6)"""
 
 
-def adjust(observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_]) -> Estimate:
-    """Move the camera's `free` parameters (P,) and all poses to the nearest best fit: Levenberg and Marquardt."""
+def adjust(
+    observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_], tolerance: float = CONVERGED
+) -> Estimate:
+    """Move the camera's `free` parameters (P,) and all poses to the nearest best fit: Levenberg and Marquardt.
+
+    `tolerance` is the change of the squared residuals, in parts of them, at which it ends.
+    """
     slopes = linearise(observations, estimate)
     damping, cost = 1e-3, _cost(slopes)
     for _ in range(_STEPS):
@@ -65,14 +69,30 @@ def adjust(observations: Sequence[Observation], estimate: Estimate, free: NDArra
             continue
         gain, cost, slopes, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
         damping = max(damping / 10, _LEAST_DAMPED)
-        if gain <= _CONVERGED * cost:
+        if gain <= tolerance * cost:
             break
     return estimate
 
 
 def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Slopes]:
     """What each view says near an estimate."""
-    return [_linearise(one, estimate.camera, pose) for one, pose in zip(observations, estimate.poses)]
+    predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
+    rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # the lens bends all of them at once
+    pixels, slope = estimate.camera.distort_with_slope(rays)
+    roots = np.sqrt(np.concatenate([one.weights for one in observations]))[:, None]
+    residuals = roots * (np.concatenate([one.pixels for one in observations]) - pixels)
+    by_camera = roots[:, :, None] * by_parameters(estimate.camera, rays)
+    by_pose = roots[:, :, None] * (slope @ by_pose)
+    counted = roots[:, 0] > 0  # the others may have no numbers at all
+    ends = np.cumsum([len(one.weights) for one in observations])
+    return [
+        Slopes(
+            residuals[start:end][counted[start:end]].ravel(),
+            by_camera[start:end][counted[start:end]].reshape(-1, by_camera.shape[2]),
+            by_pose[start:end][counted[start:end]].reshape(-1, 6),
+        )
+        for start, end in zip([0, *ends], ends)
+    ]
 
 
 def information(slopes: Slopes) -> tuple[Floats, Floats]:
@@ -97,20 +117,6 @@ def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
     matrix = camera.matrix.copy()
     matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
     return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
-
-
-def _linearise(observation: Observation, camera: CameraParameters, pose: Pose) -> Slopes:
-    rays, by_pose = predict(pose, observation.points)
-    pixels, slope = camera.distort_with_slope(rays)
-    roots = np.sqrt(observation.weights)[:, None]
-    counted = roots[:, 0] > 0  # the others may have no numbers at all
-    residuals = (roots * (observation.pixels - pixels))[counted]
-    by_camera = (roots[:, :, None] * by_parameters(camera, rays))[counted]
-    return Slopes(
-        residuals.ravel(),
-        by_camera.reshape(residuals.size, -1),
-        (roots[:, :, None] * (slope @ by_pose))[counted].reshape(-1, 6),
-    )
 
 
 def _cost(slopes: Sequence[Slopes]) -> float:

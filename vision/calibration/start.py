@@ -17,6 +17,8 @@ FOCALS = np.geomspace(0.4, 4.0, 13)
 """Focal lengths to try, in widths of the image: fields of view from 103 to 14 degrees."""
 GUESS = 1.0
 """That of a camera about which no view tells anything."""
+_SOME = 10
+"""Views that are enough to tell such focal lengths apart."""
 
 
 def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) -> CameraParameters:
@@ -31,8 +33,9 @@ def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = 
     size = views[0].size
     if len(views) < 2:  # one view fits nearly any focal length
         return ideal_camera(GUESS * size[0], size, fisheye=fisheye)
+    some = views[:: -(-len(views) // _SOME)]
     cameras = [ideal_camera(focal * size[0], size, fisheye=fisheye) for focal in FOCALS]
-    return min(cameras, key=lambda camera: float(np.median([rough_pose(view, board, camera)[1] for view in views])))
+    return min(cameras, key=lambda camera: float(np.median([rough_pose(view, board, camera)[1] for view in some])))
 
 
 def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tuple[Pose, float]:

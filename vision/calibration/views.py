@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from vision._opencv import cv2
 from vision.calibration.board import CharucoBoard
+from vision.calibration.saddles import Sites, find_saddles
 from vision.camera import Floats
 from vision.detection import Image
 
 FEWEST_CORNERS = 8
 """A view with fewer corners says little, and hides what is wrong with it."""
-_FLAT = 0.05
-"""Corners that spread less across than so many times along are in one line."""
-
-_WINDOW = 4
-"""Pixels to each side of a corner."""
-
 OFFSET = 0.495 if int(cv2.__version__.split(".")[0]) < 5 else 0.0
 """Pixels by which OpenCV's ChArUco corners are too far right and down: measured, see `tests/vision/test_views.py`."""
+
+_FLAT = 0.05
+"""Corners that spread less across than so many times along are in one line."""
+_STRAY = 5.0
+"""Pixels that corners may be off a plane that is seen by a camera without distortion, to tell where their edges go."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +35,12 @@ class View:
     """(N,) numbers of the corners: places in `CharucoBoard.points`; rising."""
     corners: Floats
     """(N, 2) in pixels."""
+    sigmas: Floats
+    """(N,) in pixels: standard deviation of a corner's coordinate, by the noise of the image alone."""
     size: tuple[int, int]
     """Width and height of the image."""
+    blur: float = 0.0
+    """Standard deviation of the blur in pixels: the median of the corners'; 0 where there are none."""
     stamp_ns: int = 0
     """When the image was taken, in nanoseconds since 1970; 0 where that is not known."""
 
@@ -60,23 +64,36 @@ class BoardDetector:
 
     def find(self, image: Image, name: str = "", stamp_ns: int = 0) -> View:
         """The corners that are seen in a grey image (H, W); there may be none."""
-        corners, ids, _, _ = self._detector.detectBoard(image)
         height, width = image.shape
-        # (N, 1, 2) and (N, 1) in OpenCV 4, (N, 2) and (N,) in 5, None in both
-        found = np.zeros(0, np.intp) if ids is None else np.reshape(ids, -1).astype(np.intp)
-        places = np.zeros((0, 2)) if ids is None else np.reshape(corners, (-1, 2)).astype(float) - OFFSET
+        ids, corners = self._detect(image)
+        axes = self._axes(ids, corners)
+        if axes is None:
+            return View(name, ids[:0], corners[:0], np.zeros(0), (width, height), stamp_ns=stamp_ns)
+        gap = (self.board.square - self.board.marker) / 2
+        saddles = find_saddles(image, Sites(corners, axes, gap, self.board.square))
+        found = saddles.found
+        blur = float(np.median(saddles.blurs[found])) if found.any() else 0.0
+        return View(name, ids[found], saddles.places[found], saddles.sigmas[found], (width, height), blur, stamp_ns)
+
+    def _detect(self, image: Image) -> tuple[NDArray[np.intp], Floats]:
+        """Numbers (N,), rising, and corners (N, 2) as OpenCV finds them."""
+        corners, ids, _, _ = self._detector.detectBoard(image)
+        if ids is None:
+            return np.zeros(0, np.intp), np.zeros((0, 2))
+        # (N, 1, 2) and (N, 1) in OpenCV 4, (N, 2) and (N,) in 5
+        found, places = np.reshape(ids, -1).astype(np.intp), np.reshape(corners, (-1, 2)).astype(float) - OFFSET
         order = np.argsort(found)
-        return View(name, found[order], _refine(image, places[order]), (width, height), stamp_ns)
+        return found[order], places[order]
 
-
-def _refine(image: Image, corners: Floats) -> Floats:
-    """Corners (N, 2) where the image's gradients meet in a small window.
-
-    OpenCV's detector has done so in windows that grow with the squares, where the lens bends the edges.
-    """
-    if not len(corners):
-        return corners
-    start = corners.astype(np.float32).reshape(-1, 1, 2)
-    ends = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
-    refined: Floats = cv2.cornerSubPix(image, start, (_WINDOW, _WINDOW), (-1, -1), ends)
-    return refined.reshape(-1, 2).astype(float)
+    def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
+        """The derivative (N, 2, 2) of the pixels by the board's x and y at each corner; None of too few corners."""
+        if len(ids) < 4:
+            return None
+        points = self.board.points[ids, :2]
+        homography, _ = cv2.findHomography(points, corners, cv2.RANSAC, _STRAY)
+        if homography is None:
+            return None
+        lifted = np.column_stack([points, np.ones(len(points))]) @ homography.T
+        places = lifted[:, :2] / lifted[:, 2:]
+        slope: Floats = (homography[:2, :2] - places[:, :, None] * homography[2, :2]) / lifted[:, 2, None, None]
+        return slope

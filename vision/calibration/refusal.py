@@ -1,0 +1,53 @@
+"""When views are not enough for a calibration, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from vision.calibration.board import CharucoBoard
+from vision.calibration.coverage import CELLS, Coverage, traits
+from vision.calibration.solution import Fitted, PoorViewsError
+from vision.calibration.views import View
+from vision.camera import CameraParameters
+
+FEWEST_VIEWS = 10
+FEWEST_CELLS = 0.6
+"""Least part of the cells of the image that must have corners."""
+FEWEST_TILTED = 3
+
+
+def check_sizes(views: Iterable[View]) -> None:
+    """Refuse images of several sizes."""
+    sizes = sorted({view.size for view in views})
+    if len(sizes) > 1:
+        named = ", ".join(f"{width}x{height}" for width, height in sizes)
+        raise PoorViewsError((f"the images are of several sizes: {named}; calibrate one at a time",))
+
+
+def check_count(usable: int, given: int) -> None:
+    """Refuse too few views."""
+    if usable < FEWEST_VIEWS:
+        raise PoorViewsError((f"{usable} of {given} views are usable, and {FEWEST_VIEWS} are needed",))
+
+
+def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraParameters) -> None:
+    """Refuse views that show too little of the image, or too few tilts."""
+    coverage = Coverage()
+    tilted = 0
+    for one in kept:
+        shown = traits(one.view, one.pose, camera.project(one.pose.apply(board.outline)))
+        coverage.add(shown)
+        tilted += bool(shown.tilts)
+    reasons = []
+    empty = [need.name for need in coverage.needs() if need.kind == "region" and not need.have]
+    count = CELLS[0] * CELLS[1]
+    if len(empty) > (1 - FEWEST_CELLS) * count:
+        where = ", ".join(dict.fromkeys(empty))
+        reasons.append(f"{len(empty)} of {count} parts of the image have no corners: {where}")
+    if tilted < FEWEST_TILTED:
+        reasons.append(
+            f"the board is tilted in {tilted} views, and {FEWEST_TILTED} are needed: facing the camera, its distance "
+            "cannot be told from the focal length"
+        )
+    if reasons:
+        raise PoorViewsError(tuple(reasons))

@@ -1,0 +1,168 @@
+"""Where a chessboard's corners are, from every pixel along the edges that meet there.
+
+At a corner two edges cross: its grey is that of four quadrants, two black and two white, blurred, on a brightness that
+rises linearly. Place, directions of the edges, blur and brightness are fitted together (Gauss and Newton), and how well
+they fit says how well the place is known. All corners of an image are fitted at once: K corners, N pixels each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.camera import Floats
+from vision.detection import Image
+from vision.pattern import look, make_pattern
+
+RADIUS = 7
+"""Pixels to each side of a corner that are looked at: so near, a lens does not bend an edge."""
+CLEAR = 1.6
+"""How far pixels stay away from a marker's edge, in pixels."""
+STEPS = 8
+SETTLED = 1e-3
+"""Pixels that a corner moves in a step after which it has been found."""
+FARTHEST = 2.0
+"""Pixels that a corner may be away from where it was looked for."""
+FIRST_BLUR = 1.0
+BLURS = (0.3, 4.0)
+"""Standard deviations in pixels."""
+EXPLAINED = 0.9
+"""Least part of the pixels' variance that a corner explains; what is less is none, or partly hidden."""
+
+_FEWEST = 30  # pixels
+_UNKNOWNS = 9
+_LARGEST_TURN = 0.2
+_LARGEST_CHANGE = 0.3
+_FAR = 1000.0
+"""Pixels a square of the pattern: its other edges are out of sight."""
+_DIFFERENCES = make_pattern(np.eye(2, dtype=bool)).differences
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sites:
+    """Where to look for corners, in an image that is seen roughly as it is."""
+
+    places: Floats
+    """(K, 2) in pixels."""
+    axes: Floats
+    """(K, 2, 2): the derivative of the pixels by the board's x and y, in pixels a metre."""
+    gap: float
+    """Metres from a corner to the nearest marker, along either axis."""
+    reach: float
+    """Metres from a corner along its edges that pixels are taken from."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Saddles:
+    """The corners (K, ...) as they were found."""
+
+    places: Floats
+    """(K, 2) in pixels."""
+    sigmas: Floats
+    """(K,) pixels: standard deviation of a coordinate, by the noise of the pixels."""
+    blurs: Floats
+    """(K,) pixels: standard deviation of the blur."""
+    found: NDArray[np.bool_]
+    """(K,) whether there is a corner at all; the other values mean nothing where there is none."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _State:
+    places: Floats
+    """(K, 2) in pixels."""
+    angles: Floats
+    """(K, 2): directions of the normals of both edges."""
+    log_blurs: Floats
+    """(K,)"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outcome:
+    covariance: Floats
+    """(K, 2, 2) of the places."""
+    explained: Floats
+    contrast: Floats
+
+
+def find_saddles(image: Image, sites: Sites) -> Saddles:
+    """Fit the corners near the places where they were seen in a grey image (H, W)."""
+    pixels, real = _pixels(image, sites)
+    grey = np.where(real, image[pixels[:, 1], pixels[:, 0]], 0.0)
+    normals = np.linalg.inv(sites.axes)  # rows: the derivatives of the board's x and y by the pixels
+    state = _State(
+        sites.places, np.arctan2(normals[:, :, 1], normals[:, :, 0]), np.full(len(pixels), np.log(FIRST_BLUR))
+    )
+    with np.errstate(all="ignore"):  # where there is no corner, anything may come
+        for _ in range(STEPS):
+            before = state
+            state, outcome = _step(before, pixels, grey, real)
+            if np.nanmax(np.abs(state.places - before.places), initial=0.0) < SETTLED:
+                break
+        moved = np.linalg.norm(state.places - sites.places, axis=1)
+        found = (moved < FARTHEST) & (outcome.explained > EXPLAINED) & (real.sum(axis=1) >= _FEWEST)
+        sigmas = np.sqrt(np.trace(outcome.covariance, axis1=1, axis2=2) / 2)
+        found &= np.isfinite(sigmas)
+    return Saddles(state.places, sigmas, np.exp(state.log_blurs), found)
+
+
+def _pixels(image: Image, sites: Sites) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """The pixels (K, 2, N) around each corner, and which of them (K, N) show nothing but the corner."""
+    side = np.arange(-RADIUS, RADIUS + 1)
+    around = np.stack(np.meshgrid(side, side)).reshape(2, -1)
+    pixels = np.rint(sites.places).astype(np.intp)[:, :, None] + around
+    offsets = pixels - sites.places[:, :, None]
+    inverse = np.linalg.inv(sites.axes)
+    on_board = np.abs(inverse @ offsets)  # metres along the board's axes
+    clear = CLEAR * np.linalg.norm(inverse, axis=2)[:, :, None]  # metres that are so many pixels
+    in_marker = (on_board > sites.gap - clear).all(axis=1)
+    near = (on_board < sites.reach - clear).all(axis=1)
+    height, width = image.shape
+    inside = ((pixels >= 0) & (pixels < np.array([width, height])[:, None])).all(axis=1)
+    round_ = (offsets**2).sum(axis=1) <= RADIUS**2
+    return np.where(inside[:, None], pixels, 0), inside & near & ~in_marker & round_
+
+
+def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]) -> tuple[_State, _Outcome]:
+    design, contrast, residuals = _design(state, pixels, grey, real)
+    normal = design @ design.transpose(0, 2, 1)
+    scale = 1 / np.sqrt(np.maximum(np.einsum("kii->ki", normal), 1e-9))
+    inverse = np.linalg.inv(normal * scale[:, :, None] * scale[:, None] + 1e-12 * np.eye(_UNKNOWNS))
+    inverse *= scale[:, :, None] * scale[:, None]
+    change = (inverse @ (design @ residuals[:, :, None]))[..., 0]
+    left = residuals - (change[:, None] @ design)[:, 0]
+    variance = (left**2).sum(axis=1) / np.maximum(real.sum(axis=1) - _UNKNOWNS, 1)
+    mean = grey.sum(axis=1) / np.maximum(real.sum(axis=1), 1)
+    spread = ((grey - mean[:, None] * real) ** 2).sum(axis=1)
+    moved = _State(
+        state.places + np.clip(change[:, :2], -1, 1),
+        state.angles + np.clip(change[:, 2:4], -_LARGEST_TURN, _LARGEST_TURN),
+        np.clip(state.log_blurs + np.clip(change[:, 4], -_LARGEST_CHANGE, _LARGEST_CHANGE), *np.log(BLURS)),
+    )
+    explained = 1 - (left**2).sum(axis=1) / np.maximum(spread, 1e-9)
+    return moved, _Outcome(inverse[:, :2, :2] * variance[:, None, None], explained, contrast)
+
+
+def _design(
+    state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]
+) -> tuple[Floats, Floats, Floats]:
+    """The derivatives (K, 9, N) by place, angles, logarithm of the blur and brightness; contrast; residuals."""
+    offsets = pixels - state.places[:, :, None]
+    normals = np.stack([np.cos(state.angles), np.sin(state.angles)], axis=2)  # (K, edge, 2)
+    distances = normals @ offsets
+    count = pixels.shape[2]
+    by_pixel = np.broadcast_to((normals / _FAR)[..., None], (len(pixels), 2, 2, count))
+    seen = look(
+        np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, np.exp(state.log_blurs)
+    )
+    light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], seen.grey], axis=1) * real[:, None]
+    level = np.linalg.solve(light @ light.transpose(0, 2, 1) + 1e-9 * np.eye(4), light @ grey[:, :, None])
+    residuals = grey - (level[:, None, :, 0] @ light)[:, 0]
+    by_distance = np.stack([seen.by_u, seen.by_v], axis=1) / _FAR  # (K, edge, N)
+    turned = np.stack([-normals[:, :, 1], normals[:, :, 0]], axis=2) @ offsets
+    contrast = level[:, 3]
+    shape = np.concatenate(
+        [-normals.transpose(0, 2, 1) @ by_distance, by_distance * turned, seen.by_blur[:, None]], axis=1
+    )
+    return np.concatenate([shape * contrast[:, :, None] * real[:, None], light], axis=1), contrast[:, 0], residuals
