@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from roverlink.console import note, rate
@@ -28,21 +29,24 @@ def add_source(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rate", type=rate, metavar="HZ", help="images a second of a folder (default: 30)")
 
 
-def open_source(arguments: argparse.Namespace, size: tuple[int, int] | None = None) -> FrameSource:
+def open_source(
+    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = note
+) -> FrameSource:
     """Open what the options name, or what somebody answers; `size` is asked for where the options say none.
 
-    Raises `SetupError` for what cannot be opened.
+    `say` hears what is worth knowing, also later: of a camera that has gone, or is back. Raises `SetupError` for what
+    cannot be opened.
     """
     from vision import sources
 
-    text = arguments.source if arguments.source is not None else _asked()
-    return sources.open_source(text, size=arguments.size or size, rate=arguments.rate or sources.RATE, say=note)
+    text = arguments.source if arguments.source is not None else _asked(say)
+    return sources.open_source(text, size=arguments.size or size, rate=arguments.rate or sources.RATE, say=say)
 
 
-def _asked() -> str:
+def _asked(say: Callable[[str], None]) -> str:
     """The answer of whoever sits at the terminal; camera 0 where nobody does."""
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
-        note(f"no source is given: looking through camera {_CAMERA}")
+        say(f"no source is given: looking through camera {_CAMERA}")
         return _CAMERA
     print("Camera (ENTER for camera 0, a number, or a URL): ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip() or _CAMERA

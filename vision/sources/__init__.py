@@ -8,7 +8,8 @@ Recorded sources end, and their frames are stamped from the beginning of the rec
 closed, and their frames are stamped with the time at which they were taken.
 """
 
-from vision.sources.frame import Frame, FrameSource
-from vision.sources.naming import RATE, open_source
+from vision.sources.frame import RATE, Frame, FrameSource
+from vision.sources.naming import open_source
+from vision.sources.playing import play
 
-__all__ = ["RATE", "Frame", "FrameSource", "open_source"]
+__all__ = ["RATE", "Frame", "FrameSource", "open_source", "play"]

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
+from vision._opencv import cv2
 from vision.detection import Image
+
+RATE = 30.0
+"""Frames a second where nobody says otherwise."""
+_FASTEST = 1000.0  # a stream without a rate says its clock's, 90000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +33,8 @@ class FrameSource(Protocol):
     """What was opened, for messages."""
     live: bool
     """Whether frames come as they are taken, without an end."""
+    rate: float
+    """Frames a second, as the source says; where it says nothing, `RATE`."""
     total: int | None
     """How many frames there are, where that is known."""
 
@@ -36,3 +43,9 @@ class FrameSource(Protocol):
     def __enter__(self) -> FrameSource: ...
 
     def __exit__(self, *_: object) -> None: ...
+
+
+def rate_of(capture: Any) -> float:
+    """Frames a second of a `VideoCapture`. Many cameras and streams say nothing, or what cannot be."""
+    rate = float(capture.get(cv2.CAP_PROP_FPS))
+    return rate if 0 < rate <= _FASTEST else RATE

@@ -13,7 +13,7 @@ from typing import Any
 
 from runtime.errors import SetupError
 from vision._opencv import cv2
-from vision.sources.frame import Frame
+from vision.sources.frame import Frame, rate_of
 
 STALLED_S = 3.0
 """Without a frame for so long, a stream is opened again; cameras by V4L2 tell after ten seconds of their own."""
@@ -46,6 +46,7 @@ class LiveSource:
         if not self._take():
             self._capture.release()
             raise SetupError(f"{name} can be opened, and gives no frame")
+        self.rate = rate_of(self._capture)
         self._thread = threading.Thread(target=self._read, name="frames", daemon=True)
         self._thread.start()
 

@@ -7,12 +7,10 @@ from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
 from runtime.errors import SetupError
-from vision.sources.frame import FrameSource
+from vision.sources.frame import RATE, FrameSource
 from vision.sources.live import Say, open_camera, open_stream
 from vision.sources.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
 
-RATE = 30.0
-"""Images a second of a folder, where nobody says otherwise."""
 SCHEMES = ("http", "https", "rtsp")
 _WEBCAM = "/video"
 """Where the app IP Webcam has its stream; people give its page."""

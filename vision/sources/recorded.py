@@ -11,7 +11,7 @@ from pathlib import Path
 
 from runtime.errors import SetupError
 from vision._opencv import cv2
-from vision.sources.frame import Frame
+from vision.sources.frame import Frame, rate_of
 
 IMAGES = frozenset((".bmp", ".jpeg", ".jpg", ".png", ".ppm", ".tif", ".tiff", ".webp"))
 """What files of images end with."""
@@ -22,8 +22,8 @@ VIDEOS = frozenset((".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", "
 class _Recorded:
     live = False
 
-    def __init__(self, name: str, total: int | None) -> None:
-        self.name, self.total = name, total
+    def __init__(self, name: str, rate: float, total: int | None) -> None:
+        self.name, self.rate, self.total = name, rate, total
 
 
 class ImageFiles(_Recorded):
@@ -34,8 +34,8 @@ class ImageFiles(_Recorded):
         found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
         if not found:
             raise SetupError(f"{path} has no images; looked for {' '.join(sorted(IMAGES))}")
-        self._paths, self._rate = sorted(found, key=_natural), rate
-        super().__init__(str(path), len(found))
+        self._paths = sorted(found, key=_natural)
+        super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
         """The images. Raises `SetupError` at one that cannot be read."""
@@ -43,7 +43,7 @@ class ImageFiles(_Recorded):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
             if image is None:
                 raise SetupError(f"{path} cannot be read as an image")
-            yield Frame(image, round(number * 1e9 / self._rate), number)
+            yield Frame(image, round(number * 1e9 / self.rate), number)
 
     def __enter__(self) -> ImageFiles:
         return self
@@ -61,10 +61,12 @@ class VideoFile(_Recorded):
         if not self._capture.isOpened():
             raise SetupError(f"{path} cannot be opened as a video")
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
-        super().__init__(str(path), max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0) or None)
+        total = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0) or None
+        super().__init__(str(path), rate_of(self._capture), total)
 
     def __iter__(self) -> Iterator[Frame]:
-        """The frames. Raises `SetupError` where there is none."""
+        """The frames, from the first. Raises `SetupError` where there is none."""
+        self._capture.set(cv2.CAP_PROP_POS_FRAMES, 0)
         number = 0
         while True:
             there, image = self._capture.read()
