@@ -3,7 +3,7 @@
 Every pixel is the mean of several rays. A ray goes from a place on the sensor, through the inverse of the lens
 distortion and the pinhole, to the plane, and brings back the grey of the print there. The rays are blurred by the
 lens's point spread before they are averaged, noise is added, and the result is rounded to 8 bits. Integer coordinates
-are centres of pixels. Nothing here comes from the package `vision`, so that its mistakes are not repeated.
+are centres of pixels. Nothing here uses the rest of the package, so that its mistakes are not repeated.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from vision._opencv import cv2
 
 Floats = NDArray[np.floating[Any]]
 Grey = NDArray[np.uint8]
