@@ -8,14 +8,13 @@ import json
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from pathlib import Path
 
 from roverlink.camera_source import open_source
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
 from roverlink.console import OK, project_folder
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
-from runtime import load_registry
+from runtime import Registry, cdr, load_registry
 from runtime.errors import SetupError
 from runtime.middleware import Middleware, open_middleware
 from runtime.ros_args import RosArguments
@@ -23,10 +22,11 @@ from vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmar
 from vision.boards import read_boards
 from vision.drawing import draw
 from vision.film import Film
+from vision.localization import FieldPose
 from vision.markers import SIDE
 from vision.messages import FrameNames
 from vision.parameters import read_parameters
-from vision.publishing import Publishing, localization
+from vision.publishing import Publishing
 from vision.sources import Frame, FrameSource, play
 from vision.view import View, look
 
@@ -129,18 +129,23 @@ def _outputs(
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
-            yield _for_the_basestation(middleware, arguments.project, ros, logger)
+            tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
+            yield lambda view: tell(view.place) if view.place else None
 
 
-def _for_the_basestation(
-    middleware: Middleware, project: Path | None, ros: RosArguments, logger: logging.Logger
-) -> Output:
-    """What publishes the place of the rover on the topic that the bridge forwards."""
-    handlers = load_registry(project_folder(project)).handlers
-    handler = next((one for one in handlers if one.payload_type.DESCRIPTOR.name == ROVER), None)
+def place_teller(
+    middleware: Middleware, registry: Registry, topic: Callable[[str], str], say: Callable[[str], None] = lambda _: None
+) -> Callable[[FieldPose], None]:
+    """What publishes where the rover is, on the topic that the bridge forwards to the basestation."""
+    handler = next((one for one in registry.handlers if one.payload_type.DESCRIPTOR.name == ROVER), None)
     if handler is None:
-        logger.warning("the table has no row of %s: the basestation is not told where the rover is", ROVER)
+        say(f"the table has no row of {ROVER}: the basestation is not told where the rover is")
         return lambda _: None
-    route = handler.route
-    tell = localization(middleware, ros.topic(route.topic), handler.message_type, route.qos)
-    return lambda view: tell(view.place) if view.place else None
+    route, message_type = handler.route, handler.message_type
+    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
+
+    def tell(place: FieldPose) -> None:
+        x, y, z = place.pose.translation.tolist()
+        publish([cdr.encode(message_type(x=x, y=y, z=z))])
+
+    return tell

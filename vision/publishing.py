@@ -27,17 +27,12 @@ from vision import interfaces as ros
 from vision import messages
 from vision.camera import CameraParameters
 from vision.drawing import draw
-from vision.localization import FieldPose
 from vision.messages import FrameNames
 from vision.view import View
 
 NODE = "aruco_tracker"
 _TRANSFORMS = Qos(depth=100)  # as tf2's broadcaster has it
 _LATEST = Qos(depth=5)  # of images and what belongs to them, as sensors have it
-
-Topic = Callable[[str], str]
-Tell = Callable[[FieldPose], None]
-"""What is told where the camera is."""
 
 
 class Publishing:
@@ -48,7 +43,7 @@ class Publishing:
         middleware: Middleware,
         camera: CameraParameters,
         names: FrameNames,
-        topic: Topic,
+        topic: Callable[[str], str],
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         """`topic` gives a topic's full name; `say` hears of one that cannot be published (of an rclpy without it)."""
@@ -101,14 +96,3 @@ class _Output:
         """Publish a message where somebody listens."""
         if self._publisher is not None and self._publisher.has_subscribers():
             self._publisher.publish([cdr.encode(make())])
-
-
-def localization(middleware: Middleware, topic: str, message_type: type[Any], qos: Qos) -> Tell:
-    """What publishes the camera's place as a message with x, y and z in metres: the rover's, for the basestation."""
-    publish = middleware.publisher(topic, message_type, qos).publish
-
-    def tell(place: FieldPose) -> None:
-        x, y, z = place.pose.translation.tolist()
-        publish([cdr.encode(message_type(x=x, y=y, z=z))])
-
-    return tell

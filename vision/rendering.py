@@ -195,14 +195,16 @@ def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Float
     """Rays (height * RAYS, width * RAYS, 2) of a region: exact at the pixels' corners, linear between."""
     x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
     corners = lens.rays(np.stack([x, y], axis=-1))
-    return np.stack([_spread(height) @ corners[..., axis] @ _spread(width).T for axis in (0, 1)], axis=-1)
+    return _between(_between(corners, 0), 1)
 
 
-def _spread(pixels: int) -> Floats:
-    """The matrix (pixels * RAYS, pixels + 1) that interpolates from the pixels' borders to the rays."""
-    places = (np.arange(pixels * RAYS) + 0.5) / RAYS
-    weights: Floats = np.maximum(0, 1 - np.abs(places[:, None] - np.arange(pixels + 1)))
-    return weights
+def _between(borders: Floats, axis: int) -> Floats:
+    """From values at the pixels' borders along an axis to those at the rays, of which each pixel has `RAYS`."""
+    places = (np.arange((borders.shape[axis] - 1) * RAYS) + 0.5) / RAYS
+    low = places.astype(np.intp)
+    part = np.expand_dims(places - low, tuple(range(1, borders.ndim - axis)))
+    values: Floats = borders.take(low, axis) * (1 - part) + borders.take(low + 1, axis) * part
+    return values
 
 
 def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
