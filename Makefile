@@ -11,7 +11,7 @@ HAND_WRITTEN := generator runtime vision roverlink bench tests
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
-demo: $(VENV)/ready  ## bridge all messages on loopback for 15 s, shown live
+demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
 
 test: $(VENV)/ready-dev  ## the tests
@@ -59,6 +59,10 @@ $(VENV)/bin/python:
 
 $(VENV)/ready: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[standard]'
+	@touch $@
+
+$(VENV)/ready-demo: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[standard,vision]'
 	@touch $@
 
 $(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python

@@ -35,6 +35,7 @@ _COMMANDS = (
     "info",
     "top",
     "doctor",
+    "aruco",
     "demo",
 )
 
@@ -72,6 +73,11 @@ class _AnyOrderParser(argparse.ArgumentParser):
     """Takes options among the positional arguments too, as `ros2 topic pub` does."""
 
     _in_any_order = True
+
+    def add_subparsers(self, **options: Any) -> Any:
+        """Have subcommands, whose own parsers take their options in any order."""
+        self._in_any_order = False
+        return super().add_subparsers(**options)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         if not self._in_any_order:

@@ -28,6 +28,11 @@ def complain(message: str) -> None:
     print(f"roverlink: {message}", file=sys.stderr)
 
 
+def note(message: str) -> None:
+    """Say on standard error what is worth knowing while a command runs."""
+    print(message, file=sys.stderr, flush=True)
+
+
 def counted(count: int, what: str) -> str:
     """How many of something there are, in words: ``1 row``, ``2 rows``."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -1,22 +1,14 @@
-"""What the commands of the lint share: which project or tree is meant, and how long work shows that it goes on."""
+"""What the commands of the lint share: which project or tree is meant."""
 
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-
-from rich.console import Console
-from rich.progress import Progress
 
 from generator.git import GitError, Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName
 from roverlink.console import add_table, table_file
-
-Report = Callable[[int, int], None]
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +35,3 @@ def in_repository(folder: Path) -> bool:
     except GitError:
         return False
     return True
-
-
-@contextmanager
-def progress(what: str) -> Iterator[Report]:
-    """A bar on a terminal, which goes when it is full; nothing elsewhere."""
-    with Progress(console=Console(file=sys.stderr), transient=True, disable=not sys.stderr.isatty()) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

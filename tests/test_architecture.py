@@ -62,3 +62,9 @@ def test_the_ir_knows_no_format() -> None:
     for file in ("ir.py", "ir_standard.py"):
         imported = set(_imports(ROOT / "generator" / file)) - own
         assert {module.split(".")[0] for module in imported} <= allowed
+
+
+def test_the_renderer_knows_nothing_of_what_it_judges() -> None:
+    """Frames of known truth do not come from the code that is to find the truth in them."""
+    imported = _imports(ROOT / "vision" / "rendering.py")
+    assert {module for module in imported if module.startswith("vision.")} == {"vision._opencv.cv2"}

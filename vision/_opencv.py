@@ -6,14 +6,21 @@ It is imported as a value of any type: its stubs differ from version to version,
 from __future__ import annotations
 
 import importlib
+import os
 from typing import Any
 
 from runtime.errors import SetupError
 
 OLDEST = (4, 11)
 
+_QUIET = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
+"""What it and FFmpeg would print of their own of a camera or stream that is not there, by environment variables that
+OpenCV reads when it is imported. Who wants to read it sets them."""
+
 
 def _load() -> Any:
+    for name, level in _QUIET.items():
+        os.environ.setdefault(name, level)
     try:
         module: Any = importlib.import_module("cv2")
         version = tuple(int(part) for part in module.__version__.split(".")[:2])

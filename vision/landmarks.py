@@ -6,8 +6,8 @@
       7: {position: [1.0, 2.0, 0.5], rpy: [90, 0, -90]}
       gate: {position: [4, 0, 1], orientation: [0, 0, 0, 1], survey: {position: 0.03}}
 
-`rpy` are degrees about the field's fixed x, y and z axes, in that order (as in URDF); `orientation` is a quaternion
-x y z w. Both turn the landmark's axes (x right, y up the print, z out of it) to the field's.
+`rpy` are degrees about the field's fixed x, y and z axes, in that order; `orientation` is a quaternion x y z w. Both
+turn the landmark's axes (x right, y up the print, z out of it) to the field's.
 """
 
 from __future__ import annotations
@@ -16,22 +16,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import yaml
-
-from runtime.errors import SetupError, nearest
-from vision.camera import Floats
+from runtime.errors import SetupError
 from vision.markers import TargetId
-from vision.pose import Pose, rotation_of
+from vision.pose import Pose
+from vision.reading import POSE, mapping, pose, read_yaml
 
 FRAME = "field"
 SURVEY_POSITION = 0.01
 """Standard deviation in metres of a landmark's position along each axis, where none is given."""
 SURVEY_ROTATION = math.radians(0.5)
 """Standard deviation in radians of a landmark's orientation about each axis, where none is given."""
-_UNIT = 0.01  # how far a quaternion's length may be from 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,11 +48,7 @@ class Landmarks:
 
 def read_landmarks(path: Path) -> Landmarks:
     """Read a file of landmarks. Raises `SetupError` for what is missing or cannot be."""
-    try:
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise SetupError(f"cannot read the landmarks: {error}") from error
-    top = _mapping(values, str(path), {"frame", "survey", "landmarks"})
+    top = read_yaml(path, "landmarks", {"frame", "survey", "landmarks"})
     sigmas = _survey(top.get("survey", {}), f"{path}: survey", (SURVEY_POSITION, SURVEY_ROTATION))
     places = top.get("landmarks")
     if not isinstance(places, dict) or not places:
@@ -73,23 +64,13 @@ def _name(key: object, path: Path) -> TargetId:
 
 
 def _landmark(value: object, where: str, sigmas: tuple[float, float]) -> Landmark:
-    given = _mapping(value, where, {"position", "rpy", "orientation", "survey"})
-    if "position" not in given:
-        raise SetupError(f"{where} has no position")
-    if ("rpy" in given) == ("orientation" in given):
-        raise SetupError(f"{where} needs either rpy or orientation")
-    rotation = (
-        _of_rpy(_numbers(given["rpy"], 3, f"{where}: rpy"))
-        if "rpy" in given
-        else _of_quaternion(_numbers(given["orientation"], 4, f"{where}: orientation"), where)
-    )
-    position = _numbers(given["position"], 3, f"{where}: position")
-    return Landmark(Pose(rotation, position), *_survey(given.get("survey", {}), f"{where}: survey", sigmas))
+    given = mapping(value, where, {*POSE, "survey"})
+    return Landmark(pose(given, where), *_survey(given.get("survey", {}), f"{where}: survey", sigmas))
 
 
 def _survey(value: object, where: str, default: tuple[float, float]) -> tuple[float, float]:
     """The standard deviations in metres and radians."""
-    given = _mapping(value, where, {"position", "rotation"})
+    given = mapping(value, where, {"position", "rotation"})
     position = given.get("position", default[0])
     rotation = given.get("rotation", math.degrees(default[1]))
     for sigma in (position, rotation):
@@ -98,41 +79,3 @@ def _survey(value: object, where: str, default: tuple[float, float]) -> tuple[fl
                 f"{where} is {sigma!r}; it is a standard deviation: metres for position, degrees for rotation"
             )
     return float(position), math.radians(rotation)
-
-
-def _mapping(value: object, where: str, known: set[str]) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise SetupError(f"{where} is no mapping")
-    for key in value:
-        if key not in known:
-            raise SetupError(f"{where} has an unknown key {key!r}; {nearest(str(key), sorted(known))}")
-    return value
-
-
-def _numbers(value: object, count: int, where: str) -> Floats:
-    numbers = value if isinstance(value, list) else []
-    if len(numbers) != count or any(isinstance(one, bool) or not isinstance(one, int | float) for one in numbers):
-        raise SetupError(f"{where} is {value!r}; it is a list of {count} numbers")
-    if not all(math.isfinite(one) for one in numbers):
-        raise SetupError(f"{where} is {value!r}; the numbers must be finite")
-    return np.array(numbers, dtype=float)
-
-
-def _of_rpy(degrees: Floats) -> Floats:
-    roll, pitch, yaw = (rotation_of(np.radians(angle) * axis) for angle, axis in zip(degrees, np.eye(3)))
-    rotation: Floats = yaw @ pitch @ roll
-    return rotation
-
-
-def _of_quaternion(quaternion: Floats, where: str) -> Floats:
-    length = float(np.linalg.norm(quaternion))
-    if abs(length - 1) > _UNIT:
-        raise SetupError(f"{where}: the orientation's length is {length:.3g}; a quaternion x y z w has length 1")
-    x, y, z, w = quaternion / length
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -96,6 +96,12 @@ class MarkerSet:
         """The landmark that a marker is a part of: its board's name, or its own number."""
         return self._boards[number].name if number in self._boards else number
 
+    def is_target(self, target: TargetId) -> bool:
+        """Whether such a landmark can be seen: a board, or a marker that is on none."""
+        if isinstance(target, str):
+            return any(board.name == target for board in self.boards)
+        return target in range(len(self._bits.bytesList)) and target in self and target not in self._boards
+
     def points(self, number: int) -> Floats:
         """The corners (4, 3) of a marker in its landmark's frame, in metres."""
         if number in self._boards:

@@ -100,6 +100,13 @@ def angles_of(rotation: Floats) -> Floats:
     return np.array([f - d, b - e, c - a]) * factor
 
 
+def quaternion_of(rotation: Floats) -> Floats:
+    """A rotation (3, 3) as the quaternion x y z w of length 1, w not negative."""
+    angles = angles_of(rotation)
+    half = float(np.linalg.norm(angles)) / 2
+    return np.append(angles / 2 * np.sinc(half / np.pi), math.cos(half))
+
+
 def square_poses(points: Floats, rays: Floats) -> list[Pose]:
     """Both poses of one marker's corners (4, 3), a square anywhere in its landmark's frame, seen at rays (4, 2).
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from bench.result import Chart, Curve, Group, SectionResult, Table
 from bench.vision.contestants import OURS, Estimate, estimators
-from bench.vision.rendering import Floats, Pose
 from bench.vision.scenes import lens, scenes
+from vision.rendering import Floats, Pose
 
 SIZES = (24, 32, 48, 96, 160)
 SEED = 7

@@ -9,10 +9,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench.vision.rendering import Floats, Grey, Lens
 from bench.vision.scenes import DICTIONARY, SIDE, corner_points
 from vision.camera import CameraParameters
 from vision.markers import MarkerSet
+from vision.rendering import Floats, Grey, Lens
 from vision.tracking import Tracker
 
 OURS = "roverlink"

@@ -8,8 +8,8 @@ import numpy as np
 
 from bench.result import Group, SectionResult, Table
 from bench.vision.contestants import estimators
-from bench.vision.rendering import render, texture
 from bench.vision.scenes import lens
+from vision.rendering import render, texture
 
 SEED = 99
 

@@ -14,7 +14,8 @@ from generator.write import write
 from roverlink.commands.generate import report, say_changes
 from roverlink.commands.next_number import say_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
-from roverlink.linted import in_repository, progress
+from roverlink.linted import in_repository
+from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:

@@ -7,10 +7,10 @@ import contextlib
 import importlib.util
 import socket
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.live import Live
@@ -20,10 +20,13 @@ from roverlink.bridge_host import BridgeHost
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
 from roverlink.crossings import Crossing
 from roverlink.simulation import payload_at
-from runtime import Registry, Translator, cdr, load_registry
+from runtime import Registry, SetupError, Translator, cdr, load_registry
 from runtime.middleware import Middleware, Publisher
 from runtime.registry import AnyHandler
 from runtime.values import message_to_values, payload_to_values
+
+if TYPE_CHECKING:
+    from roverlink.demo_camera import DemoCamera
 
 _RATE_HZ = 20.0
 _TICK_S = 0.01
@@ -58,11 +61,17 @@ def run(arguments: argparse.Namespace) -> int:
     project = project_folder(arguments.project)
     registry = load_registry(project)
     console = Console()
+    camera = _camera(console)
     with contextlib.ExitStack() as stack:
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
         host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
-        rig = _Rig(registry, host, stack.enter_context(host.middleware(topics.identity("demo"))), sockets)
+        middleware = stack.enter_context(host.middleware(topics.identity("demo")))
+        rig = _Rig(registry, host, middleware, sockets, camera.tells if camera else ())
+        if camera:
+            camera.start(stack.enter_context(host.middleware(camera.node)), registry)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
+        if camera:
+            console.print(camera.stop(), soft_wrap=True)
         account = host.stop()
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
@@ -74,6 +83,16 @@ def run(arguments: argparse.Namespace) -> int:
     if missing:
         console.print(f"[red]did not cross: {', '.join(missing)}")
     return FINDINGS if missing else OK
+
+
+def _camera(console: Console) -> DemoCamera | None:
+    """A camera that tells where the rover is, where OpenCV is installed."""
+    try:
+        from roverlink.demo_camera import DemoCamera
+    except SetupError as error:
+        console.print(f"without a camera: {error}", soft_wrap=True)
+        return None
+    return DemoCamera()
 
 
 def _peer_socket() -> socket.socket:
@@ -94,9 +113,15 @@ class _Rig:
     """The boards, the basestation and the ROS 2 nodes around the bridge."""
 
     def __init__(
-        self, registry: Registry, host: BridgeHost, middleware: Middleware, sockets: dict[str, socket.socket]
+        self,
+        registry: Registry,
+        host: BridgeHost,
+        middleware: Middleware,
+        sockets: dict[str, socket.socket],
+        told: Collection[str] = (),
     ) -> None:
-        self._registry, self._host, self._sockets = registry, host, sockets
+        """`told` are the payloads that another node publishes."""
+        self._registry, self._host, self._sockets, self._told = registry, host, sockets, told
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
@@ -110,6 +135,8 @@ class _Rig:
         handler = crossing.handler
         topic = topics.full_topic(handler.route.topic)
         if not handler.route.inbound:
+            if handler.payload_type.DESCRIPTOR.name in self._told:
+                return
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return
 

@@ -10,7 +10,8 @@ from generator.history import Life
 from generator.linting import Question
 from generator.retrospect import branch
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, count
-from roverlink.linted import add_subject, linted, progress
+from roverlink.linted import add_subject, linted
+from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:

@@ -10,7 +10,7 @@ from generator.adopt import Adoption, Wanted, adopt
 from generator.findings import FindingsError, Severity
 from generator.write import write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
-from roverlink.linted import progress
+from roverlink.progress import progress
 from runtime.errors import SetupError
 
 

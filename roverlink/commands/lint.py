@@ -9,7 +9,8 @@ from pathlib import Path
 from generator.findings import FindingsError, Severity
 from generator.linting import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, linted, progress
+from roverlink.linted import add_subject, linted
+from roverlink.progress import progress
 from roverlink.reports import FORMATS
 
 _COUNTED = ("error", "warning", "hint")

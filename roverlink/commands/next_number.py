@@ -10,7 +10,8 @@ from generator.findings import FindingsError
 from generator.linting import Question
 from generator.subject import Subject
 from roverlink.console import OK, UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, in_repository, linted, progress
+from roverlink.linted import add_subject, in_repository, linted
+from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:

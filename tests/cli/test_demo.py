@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import re
 import time
@@ -38,7 +39,7 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]
         pytest.param(
             "dds",
             marks=pytest.mark.skipif(
-                not __import__("importlib.util").util.find_spec("cyclonedds"),
+                not importlib.util.find_spec("cyclonedds"),
                 reason="Cyclone DDS has no wheel for this machine",
             ),
         ),
@@ -57,6 +58,13 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     assert account
     assert int(account[1]) == int(account[2]) > 0
     assert "did not cross" not in output
+    seen = re.search(r"found itself on the field in (\d+) frames by 4 landmarks, never more than (\d+) mm", output)
+    if importlib.util.find_spec("cv2"):
+        assert seen
+        assert int(seen[1]) > 5
+        assert int(seen[2]) <= 10
+    else:
+        assert "pip install 'roverlink[vision]'" in output
     for handler in REGISTRY.handlers:
         assert re.search(rf"{handler.route.number} . {handler.route.name} ", output)
 

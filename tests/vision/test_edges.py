@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from bench.vision.contestants import camera_of
-from bench.vision.rendering import Floats, marker_print, render, texels_for
 from bench.vision.scenes import DICTIONARY, SIDE, Scene, corner_points, lens, project, random_pose, scenes
 from vision.edges import Fit, Guess, fit_edges
 from vision.markers import MarkerSet
+from vision.rendering import Floats, marker_print, render, texels_for
 
 LENS = lens()
 CAMERA, MARKERS = camera_of(LENS), MarkerSet()

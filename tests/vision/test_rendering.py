@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.vision.rendering import Pose, Print, project, render
 from bench.vision.scenes import lens, random_pose
+from vision.rendering import Pose, Print, project, render
 
 CAMERA = lens()
 

@@ -10,13 +10,13 @@ import pytest
 
 from bench.vision.accuracy import miss_of
 from bench.vision.contestants import Estimate, camera_of
-from bench.vision.rendering import Pose as TruePose
-from bench.vision.rendering import marker_print, render
 from bench.vision.scenes import DICTIONARY, SIDE, DriveFrame, drive, lens
 from runtime.errors import SetupError
 from vision import Board, MarkerSet, Sighting, Tracker
 from vision.markers import square
 from vision.pose import Pose, rotation_of
+from vision.rendering import Pose as TruePose
+from vision.rendering import marker_print, render
 
 SIZE = (640, 480)
 LENS = lens(*SIZE)

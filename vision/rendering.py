@@ -3,7 +3,7 @@
 Every pixel is the mean of several rays. A ray goes from a place on the sensor, through the inverse of the lens
 distortion and the pinhole, to the plane, and brings back the grey of the print there. The rays are blurred by the
 lens's point spread before they are averaged, noise is added, and the result is rounded to 8 bits. Integer coordinates
-are centres of pixels. Nothing here comes from the package `vision`, so that its mistakes are not repeated.
+are centres of pixels. Nothing here uses the rest of the package, so that its mistakes are not repeated.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from vision._opencv import cv2
 
 Floats = NDArray[np.floating[Any]]
 Grey = NDArray[np.uint8]
@@ -194,14 +195,16 @@ def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Float
     """Rays (height * RAYS, width * RAYS, 2) of a region: exact at the pixels' corners, linear between."""
     x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
     corners = lens.rays(np.stack([x, y], axis=-1))
-    return np.stack([_spread(height) @ corners[..., axis] @ _spread(width).T for axis in (0, 1)], axis=-1)
+    return _between(_between(corners, 0), 1)
 
 
-def _spread(pixels: int) -> Floats:
-    """The matrix (pixels * RAYS, pixels + 1) that interpolates from the pixels' borders to the rays."""
-    places = (np.arange(pixels * RAYS) + 0.5) / RAYS
-    weights: Floats = np.maximum(0, 1 - np.abs(places[:, None] - np.arange(pixels + 1)))
-    return weights
+def _between(borders: Floats, axis: int) -> Floats:
+    """From values at the pixels' borders along an axis to those at the rays, of which each pixel has `RAYS`."""
+    places = (np.arange((borders.shape[axis] - 1) * RAYS) + 0.5) / RAYS
+    low = places.astype(np.intp)
+    part = np.expand_dims(places - low, tuple(range(1, borders.ndim - axis)))
+    values: Floats = borders.take(low, axis) * (1 - part) + borders.take(low + 1, axis) * part
+    return values
 
 
 def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -1,0 +1,107 @@
+"""``roverlink aruco track``: where ArUco markers are, and where that puts the camera."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from roverlink.camera_source import add_source
+from roverlink.console import Subparsers, add_project, command, count, node_logger
+from runtime import ros_args
+from runtime.errors import SetupError
+from runtime.middleware import NAMES
+
+NODE = "aruco_tracker"
+NO_MIDDLEWARE = "none"
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "track",
+        "find ArUco markers, and say where they are",
+        "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
+        "Find ArUco markers, and publish where they are: on /tf, with covariances, as detections, and drawn into the\n"
+        "image. With --landmarks, where that puts the camera, too, which goes to the basestation over a bridge that\n"
+        "runs. With --json or --save nothing of ROS is needed.\n"
+        "After --ros-args: -r from:=to, -r __ns:=/x, -r __node:=n, --log-level LEVEL.",
+    )
+    add_source(parser)
+    parser.add_argument("--loop", action="store_true", help="play a recording again and again")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after so many frames")
+    _add_camera(parser)
+    _add_markers(parser)
+    _add_outputs(parser)
+    add_project(parser)
+    parser.set_defaults(run=run, takes_ros_args=True)
+
+
+def _add_camera(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--parameters",
+        type=Path,
+        default=Path("charuco_camera_params.yml"),
+        metavar="FILE",
+        help="the camera's parameters, as `roverlink aruco calibrate` writes them (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--rescale", action="store_true", help="take parameters of another image size, scaled to this one"
+    )
+    parser.add_argument("--camera-frame", default="camera_frame", metavar="NAME", help="(default: %(default)s)")
+
+
+def _add_markers(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--dictionary", default="DICT_5X5_250", metavar="NAME", help="(default: %(default)s)")
+    parser.add_argument(
+        "--side",
+        type=_side,
+        action="append",
+        default=[],
+        metavar="[ID=]METRES",
+        help="the black square's side, of all markers or of one (default: 0.05)",
+    )
+    parser.add_argument("--boards", type=Path, metavar="FILE", help="markers that are one landmark together")
+    parser.add_argument("--landmarks", type=Path, metavar="FILE", help="where the landmarks are on the field")
+    parser.add_argument(
+        "--marker-frame",
+        default="aruco_",
+        metavar="PREFIX",
+        help="a marker's frame is this and its number (%(default)s)",
+    )
+
+
+def _add_outputs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print an object a frame")
+    parser.add_argument("--save", type=Path, metavar="FILE", help="save a film with what was seen drawn into it")
+    parser.add_argument(
+        "--middleware",
+        choices=(*NAMES, NO_MIDDLEWARE),
+        help=f"auto: rclpy where it imports, else dds (default: auto, or {NO_MIDDLEWARE} with --json or --save)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Track until the source ends, or until a signal comes; then exit code 0."""
+    ros = ros_args.parse(arguments.ros_args, NODE)
+    if names := [name for name in ros.parameters if name != "use_sim_time"]:
+        raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options, see --help")
+    logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
+    if arguments.middleware is None:
+        arguments.middleware = NO_MIDDLEWARE if arguments.json or arguments.save else "auto"
+    from roverlink.tracking import track  # only here, so that the help needs no OpenCV
+
+    return track(arguments, ros, logger)
+
+
+def _side(text: str) -> tuple[int | None, float]:
+    """`0.15` for all markers, `7=0.1` for one."""
+    number, _, side = text.rpartition("=")
+    try:
+        found = (int(number) if number else None), float(side)
+    except ValueError:
+        found = None, math.nan
+    if not 0 < found[1] < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither metres above 0 nor ID=METRES")
+    return found

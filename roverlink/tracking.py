@@ -1,0 +1,151 @@
+"""What `roverlink aruco track` does: frames in, what they show out to ROS 2, to JSON and to a film."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+from roverlink.camera_source import open_source
+from roverlink.commands.aruco.track import NO_MIDDLEWARE
+from roverlink.console import OK, project_folder
+from roverlink.progress import progress
+from roverlink.tracking_log import TrackingLog
+from runtime import Registry, cdr, load_registry
+from runtime.errors import SetupError
+from runtime.middleware import Middleware, open_middleware
+from runtime.ros_args import RosArguments
+from vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
+from vision.boards import read_boards
+from vision.drawing import draw
+from vision.film import Film
+from vision.localization import FieldPose
+from vision.markers import SIDE
+from vision.messages import FrameNames
+from vision.parameters import read_parameters
+from vision.publishing import Publishing
+from vision.sources import Frame, FrameSource, play
+from vision.view import View, look
+
+ROVER = "BasestationRoverLocalization"
+"""The payload that tells the basestation where the rover is."""
+_SAME_SHAPE = 0.01
+"""By how much the ratio of width to height may differ between images that are scaled, and not cut."""
+
+Output = Callable[[View], None]
+
+
+def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
+    """Track until the source ends. Raises `SetupError` for what is missing."""
+    camera, markers = read_parameters(arguments.parameters), _markers(arguments)
+    landmarks = _landmarks(arguments, markers)
+    with ExitStack() as stack:
+        source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
+        size = next(iter(source)).image.shape[1::-1]
+        logger.info("%s: %dx%d pixels", source.name, *size)
+        camera = _fitted(camera, size, arguments.rescale, logger)
+        outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
+        log = stack.enter_context(TrackingLog(logger))
+        for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
+            log.add(view)
+            for output in outputs:
+                output(view)
+    return OK
+
+
+def _markers(arguments: argparse.Namespace) -> MarkerSet:
+    sides = dict(arguments.side)
+    boards = read_boards(arguments.boards) if arguments.boards else ()
+    return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
+
+
+def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks | None:
+    if not arguments.landmarks:
+        return None
+    landmarks = read_landmarks(arguments.landmarks)
+    for target in landmarks.places:
+        if not markers.is_target(target):
+            what = "board" if isinstance(target, str) else "marker of its own"
+            raise SetupError(f"{arguments.landmarks}: there is no {what} {target!r}")
+    return landmarks
+
+
+def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Frame]:
+    """The frames: a recording's as fast as can be, or where others listen, as if it were taken now."""
+    played = not source.live and (arguments.middleware != NO_MIDDLEWARE or arguments.loop)
+    frames = play(source, loop=arguments.loop) if played else iter(source)
+    frames = itertools.islice(frames, arguments.count)
+    total = None if arguments.loop else source.total
+    with progress(source.name) as report:
+        for done, frame in enumerate(frames, 1):
+            yield frame
+            if total:
+                report(done, total)
+
+
+def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
+    """The camera at the size of the images that come. Raises `SetupError` where its parameters are of another."""
+    width, height = size
+    if camera.size == size:
+        return camera
+    if camera.size is None and not rescale:
+        logger.warning("the parameters do not say for which image size they are; taken for %dx%d", width, height)
+        return camera
+    scaled = camera.scaled(size) if rescale else None
+    was = "{}x{}".format(*(camera.size or ()))
+    if scaled is None:
+        raise SetupError(
+            f"the parameters are for images of {was} pixels, and these have {width}x{height}; calibrate at this size, "
+            "or scale them with --rescale if the camera makes its images smaller, and does not cut them"
+        )
+    ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
+    if abs(ratio - 1) > _SAME_SHAPE:
+        raise SetupError(
+            f"images of {width}x{height} pixels are no smaller or larger ones of {was}: they were cut or stretched; "
+            "calibrate at this size"
+        )
+    logger.warning("the parameters are scaled from images of %s pixels to %dx%d", was, width, height)
+    return scaled
+
+
+def _outputs(
+    arguments: argparse.Namespace,
+    source: FrameSource,
+    camera: CameraParameters,
+    ros: RosArguments,
+    logger: logging.Logger,
+    stack: ExitStack,
+) -> Iterator[Output]:
+    if arguments.json:
+        yield lambda view: print(json.dumps(view.as_dict()), flush=True)
+    if arguments.save:
+        film = stack.enter_context(Film(arguments.save, source.rate))
+        yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
+    if arguments.middleware != NO_MIDDLEWARE:
+        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
+        names = FrameNames(arguments.camera_frame, arguments.marker_frame)
+        yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
+        if arguments.landmarks:
+            tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
+            yield lambda view: tell(view.place) if view.place else None
+
+
+def place_teller(
+    middleware: Middleware, registry: Registry, topic: Callable[[str], str], say: Callable[[str], None] = lambda _: None
+) -> Callable[[FieldPose], None]:
+    """What publishes where the rover is, on the topic that the bridge forwards to the basestation."""
+    handler = next((one for one in registry.handlers if one.payload_type.DESCRIPTOR.name == ROVER), None)
+    if handler is None:
+        say(f"the table has no row of {ROVER}: the basestation is not told where the rover is")
+        return lambda _: None
+    route, message_type = handler.route, handler.message_type
+    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
+
+    def tell(place: FieldPose) -> None:
+        x, y, z = place.pose.translation.tolist()
+        publish([cdr.encode(message_type(x=x, y=y, z=z))])
+
+    return tell

@@ -1,0 +1,210 @@
+"""Where frames come from."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections.abc import Callable, Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from runtime.errors import SetupError
+from vision.sources import open_source
+
+SIZE = (96, 64)
+PATIENCE_S = 20.0
+
+
+def _image(grey: int) -> NDArray[np.uint8]:
+    return np.full((SIZE[1], SIZE[0], 3), grey, np.uint8)
+
+
+class Webcam:
+    """A phone with an app: a page at /, a stream of JPEGs at /video, of as many frames as it is told."""
+
+    def __init__(self, frames: int) -> None:
+        self.frames, self.hang, self.visits = frames, False, 0
+        self._released = threading.Event()
+        webcam = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def log_message(self, *_: object) -> None:
+                pass
+
+            def do_GET(self) -> None:
+                webcam.answer(self)
+
+        self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self.address = f"127.0.0.1:{self._server.server_port}"
+        threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True).start()
+
+    def answer(self, to: BaseHTTPRequestHandler) -> None:
+        """Send the page, or a stream."""
+        video = to.path == "/video"
+        to.send_response(200)
+        to.send_header("Content-Type", "multipart/x-mixed-replace; boundary=next" if video else "text/html")
+        to.end_headers()
+        if not video:
+            to.wfile.write(b"<html>The app</html>")
+            return
+        self.visits += 1
+        for index in range(self.frames):
+            jpeg = cv2.imencode(".jpg", _image(index % 200))[1].tobytes()
+            to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
+            to.wfile.write(jpeg + b"\r\n")
+            time.sleep(0.01)
+        if self.hang:
+            self._released.wait(PATIENCE_S)
+
+    def close(self) -> None:
+        """Be gone."""
+        self._released.set()
+        self._server.shutdown()
+        self._server.server_close()
+
+
+@pytest.fixture
+def webcam() -> Iterator[Callable[[int], Webcam]]:
+    webcams: list[Webcam] = []
+
+    def start(frames: int) -> Webcam:
+        webcams.append(Webcam(frames))
+        return webcams[-1]
+
+    yield start
+    for one in webcams:
+        one.close()
+
+
+def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path: Path) -> None:
+    """10 comes after 2, other files are no frames, and the stamps are the rate's."""
+    for number in (10, 2, 1):
+        cv2.imwrite(str(tmp_path / f"view{number}.png"), _image(number))
+    (tmp_path / "notes.txt").write_text("no image")
+    with open_source(str(tmp_path), rate=10) as source:
+        frames = list(source)
+        assert (source.live, source.total) == (False, 3)
+    assert [int(frame.image[0, 0, 0]) for frame in frames] == [1, 2, 10]
+    assert [frame.stamp for frame in frames] == [0, 100_000_000, 200_000_000]
+    assert [frame.number for frame in frames] == [0, 1, 2]
+
+
+def test_a_single_image_is_a_source(tmp_path: Path) -> None:
+    """A picture is a recording of one frame."""
+    cv2.imwrite(str(tmp_path / "one.png"), _image(7))
+    with open_source(str(tmp_path / "one.png")) as source:
+        assert [frame.image.shape for frame in source] == [(SIZE[1], SIZE[0], 3)]
+
+
+def test_a_video_has_the_stamps_that_are_in_it(tmp_path: Path) -> None:
+    """Every frame of the file comes once, stamped by its place in the film."""
+    film = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter_fourcc(*"MJPG"), 20, SIZE)
+    for index in range(8):
+        writer.write(_image(20 * index))
+    writer.release()
+    with open_source(str(film)) as source:
+        frames = list(source)
+        assert source.total == 8
+    assert [frame.stamp for frame in frames] == [round(index * 5e7) for index in range(8)]
+    assert [round(float(frame.image.mean()) / 20) for frame in frames] == list(range(8))
+
+
+@pytest.mark.parametrize(
+    ("name", "contents", "expected"),
+    [
+        ("empty", None, "has no images; looked for .bmp"),
+        ("film.mp4", b"no film", "cannot be opened as a video"),
+        ("one.png", b"no image", "cannot be read as an image"),
+    ],
+)
+def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes | None, expected: str) -> None:
+    """A folder without images and a file that is damaged are named."""
+    path = tmp_path / name
+    if contents is None:
+        path.mkdir()
+    else:
+        path.write_bytes(contents)
+    with pytest.raises(SetupError, match=f"{re.escape(str(path))}.*{expected}"), open_source(str(path)) as source:
+        list(source)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("film.mp4", "no file or folder 'film.mp4'"),
+        ("frames/run1", "no file or folder 'frames/run1'"),
+        ("", "the number of a camera, or a URL"),
+        ("ftp://rover/film", "not by ftp"),
+        ("99", "camera 99 cannot be opened"),
+        ("/dev/video98", "camera 98 cannot be opened"),
+        ("rtsp://127.0.0.1:1/live", "rtsp://127.0.0.1:1/live cannot be opened"),
+        ("127.0.0.1:1", "http://127.0.0.1:1 cannot be opened"),
+    ],
+)
+def test_what_is_not_there_is_told(text: str, expected: str) -> None:
+    """A name that stands for nothing, a camera and a stream that are not there: each says which it is."""
+    with pytest.raises(SetupError, match=expected):
+        open_source(text)
+
+
+def test_a_webcam_is_found_by_its_address(webcam: Callable[[int], Webcam]) -> None:
+    """Neither the scheme nor the path of the app's stream has to be typed; frames are stamped as they come."""
+    before = time.time_ns()
+    with open_source(webcam(10_000).address) as source:
+        frames = [frame for _, frame in zip(range(5), source)]
+        assert source.live
+    stamps = [before, *(frame.stamp for frame in frames), time.time_ns()]
+    assert stamps == sorted(stamps)
+    numbers = [frame.number for frame in frames]
+    assert numbers == sorted(set(numbers))
+
+
+def test_only_the_newest_frame_waits(webcam: Callable[[int], Webcam]) -> None:
+    """Who takes long is given what is new, not what has waited; the numbers tell what was passed over."""
+    with open_source(webcam(10_000).address) as source:
+        frames = iter(source)
+        first = next(frames)
+        time.sleep(0.5)
+        next(frames)  # it came while we slept, just now
+        asked = time.time_ns()
+        second = next(frames)
+    assert second.stamp > asked - 100_000_000
+    assert second.number > first.number + 5
+
+
+@pytest.mark.parametrize("hangs", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_stream_that_goes_is_opened_again(webcam: Callable[[int], Webcam], hangs: bool) -> None:
+    """It says that the stream ended or stalled, and that it is back; the frames go on and so do their numbers."""
+    phone, said = webcam(5), list[str]()
+    phone.hang = hangs
+    with open_source(phone.address, say=said.append) as source:
+        numbers = []
+        for frame in source:
+            numbers.append(frame.number)
+            if phone.visits == 2:
+                break
+    assert ("has stalled: no frame for 3 s" if hangs else "has ended") in said[0]
+    assert "is back after" in said[1]
+    assert numbers == sorted(set(numbers))
+
+
+def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[int], Webcam]) -> None:
+    """The pauses double, and it says so; closing the source ends the wait at once."""
+    phone, said = webcam(5), list[str]()
+    source = open_source(phone.address, say=said.append)
+    with source:
+        phone.close()
+        deadline = time.monotonic() + PATIENCE_S
+        while len(said) < 3 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        closing = time.monotonic()
+    assert time.monotonic() - closing < 0.5
+    assert [text.rpartition("not there; ")[2] for text in said[1:3]] == ["trying again in 1 s", "trying again in 2 s"]
+    assert list(source) == []

@@ -1,0 +1,80 @@
+"""Draws what was seen into the image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vision._opencv import cv2
+from vision.camera import CameraParameters, Floats
+from vision.detection import Image
+from vision.localization import FieldPose
+from vision.tracking import Sighting
+
+Colour = tuple[int, int, int]
+
+SEEN: Colour = (80, 220, 60)
+"""Blue, green, red: the outline of a landmark."""
+REJECTED: Colour = (40, 40, 235)
+"""The outline of a landmark that does not fit the others."""
+AXES: tuple[Colour, Colour, Colour] = ((40, 40, 235), (60, 200, 60), (235, 120, 40))
+"""x red, y green, z blue, as RViz has them."""
+_INK, _PAPER = (255, 255, 255), (30, 30, 30)
+_SHIFT = 4  # OpenCV draws at sixteenths of a pixel
+_LINE = 720  # pixels of height that a line of one pixel suits
+_FONT = 0
+
+
+def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
+    """A copy of an image (H, W, 3) with each landmark's outline, axes, name and distance, and the camera's place."""
+    drawn: Image = image.copy()
+    rejected = place.rejected if place else ()
+    for one in sightings:
+        _outline(drawn, one, REJECTED if one.id in rejected else SEEN)
+        _axes(drawn, camera, one)
+        low = one.corners.min(axis=0)
+        _write(drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * _width(drawn)))
+    if place:
+        x, y, z = place.pose.translation
+        text = f"{place.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(place.used)}"
+        _write(drawn, text, (6 * _width(drawn), drawn.shape[0] - 8 * _width(drawn)))
+    return drawn
+
+
+def _width(image: Image) -> int:
+    height: int = image.shape[0]
+    return max(1, round(height / _LINE))
+
+
+def _outline(image: Image, one: Sighting, colour: Colour) -> None:
+    for corners in one.corners.reshape(-1, 4, 2):
+        cv2.polylines(image, [_fixed(corners)], True, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+        cv2.circle(image, _fixed(corners[0]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
+
+
+def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
+    """The landmark's axes at its own origin, half as long as a marker's side."""
+    length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
+    ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
+    if not np.isfinite(ends).all():
+        return
+    start, *tips = _fixed(ends).tolist()
+    for tip, colour in zip(tips, AXES):
+        cv2.line(image, start, tip, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+
+
+def _write(image: Image, text: str, place: tuple[float, float]) -> None:
+    """Light on dark, whatever is behind it, and wholly in the image."""
+    width = _width(image)
+    (long, high), _ = cv2.getTextSize(text, _FONT, 0.5 * width, width)
+    x = int(np.clip(place[0], 0, max(image.shape[1] - long, 0)))
+    y = int(np.clip(place[1], high + 2 * width, image.shape[0]))
+    for colour, thickness in ((_PAPER, 3 * width), (_INK, width)):
+        cv2.putText(image, text, (x, y), _FONT, 0.5 * width, colour, thickness, cv2.LINE_AA)
+
+
+def _fixed(points: Floats) -> Floats:
+    """Pixels as OpenCV wants them with `_SHIFT`."""
+    fixed: Floats = np.rint(points * (1 << _SHIFT)).astype(np.int32)
+    return fixed

@@ -1,0 +1,140 @@
+"""What was seen, as ROS 2 messages.
+
+A marker's frame has x to the right of the print, y up and z out of it; the camera's is the optical one (REP-103).
+Covariances are about the axes of the frame that the pose is given in, as `geometry_msgs/PoseWithCovariance` has it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from runtime.errors import SetupError
+from runtime.interfaces import Header, Time
+from vision import interfaces as ros
+from vision._opencv import cv2
+from vision.camera import CameraParameters, Floats
+from vision.detection import Image
+from vision.localization import FieldPose
+from vision.markers import TargetId
+from vision.parameters import model_name
+from vision.pose import Pose, Solution, quaternion_of
+from vision.tracking import Sighting
+
+_QUALITY = 80  # of JPEG
+
+
+@dataclass(frozen=True, slots=True)
+class FrameNames:
+    """The names of the coordinate frames."""
+
+    camera: str = "camera_frame"
+    marker: str = "aruco_"
+    """What comes before a marker's number, or before a board's name."""
+
+    def of(self, target: TargetId) -> str:
+        """The frame of a landmark."""
+        return f"{self.marker}{target}"
+
+
+def header_of(stamp: int, frame: str) -> Header:
+    """A header with nanoseconds since 1970."""
+    return Header(Time(stamp // 10**9, stamp % 10**9), frame)
+
+
+def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> ros.TFMessage:
+    """Where each landmark is in the camera's frame, for tf2."""
+    return ros.TFMessage(
+        [
+            ros.TransformStamped(
+                header_of(one.stamp, names.camera),
+                names.of(one.id),
+                ros.Transform(ros.Vector3(*_plain(one.pose.translation)), _quaternion(one.pose)),
+            )
+            for one in sightings
+        ]
+    )
+
+
+def marker_pose_of(one: Sighting, names: FrameNames) -> ros.PoseWithCovarianceStamped:
+    """Where a landmark is in the camera's frame."""
+    pose = _with_covariance(one.pose, one.covariance)
+    return ros.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
+
+
+def camera_pose_of(place: FieldPose, stamp: int) -> ros.PoseWithCovarianceStamped:
+    """Where the camera is on the field."""
+    pose = _with_covariance(place.pose, place.covariance)
+    return ros.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
+
+
+def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> ros.Detection3DArray:
+    """The landmarks in a frame, with both poses of each: the first result is the one that was decided for."""
+    header = header_of(stamp, names.camera)
+    return ros.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
+
+
+def camera_info_of(camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames) -> ros.CameraInfo:
+    """The camera's parameters, for images of `size` (width, height) that nobody has rectified."""
+    width, height = size
+    return ros.CameraInfo(
+        header=header_of(stamp, names.camera),
+        height=height,
+        width=width,
+        distortion_model=model_name(camera),
+        d=_plain(camera.distortion),
+        k=_plain(camera.matrix.ravel()),
+        r=_plain(np.eye(3).ravel()),
+        p=_plain(np.column_stack([camera.matrix, np.zeros(3)]).ravel()),
+    )
+
+
+def compressed_of(image: Image, stamp: int, names: FrameNames) -> ros.CompressedImage:
+    """An image (H, W, 3) as JPEG. Raises `SetupError` for one that JPEG cannot hold."""
+    done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+    if not done:
+        raise SetupError(f"an image of {image.shape[1]}x{image.shape[0]} pixels cannot be compressed")
+    return ros.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
+
+
+def _detection(one: Sighting, header: Header, names: FrameNames) -> ros.Detection3D:
+    ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
+    results = [
+        ros.ObjectHypothesisWithPose(
+            ros.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
+            _with_covariance(solution.pose, solution.covariance),
+        )
+        for solution in ordered
+    ]
+    low, high = one.seen.points.min(axis=0), one.seen.points.max(axis=0)
+    centre = Pose(one.pose.rotation, one.pose.apply((low + high) / 2))
+    return ros.Detection3D(
+        header, results, ros.BoundingBox3D(_pose(centre), ros.Vector3(*_plain(high - low))), names.of(one.id)
+    )
+
+
+def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
+    """How likely this frame alone makes a solution among all, from their chi squared."""
+    least = min(one.chi2 for one in solutions)
+    weights = [math.exp((least - one.chi2) / 2) for one in solutions]
+    return math.exp((least - solution.chi2) / 2) / sum(weights)
+
+
+def _with_covariance(pose: Pose, covariance: Floats) -> ros.PoseWithCovariance:
+    return ros.PoseWithCovariance(_pose(pose), _plain(covariance.ravel()))
+
+
+def _pose(pose: Pose) -> ros.Pose:
+    return ros.Pose(ros.Point(*_plain(pose.translation)), _quaternion(pose))
+
+
+def _quaternion(pose: Pose) -> ros.Quaternion:
+    return ros.Quaternion(*_plain(quaternion_of(pose.rotation)))
+
+
+def _plain(values: Floats) -> list[float]:
+    numbers: list[float] = values.astype(float).tolist()
+    return numbers
