@@ -1,0 +1,58 @@
+"""Boards of several markers, from their file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from runtime.errors import SetupError
+from vision import MarkerSet
+from vision.boards import read_boards
+
+_GATE = """\
+boards:
+  gate:
+    side: 0.1
+    markers:
+      20: {position: [-0.2, 0, 0], rpy: [0, 0, 0]}
+      21: {position: [0.2, 0, 0], rpy: [0, 0, 90], side: 0.2}
+"""
+
+
+def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
+    """A marker's centre is at its position, its axes are turned, and its side is its own or the board's."""
+    path = tmp_path / "boards.yaml"
+    path.write_text(_GATE)
+    (gate,) = read_boards(path)
+    assert gate.name == "gate"
+    assert gate.corners[20] == pytest.approx(
+        np.array([[-0.25, 0.05, 0], [-0.15, 0.05, 0], [-0.15, -0.05, 0], [-0.25, -0.05, 0]])
+    )
+    # turned left by a quarter, the upper left corner is the lower left one
+    assert gate.corners[21] == pytest.approx(np.array([[0.1, -0.1, 0], [0.1, 0.1, 0], [0.3, 0.1, 0], [0.3, -0.1, 0]]))
+    markers = MarkerSet(boards=(gate,))
+    assert [markers.is_target(one) for one in ("gate", 20, 7, "wall", 250)] == [True, False, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("boards: {}", "has no boards"),
+        ("gates: {}", "unknown key 'gates'; did you mean|unknown key 'gates'; there are boards"),
+        ("boards: {7: {}}", "board 7: a board's name is no number"),
+        ("boards: {gate: {markers: 3}}", "board gate has no markers"),
+        ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is no marker's number"),
+        (_GATE.replace("    side: 0.1\n", ""), "board gate: 20: the side is None"),
+        (_GATE.replace("side: 0.2", "side: -1"), "board gate: 21: the side is -1"),
+        (_GATE.replace("position: [0.2, 0, 0], ", ""), "board gate: 21 has no position"),
+        ("[", "cannot read the boards"),
+    ],
+)
+def test_a_board_that_cannot_be_is_told(tmp_path: Path, text: str, expected: str) -> None:
+    """The file and the place in it are named."""
+    path = tmp_path / "boards.yaml"
+    path.write_text(text)
+    with pytest.raises(SetupError, match=expected):
+        read_boards(path)
