@@ -50,6 +50,11 @@ class Region:
     bottom: int
 
 
+def to_grey(image: Image) -> Image:
+    """An image (H, W) or, blue green red, (H, W, 3) as one of grey (H, W)."""
+    return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+
+
 class Detector:
     """OpenCV's detector, set up for each way to look."""
 

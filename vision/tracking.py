@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from runtime.errors import SetupError
-from vision._opencv import cv2
 from vision.camera import CameraParameters, Floats
-from vision.detection import Detection, Detector, Image, Region
+from vision.detection import Detection, Detector, Image, Region, to_grey
 from vision.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from vision.flips import Flips
 from vision.markers import MarkerSet, TargetId
@@ -121,7 +120,7 @@ class Tracker:
             )
         if image.dtype != np.uint8 or image.ndim not in (2, 3):
             raise SetupError(f"an image has 8 bits, (H, W) or (H, W, 3); this is {image.dtype} of {image.shape}")
-        return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+        return to_grey(image)
 
     def _forget(self, stamp: int) -> None:
         self._tracks = {

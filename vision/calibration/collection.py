@@ -71,7 +71,10 @@ class Collection:
         return len(self._views) >= self.wanted and not self.missing
 
     def offer(self, image: Image, stamp_ns: int, name: str = "") -> Offer:
-        """Look at a frame (H, W) of a stream, grey; take it if the board is still and the view adds something."""
+        """Look at a frame of a stream, grey (H, W) or in colours (H, W, 3).
+
+        It is taken if the board is still and the view adds something.
+        """
         return self._consider(self._detector.find(image, name, stamp_ns), force=False)
 
     def take(self, image: Image, stamp_ns: int, name: str = "") -> Offer:

@@ -32,8 +32,7 @@ COEFFICIENTS = {
     Model.EQUIDISTANT: ("k1", "k2", "k3", "k4"),
 }
 
-INTERVAL = 1.96
-"""Standard deviations to each side of a parameter that hold the truth in 95 % of calibrations."""
+_NORMAL_QUANTILE = 1.96  # 97.5 %
 _GRID = 15
 
 
@@ -93,6 +92,11 @@ class Calibration:
     def deviations(self) -> Floats:
         """Standard deviations (P,) of the parameters."""
         return np.sqrt(self.covariance.diagonal())
+
+    @property
+    def interval(self) -> float:
+        """How many standard deviations to each side of a parameter hold the truth in 95 % of calibrations."""
+        return _NORMAL_QUANTILE
 
     def uncertainty(self, pixels: Floats) -> Floats:
         """Standard deviation (...,) in pixels, over both axes, of where the rays of pixels (..., 2) are seen.

@@ -12,7 +12,7 @@ from vision._opencv import cv2
 from vision.calibration.board import CharucoBoard
 from vision.calibration.saddles import Sites, find_saddles
 from vision.camera import Floats
-from vision.detection import Image
+from vision.detection import Image, to_grey
 
 FEWEST_CORNERS = 8
 """A view with fewer corners says little, and hides what is wrong with it."""
@@ -63,7 +63,8 @@ class BoardDetector:
         self._detector: Any = cv2.aruco.CharucoDetector(board.opencv)
 
     def find(self, image: Image, name: str = "", stamp_ns: int = 0) -> View:
-        """The corners that are seen in a grey image (H, W); there may be none."""
+        """The corners that are seen in an image, grey (H, W) or in colours (H, W, 3); there may be none."""
+        image = to_grey(image)
         height, width = image.shape
         ids, corners = self._detect(image)
         axes = self._axes(ids, corners)

@@ -11,5 +11,6 @@ closed, and their frames are stamped with the time at which they were taken.
 from vision.sources.frame import RATE, Frame, FrameSource
 from vision.sources.naming import open_source
 from vision.sources.playing import play
+from vision.sources.recorded import ImageFiles
 
-__all__ = ["RATE", "Frame", "FrameSource", "open_source", "play"]
+__all__ = ["RATE", "Frame", "FrameSource", "ImageFiles", "open_source", "play"]

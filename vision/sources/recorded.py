@@ -34,12 +34,12 @@ class ImageFiles(_Recorded):
         found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
         if not found:
             raise SetupError(f"{path} has no images; looked for {' '.join(sorted(IMAGES))}")
-        self._paths = sorted(found, key=_natural)
+        self.paths = sorted(found, key=_natural)
         super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
         """The images. Raises `SetupError` at one that cannot be read."""
-        for number, path in enumerate(self._paths):
+        for number, path in enumerate(self.paths):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
             if image is None:
                 raise SetupError(f"{path} cannot be read as an image")

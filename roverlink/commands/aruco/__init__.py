@@ -6,7 +6,7 @@ import importlib
 
 from roverlink.console import Subparsers, command
 
-_COMMANDS = ("track",)
+_COMMANDS = ("track", "calibrate", "board")
 
 
 def add(commands: Subparsers) -> None:

@@ -1,0 +1,102 @@
+"""``roverlink aruco board``: boards and markers to print."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from roverlink.board_options import add_board, board_of, metres
+from roverlink.console import OK, Subparsers, command, counted
+from runtime.errors import SetupError
+
+if TYPE_CHECKING:
+    from vision.printing import Sheet
+
+_PAPERS = ("A0", "A1", "A2", "A3", "A4", "letter", "tabloid")
+_FORMATS = (".pdf", ".png")
+_MARKERS = "DICT_5X5_250"
+_RANGE = re.compile(r"(\d{1,4})(?:-(\d{1,4}))?")
+
+
+def add(commands: Subparsers) -> None:
+    """Declare the command."""
+    parser = command(
+        commands,
+        "board",
+        "print a ChArUco board, or markers, to true scale",
+        "roverlink aruco board --paper A3 --square 0.036 --marker 0.027 --out board.pdf",
+        "Write a ChArUco board for `roverlink aruco calibrate`, or with --markers the markers themselves, to be\n"
+        "printed to true scale (in the print dialogue: 100 %, or actual size). The rulers on the sheet check the\n"
+        "printer.",
+    )
+    add_board(parser)
+    parser.add_argument(
+        "--markers",
+        type=_numbers,
+        metavar="IDS",
+        help=f"print these markers instead, such as 0-5,20 (dictionary by default: {_MARKERS})",
+    )
+    parser.add_argument(
+        "--side", type=metres, default=0.05, metavar="METRES", help="side of each of those (default: %(default)s)"
+    )
+    parser.add_argument("--paper", choices=_PAPERS, default="A4", help="(default: %(default)s)")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help=".pdf or .png (default: charuco_board.pdf or markers.pdf)"
+    )
+    parser.add_argument("--dpi", type=_dpi, default=600.0, help="pixels an inch of a PNG (default: %(default)g)")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the file."""
+    out: Path = arguments.out or Path("markers.pdf" if arguments.markers else "charuco_board.pdf")
+    if out.suffix.lower() not in _FORMATS:
+        raise SetupError(f"{out}: a sheet is written as {' or '.join(_FORMATS)}")
+    from vision import printing  # only here, so that the help needs no OpenCV
+    from vision.files import write_whole
+
+    sheets = _sheets(arguments)
+    if out.suffix.lower() == ".pdf":
+        content = printing.to_pdf(sheets)
+    elif len(sheets) == 1:
+        content = printing.to_png(sheets[0], arguments.dpi)
+    else:
+        raise SetupError(f"{out}: the markers need {len(sheets)} sheets, and a PNG is one; write a PDF")
+    write_whole(out, content)
+    print(f"{out}: {counted(len(sheets), 'sheet')} of {arguments.paper}; print at 100 %, and check the rulers")
+    return OK
+
+
+def _sheets(arguments: argparse.Namespace) -> list[Sheet]:
+    from vision.markers import MarkerSet
+    from vision.printing import board_sheet, marker_sheets
+
+    if arguments.markers:
+        sides = dict.fromkeys(arguments.markers, arguments.side)
+        markers = MarkerSet(arguments.dictionary or _MARKERS, side=None, sides=sides)
+        return marker_sheets(markers, arguments.markers, arguments.paper)
+    return [board_sheet(board_of(arguments), arguments.paper)]
+
+
+def _numbers(text: str) -> list[int]:
+    """`0-5,20` as numbers, in their order."""
+    numbers: list[int] = []
+    for part in text.split(","):
+        found = _RANGE.fullmatch(part.strip())
+        first, last = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
+        if first > last:
+            raise argparse.ArgumentTypeError(f"{text!r} are no numbers of markers such as 0-5,20")
+        numbers += range(first, last + 1)
+    return list(dict.fromkeys(numbers))
+
+
+def _dpi(text: str) -> float:
+    try:
+        found = float(text)
+    except ValueError:
+        found = 0.0
+    if not 30 <= found <= 4800:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a resolution of 30 to 4800 pixels an inch")
+    return found

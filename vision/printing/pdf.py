@@ -1,0 +1,68 @@
+"""Sheets as PDF (ISO 32000): rectangles and words need so little of it that a library would bring more than it spares.
+
+The same sheets give the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from vision.printing.sheet import Sheet
+
+_POINTS = 72 / 0.0254
+"""A metre in the units of PDF."""
+_CAPITALS = 0.718
+"""Height of Helvetica's capitals in parts of its size, by its metrics (Adobe, AFM)."""
+_FIRST_PAGE = 4  # after the catalogue, the list of pages and the font
+
+
+def to_pdf(sheets: Sequence[Sheet]) -> bytes:
+    """A page a sheet, in black. A viewer prints it to scale if it is told 100 %, or actual size."""
+    pages = " ".join(f"{_FIRST_PAGE + 2 * index} 0 R" for index in range(len(sheets)))
+    objects = [
+        # asks viewers not to shrink the page to what the printer can reach
+        "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+        f"<< /Type /Pages /Kids [{pages}] /Count {len(sheets)} >>",
+        "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
+    ]
+    for sheet in sheets:
+        box = f"0 0 {_number(sheet.width)} {_number(sheet.height)}"
+        content = "\n".join(_content(sheet))
+        objects.append(
+            f"<< /Type /Page /Parent 2 0 R /MediaBox [{box}] /Contents {len(objects) + 2} 0 R "
+            "/Resources << /Font << /F 3 0 R >> >> >>"
+        )
+        objects.append(f"<< /Length {len(content)} >>\nstream\n{content}\nendstream")
+    return _file(objects)
+
+
+def _content(sheet: Sheet) -> Iterator[str]:
+    yield "0 g"
+    for one in sheet.rectangles:
+        bottom = sheet.height - one.top - one.height
+        yield f"{_number(one.left)} {_number(bottom)} {_number(one.width)} {_number(one.height)} re"
+    yield "f"  # all at once: between shapes that are filled one by one, viewers show seams
+    for label in sheet.labels:
+        size, place = _number(label.height / _CAPITALS), f"{_number(label.left)} {_number(sheet.height - label.base)}"
+        yield f"BT /F {size} Tf {place} Td ({_escaped(label.text)}) Tj ET"
+
+
+def _file(objects: Sequence[str]) -> bytes:
+    body, places = "%PDF-1.6\n", []
+    for number, text in enumerate(objects, 1):
+        places.append(len(body))
+        body += f"{number} 0 obj\n{text}\nendobj\n"
+    table = "".join(f"{place:010} 00000 n \n" for place in places)
+    size = len(objects) + 1
+    body += f"xref\n0 {size}\n0000000000 65535 f \n{table}"
+    body += f"trailer\n<< /Size {size} /Root 1 0 R >>\nstartxref\n{body.index('xref')}\n%%EOF\n"
+    return body.encode("ascii")
+
+
+def _number(metres: float) -> str:
+    """A length in PDF's units, to a tenth of a micrometre."""
+    return f"{metres * _POINTS:.4f}".rstrip("0").rstrip(".")
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")

@@ -1,0 +1,43 @@
+"""Sheets as PNG: edges are rounded to pixels, and the file says how large a pixel is."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+
+from runtime.errors import SetupError
+from vision._opencv import cv2
+from vision.printing.sheet import Sheet
+
+_INCH = 0.0254
+_HEADER = 8 + 25
+"""Bytes of PNG's signature and of its first chunk, IHDR."""
+_LARGEST = 30_000
+"""Pixels a side; more is a mistake."""
+
+
+def to_png(sheet: Sheet, dpi: float) -> bytes:
+    """An image of so many pixels an inch. Raises `SetupError` for one that is too large."""
+    scale = dpi / _INCH
+    width, height = round(sheet.width * scale), round(sheet.height * scale)
+    if max(width, height) > _LARGEST:
+        raise SetupError(f"an image of {width}x{height} pixels; write a PDF, or take fewer than {dpi:g} DPI")
+    image = np.full((height, width), 255, np.uint8)
+    for one in sheet.rectangles:
+        left, right = round(one.left * scale), round((one.left + one.width) * scale)
+        top, bottom = round(one.top * scale), round((one.top + one.height) * scale)
+        image[top:bottom, left:right] = 0
+    for label in sheet.labels:
+        size = cv2.getFontScaleFromHeight(cv2.FONT_HERSHEY_SIMPLEX, max(1, round(label.height * scale)))
+        place = (round(label.left * scale), round(label.base * scale))
+        cv2.putText(image, label.text, place, cv2.FONT_HERSHEY_SIMPLEX, size, 0, 1, cv2.LINE_AA)
+    return _with_resolution(bytes(cv2.imencode(".png", image)[1]), scale)
+
+
+def _with_resolution(png: bytes, pixels_a_metre: float) -> bytes:
+    """A PNG with the chunk that says how large its pixels are, which OpenCV does not write."""
+    data = b"pHYs" + struct.pack(">IIB", round(pixels_a_metre), round(pixels_a_metre), 1)
+    chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
+    return png[:_HEADER] + chunk + png[_HEADER:]
