@@ -27,6 +27,7 @@ PSF_SIGMA = 0.8
 NOISE_SIGMA = 2.0
 """Standard deviation of the noise in grey levels."""
 _MARGIN = 5  # pixels around a print that its blurred rim may reach
+_TILE = 64  # pixels a side that are painted together: what is computed of them stays in the processor's cache
 _OUTLINE = 16  # points on each side of a print's outline, which a lens may bend
 
 
@@ -179,16 +180,32 @@ def _paint(frame: NDArray[np.float32], lens: Lens, plane: Print, pose: Pose, psf
     rim = outline(lens, plane, pose)
     left, top = np.maximum(np.floor(rim.min(axis=0)).astype(int) - _MARGIN, 0)
     right, bottom = np.minimum(np.ceil(rim.max(axis=0)).astype(int) + _MARGIN + 1, (width, height))
-    if left >= right or top >= bottom:
-        return
-    place = frame[top:bottom, left:right]
-    grey, cover = _sample(plane, pose, _ray_grid(lens, left, top, right - left, bottom - top))
+    before = frame.copy()
+    for row in range(top, bottom, _TILE):
+        for column in range(left, right, _TILE):
+            tile = (slice(row, min(row + _TILE, bottom)), slice(column, min(column + _TILE, right)))
+            around = tuple(slice(max(part.start - _MARGIN, 0), part.stop + _MARGIN) for part in tile)
+            inside = tuple(
+                slice(part.start - whole.start, part.stop - whole.start) for part, whole in zip(tile, around)
+            )
+            rays = _ray_grid(lens, around[1].start, around[0].start, *before[around].shape[::-1])
+            frame[tile] = _painted(before[around], plane, pose, rays, psf_sigma)[inside]
+
+
+def _painted(
+    place: NDArray[np.float32], plane: Print, pose: Pose, rays: Floats, psf_sigma: float
+) -> NDArray[np.float32]:
+    """A part of a frame (H, W) with the print before it, exact but for `_MARGIN` pixels at the rim."""
+    grey, cover = _sample(plane, pose, rays)
+    if not cover.any():
+        return place
     behind = cv2.resize(place, None, fx=RAYS, fy=RAYS, interpolation=cv2.INTER_LINEAR)
     seen = behind + cover * (grey - behind)
     blurred = cv2.GaussianBlur(seen, (0, 0), psf_sigma * RAYS, borderType=cv2.BORDER_REPLICATE)
     mean = blurred.reshape(place.shape[0], RAYS, place.shape[1], RAYS).mean(axis=(1, 3))
     near = cv2.GaussianBlur(cover, (0, 0), psf_sigma * RAYS).reshape(*place.shape[:1], RAYS, -1, RAYS).max(axis=(1, 3))
-    place[:] = np.where(near > 1e-4, mean, place)  # the background is blurred already
+    painted: NDArray[np.float32] = np.where(near > 1e-4, mean, place)  # the background is blurred already
+    return painted
 
 
 def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Floats:
