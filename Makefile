@@ -42,7 +42,7 @@ lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is wh
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench
 
-bench-vision: $(VENV)/ready-bench-vision  ## accuracy and speed of marker poses on rendered frames, beside OpenCV
+bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames: accuracy, speed, beside OpenCV
 	$(BIN)/python -m bench.vision
 
 generate: $(VENV)/ready  ## compile mapping.yaml

@@ -19,7 +19,7 @@ from vision.markers import MarkerSet
 
 Image = NDArray[np.uint8]
 
-_CELL = 8
+CELL = 8
 """Pixels to which OpenCV resamples a bit before it reads it; its 4 loses markers below 30 pixels."""
 _WINDOWS = (7, 23, 16)
 """Smallest and largest window of the adaptive threshold, and the step between, at full resolution."""
@@ -110,6 +110,6 @@ def _parameters(windows: tuple[int, int, int], longest: int) -> Any:
     parameters.adaptiveThreshWinSizeMin = windows[0]
     parameters.adaptiveThreshWinSizeMax = windows[1]
     parameters.adaptiveThreshWinSizeStep = windows[2]
-    parameters.perspectiveRemovePixelPerCell = _CELL
+    parameters.perspectiveRemovePixelPerCell = CELL
     parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
     return parameters

@@ -17,14 +17,16 @@ from runtime.errors import SetupError
 POSES, QUICK_POSES = 200, 30
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50
 DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
+CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
+"""Runs of large images, and of the small ones that the intervals are judged by."""
 PLAIN_WIDTH = 130  # columns, where the output is not a terminal
-SECTIONS = ("accuracy", "nothing", "speed")
+SECTIONS = ("accuracy", "nothing", "speed", "calibration")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.vision",
-        description="Measure poses of markers on rendered frames, beside plain OpenCV.",
+        description="Measure poses of markers and calibrations on rendered frames, beside plain OpenCV.",
         epilog="example: python -m bench.vision --quick --only speed --json vision.json",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write everything that was measured to FILE")
@@ -48,7 +50,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 def _run(options: argparse.Namespace) -> None:
     try:  # only here, so that the help needs no OpenCV
-        from bench.vision import accuracy, nothing, speed
+        from bench.vision import accuracy, calibration, nothing, speed
     except ImportError as error:
         raise BenchError(f"{error}; `make bench-vision` installs what is needed") from error
     progress = Console(stderr=True, highlight=False, markup=False)
@@ -60,6 +62,9 @@ def _run(options: argparse.Namespace) -> None:
         results["accuracy"] = accuracy.measure(options.poses, accuracy.SIZES, progress.print)
     if "nothing" in options.only:
         results["nothing"] = nothing.measure(QUICK_EMPTY_FRAMES if options.quick else EMPTY_FRAMES, progress.print)
+    if "calibration" in options.only:
+        runs = QUICK_CALIBRATIONS if options.quick else CALIBRATIONS
+        results["calibration"] = calibration.measure(*runs, progress.print)
     console = Console()
     print_results(results, [], console if console.is_terminal else Console(width=PLAIN_WIDTH))
     if options.json:

@@ -20,8 +20,8 @@ STILL = 0.0025
 """Widths of the image that corners may move from frame to frame in a view that is taken: faster ones are blurred."""
 FRAME_NS = 500_000_000
 """Longest time between two frames of which the later tells whether the board is still."""
-ELSEWHERE = 0.04
-"""Widths of the image that a view's corners must have moved from those of every view that was taken."""
+ELSEWHERE = 0.03
+"""Widths of the image that some corner of a view must have moved from where it is in every view that was taken."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,12 +127,12 @@ class Collection:
 
 
 def _shift(view: View, other: View) -> float:
-    """How far the corners that both have moved, in widths of the image; infinite if there are none."""
+    """How far the corners that both have moved at most, in widths of the image; infinite where there are none."""
     _, here, there = np.intersect1d(view.ids, other.ids, assume_unique=True, return_indices=True)
     if not here.size:
         return np.inf
     moved = np.linalg.norm(view.corners[here] - other.corners[there], axis=1)
-    return float(np.median(moved)) / view.size[0]
+    return float(moved.max()) / view.size[0]
 
 
 def _because(adds: Sequence[Need]) -> str:

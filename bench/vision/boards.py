@@ -1,0 +1,97 @@
+"""Scenes of known truth for calibrations: a camera, and views of a ChArUco board before it."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import cv2
+import numpy as np
+
+from bench.vision.scenes import lens
+from vision.calibration import CharucoBoard
+from vision.rendering import RAYS, Floats, Grey, Lens, Pose, Print, project, render, texture
+
+BOARD = CharucoBoard()
+LARGEST_TILT = np.radians(45)
+FILLS = (0.3, 1.0)
+"""Width of the board in parts of the image's, if it were seen from the front."""
+MIDDLES = (0.12, 0.88)
+"""Where in the image the board's middle is, in parts of width and height."""
+ROLL = 0.3
+"""Standard deviation of the turn about the line of sight, in radians."""
+SHAKE = 2.0
+"""Amplitude in pixels by which a corrupted view's rows are off, as if the camera shook while it read them out."""
+_PERIODS = 9  # of the shaking in a frame
+_BLACK, _WHITE = 25, 225
+
+
+@dataclass(frozen=True, slots=True)
+class BoardView:
+    """One frame, and the truth: the board's pose, whose frame is that of its print."""
+
+    name: str
+    frame: Grey
+    pose: Pose
+
+
+def board_views(size: tuple[int, int], seed: int, count: int) -> Iterator[BoardView]:
+    """Views by the camera `lens(*size)`, rendered by all processors; the same for the same seed."""
+    jobs = [(size, seed, index) for index in range(count)]
+    with ProcessPoolExecutor(len(os.sched_getaffinity(0)), get_context("spawn")) as pool:
+        yield from pool.map(_view, jobs)
+
+
+def corrupted(view: BoardView) -> BoardView:
+    """The same frame by a camera that shook while it read out the rows."""
+    height, width = view.frame.shape
+    rows, columns = np.indices((height, width), np.float32)
+    columns += np.float32(SHAKE) * np.sin(rows * np.float32(2 * np.pi * _PERIODS / height))
+    frame = cv2.remap(view.frame, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    return BoardView(f"{view.name} shaken", frame, view.pose)
+
+
+def true_corners(camera: Lens, pose: Pose, ids: Sequence[int]) -> Floats:
+    """Where corners (N, 2) of the board are in the image, in pixels."""
+    width, height = BOARD.size
+    points = (BOARD.points[list(ids)] - np.array([width / 2, height / 2, 0])) * np.array([1, -1, 1])  # y up the print
+    return project(camera, pose, points)
+
+
+def _view(job: tuple[tuple[int, int], int, int]) -> BoardView:
+    size, seed, index = job
+    camera, rng = lens(*size), np.random.default_rng([seed, *size, index])
+    fill, pose = _random_pose(camera, rng)
+    plane = board_print(fill * size[0] / BOARD.columns)
+    return BoardView(f"view {index}", render(camera, texture(size, rng), [(plane, pose)], rng), pose)
+
+
+def board_print(square_px: float) -> Print:
+    """The board with a white rim, at a resolution that suits squares which are so many pixels wide in the image."""
+    texels = 8 * max(2, round(0.75 * RAYS * square_px / 8))  # a square has 8 modules: 6 of a marker, and 1 to each side
+    columns, rows = BOARD.columns, BOARD.rows
+    grey = BOARD.opencv.generateImage((columns * texels, rows * texels), marginSize=0)
+    grey = np.pad(np.asarray(grey), texels // 2, constant_values=255)
+    return Print(np.where(grey > 127, _WHITE, _BLACK).astype(np.uint8), BOARD.square / texels)
+
+
+def _random_pose(camera: Lens, rng: np.random.Generator) -> tuple[float, Pose]:
+    """A pose of which the image shows at least three corners of the board; and how much of its width it fills."""
+    size = np.array(camera.size)
+    half = np.array([*BOARD.size, 0]) / 2
+    rim = np.array([(x, y, 0) for x, y in itertools.product((-1, 1), (-1, 1))]) * half
+    while True:
+        fill = rng.uniform(*FILLS)
+        distance = camera.matrix[0, 0] * BOARD.size[0] / (fill * size[0])
+        tilt, towards, roll = rng.uniform(0, LARGEST_TILT), rng.uniform(0, 2 * np.pi), rng.normal(0, ROLL)
+        ray = camera.rays(rng.uniform(MIDDLES[0] * size, MIDDLES[1] * size))
+        axis = np.array([np.cos(towards), np.sin(towards), 0])
+        facing = cv2.Rodrigues(axis * tilt)[0] @ np.diag([1.0, -1, -1]) @ cv2.Rodrigues(np.array([0, 0, roll]))[0]
+        pose = Pose(facing, np.append(ray, 1.0) * distance)
+        corners = project(camera, pose, rim)
+        if ((corners > 0) & (corners < size)).all(axis=1).sum() >= 3:
+            return fill, pose

@@ -1,0 +1,92 @@
+"""What is seen of a board in an image."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+import cv2
+import numpy as np
+import pytest
+
+from bench.vision.boards import BOARD, board_print, true_corners
+from bench.vision.scenes import lens
+from tests.vision.board_frames import frame
+from vision.calibration import BoardDetector, CharucoBoard, View
+from vision.calibration.views import OFFSET
+from vision.rendering import Grey, Pose, render, texture
+
+CAMERA = lens()
+POSE = Pose(cv2.Rodrigues(np.array([0.5, -0.3, 0.1]))[0] @ np.diag([1.0, -1, -1]), np.array([0.01, -0.005, 0.55]))
+
+
+@functools.cache
+def rendered() -> Grey:
+    """A frame of known truth, all of the board in it."""
+    rng = np.random.default_rng(5)
+    return render(CAMERA, texture(CAMERA.size, rng), [(board_print(40), POSE)], rng)
+
+
+def test_corners_are_found_to_hundredths_of_a_pixel() -> None:
+    """All of them; and their standard deviations are what the errors have."""
+    view = BoardDetector(BOARD).find(rendered())
+    assert view.ids.tolist() == list(range(70))
+    miss = view.corners - true_corners(CAMERA, POSE, view.ids)
+    assert np.sqrt((miss**2).sum(axis=1).mean()) < 0.02
+    assert (miss**2 / view.sigmas[:, None] ** 2).mean() == pytest.approx(1, abs=0.35)  # 3 sigma of 140 squares
+    assert view.blur == pytest.approx((0.8**2 + 1 / 12) ** 0.5, abs=0.05)  # the renderer's, and a pixel's
+
+
+def test_the_offset_of_this_opencv_is_known() -> None:
+    """Its corners are off the truth by as much as is taken from them: nothing from 5.0 on, half a pixel before."""
+    corners, ids = cv2.aruco.CharucoDetector(BOARD.opencv).detectBoard(rendered())[:2]
+    miss = np.reshape(corners, (-1, 2)) - true_corners(CAMERA, POSE, np.ravel(ids))
+    assert np.median(miss, axis=0) == pytest.approx([OFFSET, OFFSET], abs=0.02)
+
+
+def test_corners_that_are_hidden_are_left_out() -> None:
+    """What covers a corner is no corner, even if the markers around it tell where it should be."""
+    whole = BoardDetector(BOARD).find(rendered())
+    x, y = whole.corners[34].astype(int)
+    covered = rendered().copy()
+    covered[y - 5 : y + 6, x - 9 : x + 3] = 90
+    view = BoardDetector(BOARD).find(covered)
+    assert 34 not in view.ids
+    assert len(view.ids) >= 65
+
+
+def test_colours_and_grey_give_the_same() -> None:
+    """Frames come in colours from most sources."""
+    grey = frame((0, 20), (0.5, 0.5), 0.45)
+    detector = BoardDetector(BOARD)
+    assert (detector.find(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR)).corners == detector.find(grey).corners).all()
+
+
+@pytest.mark.parametrize("legacy", [True, False])
+def test_boards_of_old_are_seen_as_such(legacy: bool) -> None:
+    """A board with an even number of rows from before OpenCV 4.6 begins with a white square."""
+    board = CharucoBoard(8, 6, 0.03, 0.022, legacy=legacy)
+    view = BoardDetector(board).find(frame((0, 20), (0.5, 0.5), 0.5, board))
+    assert len(view.ids) == 35
+
+
+def test_the_points_of_a_board_are_those_of_opencv() -> None:
+    """A corner's number means here what it means there."""
+    for board in (BOARD, CharucoBoard(5, 7, 0.03, 0.022)):
+        assert board.points == pytest.approx(np.asarray(board.opencv.getChessboardCorners()), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("ids", "corners", "words"),
+    [
+        ([], [], "not seen"),
+        ([1, 2], [(1, 1), (2, 2)], "2 corners are seen, and 8 are needed"),
+        (range(9), [(10 * place, 5) for place in range(9)], "in one line"),
+        (range(9), [(10 * (place % 3), 20 * (place // 3)) for place in range(9)], "^$"),
+    ],
+)
+def test_a_view_says_why_it_is_of_no_use(ids: list[int], corners: list[tuple[float, float]], words: str) -> None:
+    """In words for whoever took it."""
+    places = np.array(corners, dtype=float).reshape(-1, 2)
+    view = View("", np.array(list(ids), dtype=np.intp), places, np.ones(len(places)), (640, 480))
+    assert re.search(words, view.flaw)
