@@ -13,6 +13,7 @@ from roverlink.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.camera_source import open_source
 from roverlink.console import FINDINGS, OK
 from roverlink.progress import progress
+from runtime.errors import SetupError
 from vision.calibration import BoardDetector, CharucoBoard, Collection, Model, PoorViewsError, View
 from vision.calibration import calibrate as solve
 from vision.calibration.writing import write_calibration
@@ -22,6 +23,8 @@ from vision.sources import FrameSource, ImageFiles
 def calibrate(arguments: argparse.Namespace) -> int:
     """Collect views, calibrate, write. Raises `SetupError` for what is missing."""
     board = board_of(arguments)
+    if not arguments.out.resolve().parent.is_dir():  # said now, not when all the work is done
+        raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
         views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
