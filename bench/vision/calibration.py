@@ -92,7 +92,10 @@ def measure(runs: int, interval_runs: int, say: Callable[[str], None]) -> Sectio
         f"Intervals, {VIEWS} views of {SMALL[0]}x{SMALL[1]}, {interval_runs} runs",
         ("truth in the stated 95 % interval, %", "fx", "fy", "cx", "cy", "k1 k2 p1 p2 k3", "NEES", "its 95 %\nband"),
         [Group("", [*_interval_rows(small, f"{low:.1f} - {high:.1f}"), ("goal", *["90"] * 5, "", "")])],
-        ["NEES: squared error of all parameters in units of their covariance, 9 on average where that is honest."],
+        [
+            "NEES: squared error of all parameters in units of their covariance: 9 on average if that is exact, less if "
+            "it is cautious."
+        ],
     )
     data = {"calibrations": [asdict(one) for one in misses], "intervals": [asdict(one) for one in small]}
     return SectionResult([accuracy, intervals], (), data)

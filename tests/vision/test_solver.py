@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, part, views
+from bench.vision.calibration import projection_differences
+from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, part, views
 from vision import CameraParameters
 from vision.calibration import Model, PoorViewsError, calibrate
 from vision.calibration.adjustment import by_parameters, moved_camera
+from vision.rendering import Lens
 
 MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
+LENS = Lens(CAMERA.matrix, tuple(CAMERA.distortion.tolist()), SIZE)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -75,3 +78,42 @@ def test_views_of_a_part_of_the_image_are_refused() -> None:
     left = [part(one, one.corners[:, 0] < 560) for one in views(CAMERA, 40, 8)]
     with pytest.raises(PoorViewsError, match=r"parts of the image have no corners: .*right"):
         calibrate(left, BOARD)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", [Model.PLUMB_BOB, Model.EQUIDISTANT])
+def test_the_stated_interval_holds_the_truth(model: Model) -> None:
+    """Each parameter's 95 % interval in at least 90 % of forty calibrations."""
+    truth, inside = MODELS[model], []
+    expected = np.concatenate([truth.focal, truth.centre, truth.distortion])
+    for seed in range(40):
+        found = calibrate(views(truth, 20, 100 + seed), BOARD, model)
+        values = np.concatenate([found.camera.focal, found.camera.centre, found.camera.distortion])
+        inside.append(np.abs(values - expected) <= found.interval * found.deviations)
+    assert np.mean(inside, axis=0).min() >= 0.9
+
+
+def test_views_that_disagree_widen_the_interval() -> None:
+    """Where the corners of each view err together, they tell less than their number seems to say."""
+    rng = np.random.default_rng(9)
+    good = views(CAMERA, 20, 9)
+    bent = []
+    for one in good:
+        across, down = (one.corners / one.size - 0.5).T
+        bend = np.outer(across**2, rng.normal(0, 0.5, 2)) + np.outer(down**2, rng.normal(0, 0.5, 2))
+        bent.append(replace(one, corners=one.corners + bend))
+    wider = calibrate(bent, BOARD).deviations / calibrate(good, BOARD).deviations
+    assert wider.min() > 1
+    assert np.median(wider) > 1.5
+
+
+def test_the_uncertainty_is_what_the_camera_errs_by() -> None:
+    """Over the image, in the root mean square of six calibrations; it is cautious, and no more than that."""
+    pixels = np.stack(np.meshgrid(np.linspace(20, SIZE[0] - 20, 12), np.linspace(20, SIZE[1] - 20, 7)), axis=-1)
+    stated, made = [], []
+    for seed in range(6):
+        found = calibrate(views(CAMERA, 12, 300 + seed), BOARD)
+        stated.append(found.uncertainty(pixels) ** 2)
+        made.append(projection_differences(found.camera, LENS).reshape(-1) ** 2)
+    assert np.sqrt(np.mean(made)) < np.sqrt(np.mean(stated)) * 1.1
+    assert np.sqrt(np.mean(stated)) < np.sqrt(np.mean(made)) * 1.8

@@ -118,13 +118,16 @@ def _unusable(view: View) -> Fitted:
 def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floats:
     """The covariance (P, P) of the camera's parameters.
 
-    By the standard deviations of the corners, times how much more the views disagree than those explain: the corners
-    of a view may err together, by a bent board, or by what the model of the lens leaves out.
+    By the standard deviations of the corners; and in directions in which the views disagree more than those explain, by
+    how much they do: the corners of a view may err together, by a bent board, or by what the model of the lens leaves
+    out. That is the sandwich of Huber (1967) and White (1980), with views as clusters and its correction for few.
     """
     said = [information(slopes) for slopes in linearise(observations, estimate)]
     normal = np.sum([matrix for matrix, _ in said], axis=0)
     scale = 1 / np.sqrt(normal.diagonal())
-    covariance: Floats = np.linalg.inv(normal * scale[:, None] * scale) * scale[:, None] * scale
-    sides = np.stack([side for _, side in said])
-    disagreement = float(np.einsum("vp,pq,vq->", sides, covariance, sides)) / len(normal)
-    return covariance * max(1.0, disagreement * len(said) / (len(said) - 1))
+    root = np.linalg.inv(np.linalg.cholesky(normal * scale[:, None] * scale)) * scale  # root.T @ root: normal's inverse
+    sides = np.stack([root @ side for _, side in said])
+    disagreement = sides.T @ sides * len(said) / max(len(said) - len(normal), 1)
+    sizes, axes = np.linalg.eigh(disagreement)
+    covariance: Floats = root.T @ (axes * np.maximum(sizes, 1)) @ axes.T @ root
+    return covariance
