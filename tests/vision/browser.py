@@ -3,43 +3,87 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import pytest
 
-_DRIVER = "chromedriver"
+PATIENCE_S = 240.0
+"""Far longer than anything takes, on a machine that is busy with other things."""
+
+
+class Visitor:
+    """Somebody who looks at a page and clicks."""
+
+    def __init__(self, driver: Any) -> None:
+        self._driver = driver
+
+    def open(self, url: str) -> None:
+        """Go to a page."""
+        self._driver.get(url)
+
+    def screen(self, width: int, height: int) -> None:
+        """Look through a page of so many pixels: a window cannot be so narrow as a phone's."""
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self._driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    def text(self, selector: str) -> str:
+        """What can be read in an element."""
+        return str(self._find(selector).text)
+
+    def shown(self, selector: str) -> bool:
+        """Whether an element can be seen."""
+        return bool(self._find(selector).is_displayed())
+
+    def count(self, selector: str) -> int:
+        """How many elements there are."""
+        return len(self._driver.find_elements("css selector", selector))
+
+    def click(self, selector: str) -> None:
+        """Click where an element is."""
+        self._find(selector).click()
+
+    def run(self, program: str) -> Any:
+        """What a program in the page returns, or what it promises."""
+        return self._driver.execute_script(program)
+
+    def until(self, wanted: Callable[[], Any]) -> None:
+        """Look until something is as wanted."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not wanted():
+            assert time.monotonic() < deadline, self.text("body")
+            time.sleep(0.1)
+
+    def complaints(self) -> list[str]:
+        """What the browser had to say against the page since it was asked last: errors, and what was blocked."""
+        return [entry["message"] for entry in self._driver.get_log("browser")]
+
+    def photograph(self) -> bytes:
+        """The screen as PNG."""
+        return bytes(self._driver.get_screenshot_as_png())
+
+    def _find(self, selector: str) -> Any:
+        return self._driver.find_element("css selector", selector)
 
 
 @contextmanager
-def browser(width: int, height: int) -> Iterator[Any]:
-    """A browser whose page is so large, in pixels. The test is skipped where there is none to be had."""
+def browser(width: int = 1280, height: int = 900) -> Iterator[Visitor]:
+    """A browser with a screen of so many pixels. The test is skipped where there is none to be had."""
     webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed: pip install selenium")
-    driver = shutil.which(_DRIVER)
-    if driver is None:
+    program = shutil.which("chromedriver")
+    if program is None:
         pytest.skip("no chromedriver on the PATH; on Debian: apt-get install chromium-driver")
     options = webdriver.ChromeOptions()
-    # Without a sandbox, since that needs rights that a container's root has not; it sees our own page alone.
+    # Without a sandbox, which needs rights that root in a container has not; it sees pages of ours alone.
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-proxy-server"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(program))
     try:
-        resize(opened, width, height)
-        yield opened
+        visitor = Visitor(driver)
+        visitor.screen(width, height)
+        yield visitor
     finally:
-        opened.quit()
-
-
-def resize(opened: Any, width: int, height: int) -> None:
-    """Show the page as on a screen of this size, a phone's among them: a window cannot be so narrow."""
-    opened.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
-    )
-
-
-def complaints(opened: Any) -> list[str]:
-    """What the browser had to say against the page since it was asked last: errors, and what was blocked."""
-    return [entry["message"] for entry in opened.get_log("browser")]
+        driver.quit()
