@@ -33,7 +33,7 @@ def webcam() -> Iterator[Webcam]:
 
 def test_a_camera_is_calibrated_by_clicking(start: Start, webcam: Webcam, tmp_path: Path) -> None:
     """Views are taken by themselves, too few are refused, one is dropped, the rest give the camera and the report."""
-    program = start("aruco", "calibrate", f"http://{webcam.address}/video", "--page", 0, folder=tmp_path)
+    program = start("aruco", "calibrate", f"http://{webcam.address}/video", "--page", "--page-port", 0, folder=tmp_path)
     address = re.search(r"http://127\.0\.0\.1:\d+/", program.wait_for("in a browser"))
     assert address
     with browser() as visitor:

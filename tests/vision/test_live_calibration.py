@@ -76,7 +76,8 @@ class _Camera:
         """Show each frame twice; what the page then shows."""
         for image in frames:
             for _ in range(2):
-                self.live.look(image, next(self._stamps))
+                stamp = next(self._stamps)
+                self.live.look(image, stamp, f"frame {stamp}")
         return self.state()
 
     def state(self) -> dict[str, Any]:
@@ -122,7 +123,7 @@ def test_views_that_add_something_are_taken() -> None:
 def test_why_a_view_is_not_taken_is_shown() -> None:
     """In the words of the collection."""
     camera = _Camera()
-    camera.live.look(NEAR, 10**18)
+    camera.live.look(NEAR, 10**18, "a frame")
     assert camera.state()["note"] == "hold still"
     assert "not seen" in camera.show(np.full_like(NEAR, 128))["note"]
 
@@ -188,14 +189,14 @@ def test_the_result_is_shown_and_the_report_is_there() -> None:
     state = camera.until(lambda state: state["result"])
     assert state["result"]["numbers"][0] == ["fx", "920.00", "± 0.20"]
     assert [view["bad"] for view in state["views"]] == [False, True, False]
-    assert state["views"][0]["lines"][1] == "error 0.141 px"
-    assert state["views"][1]["lines"][1] == "dropped: blurred"
+    assert state["views"][0]["lines"][2] == "error 0.141 px"
+    assert state["views"][1]["lines"][2] == "dropped: blurred"
     assert len(state["result"]["remarks"]) == 1
     assert camera.live.report() == "<p>0.1414"
     camera.live.act("drop", 2)
     assert "calibrate again" in camera.state()["result"]["remarks"][1]
     camera.show(LEFT)
-    assert camera.state()["views"][-1]["lines"][1] == "not in the result yet"
+    assert camera.state()["views"][-1]["lines"][2] == "not in the result yet"
 
 
 def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
@@ -255,8 +256,8 @@ def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
 def test_the_picture_is_the_newest_with_its_corners() -> None:
     """A wide one is made smaller; who comes late sees the last, and waits for the next."""
     camera = _Camera()
-    camera.live.look(cv2.resize(NEAR, (1920, 1440)), 10**18)
-    camera.live.look(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18)
+    camera.live.look(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
+    camera.live.look(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
     number, jpeg = camera.live.picture(0) or (0, b"")
     assert number == 2
     shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
@@ -266,7 +267,7 @@ def test_the_picture_is_the_newest_with_its_corners() -> None:
     late: list[int] = []
     waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
     waiting.start()
-    camera.live.look(NEAR, 3 * 10**18)
+    camera.live.look(NEAR, 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
 

@@ -15,7 +15,6 @@ from tests.vision.boards import BOARD, CAMERA, NOISE, views
 from vision.calibration import Calibration, calibrate
 from vision.calibration.pictures import round_down
 from vision.calibration.report import parameters, report
-from vision.calibration.solution import INTERVAL
 
 VERSIONS = {"roverlink": "1.2.3", "OpenCV": "5.0.0"}
 START_NS = 1_700_000_000_000_000_000  # 2023-11-14 22:13:20
@@ -110,7 +109,7 @@ def test_every_number_has_its_interval() -> None:
     for name, value, deviation in zip(
         calibration().names, [*calibration().camera.focal, *calibration().camera.centre], calibration().deviations
     ):
-        half = INTERVAL * deviation
+        half = calibration().interval * deviation
         said, interval = rows[name][0], rows[name][1].removeprefix("± ")
         assert float(interval) == pytest.approx(half, rel=0.05)
         assert float(said) == pytest.approx(value, abs=half / 10)
@@ -124,7 +123,7 @@ def test_digits(deviation: float, text: str) -> None:
     """Two of an interval, whatever its size."""
     count = len(calibration().deviations)
     wide = replace(calibration(), covariance=np.eye(count) * deviation**2)
-    assert pytest.approx(1.96) == INTERVAL
+    assert wide.interval == pytest.approx(1.96)
     assert parameters(wide)[0].interval == text
 
 

@@ -17,7 +17,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from vision.calibration import pictures
 from vision.calibration.board import CharucoBoard
 from vision.calibration.coverage import Coverage, traits
-from vision.calibration.solution import INTERVAL, Calibration, Fitted
+from vision.calibration.solution import Calibration, Fitted
+from vision.files import write_whole
 
 _TEMPLATES = Path(__file__).parents[2] / "templates"
 _TEMPLATE = "calibration.html.j2"
@@ -53,7 +54,7 @@ class _Row:
 def parameters(calibration: Calibration) -> list[Parameter]:
     """The camera's numbers, each with as many digits as its interval gives a meaning to."""
     values = [*calibration.camera.focal, *calibration.camera.centre, *calibration.camera.distortion]
-    halves = (INTERVAL * calibration.deviations).tolist()
+    halves = (calibration.interval * calibration.deviations).tolist()
     return [
         Parameter(name, f"{value:.{digits}f}", f"{half:.{digits}f}")
         for name, value, half in zip(calibration.names, values, halves)
@@ -92,6 +93,11 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
         kept=[fitted for fitted in calibration.views if not fitted.dropped],
         dropped=[fitted for fitted in calibration.views if fitted.dropped],
     )
+
+
+def write_report(path: Path, calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> None:
+    """Write the `report`, whole or not at all. Raises `SetupError` where it cannot be written."""
+    write_whole(path, report(calibration, board, versions).encode())
 
 
 def _digits(half: float) -> int:

@@ -64,13 +64,15 @@ class LiveCalibration:
 
     # --- frames -----------------------------------------------------------------------------------------------------
 
-    def look(self, image: Image, stamp_ns: int) -> Offer:
-        """Look at a frame (H, W, 3), and take it if it adds something or somebody asked for it."""
-        grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    def look(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
+        """Look at a frame (H, W, 3); take it if it adds something, if somebody asked for it, or if it is `chosen`.
+
+        `name` is what its view is called.
+        """
         with self._lock:
-            look = self._collection.take if self._asked.is_set() else self._collection.offer
+            look = self._collection.take if chosen or self._asked.is_set() else self._collection.offer
             self._asked.clear()
-            offer = look(grey, stamp_ns, f"view {self._number}")
+            offer = look(image, stamp_ns, name)
             self._note = offer.reason
             if offer.taken:
                 thumbnail = _jpeg(image, offer.view.corners, _THUMBNAIL)

@@ -67,7 +67,7 @@ def _goal(name: str, parts: Sequence[tuple[str, bool]]) -> dict[str, Any]:
 
 
 def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str, Any]:
-    lines = [f"{len(taken.view.ids)} corners"]
+    lines = [taken.view.name, f"{len(taken.view.ids)} corners"]
     if fitted is not None:
         lines.append(f"dropped: {fitted.dropped}" if fitted.dropped else f"error {fitted.rms:.3f} px")
         if fitted.rejected:
