@@ -45,6 +45,8 @@ class Webcam:
             return
         self.visits += 1
         for jpeg in islice(cycle(self._pictures), self.frames):
+            if self._released.is_set():
+                return
             to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
             to.wfile.write(jpeg + b"\r\n")
             time.sleep(self._pause_s)
