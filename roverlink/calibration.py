@@ -85,7 +85,7 @@ def _on_page(
         source.name,
         Collection(board, arguments.views),
         calibrate=lambda views: solve(views, board, Model(arguments.model)),
-        report=lambda calibration: report(calibration, board, _versions()),
+        report=lambda calibration: report(calibration, board, versions()),
         save=save,
     )
 
@@ -117,12 +117,12 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
 def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> Path:
     """Write the parameters, and the report beside them; where that is."""
     page = path.with_suffix(".html")
-    write_report(page, calibration, board, _versions())
+    write_report(page, calibration, board, versions())
     write_calibration(path, calibration)
     return page
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """What the numbers may depend on."""
     packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
     return {name: found for name, package in packages.items() if (found := installed_version(package))}

@@ -14,9 +14,10 @@ import pytest
 
 cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed: pip install 'roverlink[vision]'")
 
-from tests.cli.conftest import Start  # noqa: E402  # below what skips where it is not needed
-from tests.vision.browser import PATIENCE_S, browser  # noqa: E402
-from tests.vision.moving_board import LENS, pictures  # noqa: E402
+from bench.vision.browser import PATIENCE_S  # noqa: E402  # below what skips where it is not needed
+from bench.vision.moving_board import LENS, pictures  # noqa: E402
+from tests.cli.conftest import Start  # noqa: E402
+from tests.vision.browsing import visiting  # noqa: E402
 from tests.vision.webcam import Webcam  # noqa: E402
 
 pytestmark = pytest.mark.slow
@@ -69,7 +70,7 @@ class _Page:
 def test_a_camera_is_calibrated_by_clicking(start: Start, webcam: Webcam, tmp_path: Path) -> None:
     """Views are taken by themselves, too few are refused, one is dropped, the rest give the camera and the report."""
     page = _Page(start, tmp_path, f"http://{webcam.address}/video")
-    with browser() as visitor:
+    with visiting() as visitor:
         visitor.open(page.url)
         visitor.until(lambda: visitor.count("#views li") >= 2)
         assert visitor.run("return document.getElementById('picture').naturalWidth") == 640

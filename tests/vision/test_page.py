@@ -8,8 +8,9 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
+from bench.vision.browser import Visitor
 from tests.vision.boards import BOARD, CAMERA, views
-from tests.vision.browser import Visitor, browser
+from tests.vision.browsing import visiting
 from tests.vision.test_live_calibration import LEFT, NEAR, TILTED
 from vision.calibration import CharucoBoard, Collection, calibrate
 from vision.calibration.page.live import LiveCalibration
@@ -23,7 +24,7 @@ SMALL = CharucoBoard(7, 5, 0.038, 0.028)
 
 @pytest.fixture(scope="module")
 def visitor() -> Iterator[Visitor]:
-    with browser() as opened:
+    with visiting() as opened:
         yield opened
 
 

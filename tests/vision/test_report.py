@@ -168,7 +168,7 @@ def test_the_residuals_are_drawn_where_they_are() -> None:
 def test_the_uncertainty_is_drawn_where_it_is() -> None:
     """Every field has the class of the deviation in its middle, and all fields together are the image."""
     fields = [one for one in pictures()["Uncertainty over the image"].iter("rect") if one.get("class") != "image"]
-    bounds = [0, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, np.inf]
+    bounds = [0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, np.inf]
     area = 0.0
     for one in fields:
         x, y, width, height = (float(one.get(name, "")) for name in ("x", "y", "width", "height"))

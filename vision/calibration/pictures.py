@@ -17,7 +17,7 @@ from vision._opencv import cv2
 from vision.calibration.solution import Calibration
 from vision.camera import Floats
 
-BOUNDS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Pixels between the classes of the uncertainty: fixed, so that reports can be compared."""
 _COLUMNS = 64
 """Fields across the picture of the uncertainty."""

@@ -59,7 +59,11 @@ def _goals(collection: Collection) -> Iterator[dict[str, Any]]:
     yield _goal("Image", [(f"{met} of {len(regions)} parts", met == len(regions))])
     for kind in ("distance", "tilt"):
         chosen = [need for need in needs if need.kind == kind]
-        yield _goal(kind.capitalize(), [(f"{need.name} {need.have}/{need.wanted}", need.met) for need in chosen])
+        yield _goal(kind.capitalize(), [(_counted(need), need.met) for need in chosen])
+
+
+def _counted(need: Need) -> str:
+    return need.name if need.met else f"{need.name} {need.have}/{need.wanted}"
 
 
 def _goal(name: str, parts: Sequence[tuple[str, bool]]) -> dict[str, Any]:

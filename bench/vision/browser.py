@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import pytest
+from bench.errors import BenchError
 
 PATIENCE_S = 240.0
 """Far longer than anything takes, on a machine that is busy with other things."""
@@ -50,10 +50,11 @@ class Visitor:
         return self._driver.execute_script(program)
 
     def until(self, wanted: Callable[[], Any]) -> None:
-        """Look until something is as wanted."""
+        """Look until something is as wanted. Raises `TimeoutError`, with what there is, where it never is."""
         deadline = time.monotonic() + PATIENCE_S
         while not wanted():
-            assert time.monotonic() < deadline, self.text("body")
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"the page is not as it should be:\n{self.text('body')}")
             time.sleep(0.1)
 
     def complaints(self) -> list[str]:
@@ -70,11 +71,14 @@ class Visitor:
 
 @contextmanager
 def browser(width: int = 1280, height: int = 900) -> Iterator[Visitor]:
-    """A browser with a screen of so many pixels. The test is skipped where there is none to be had."""
-    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed: pip install selenium")
+    """A browser with a screen of so many pixels. Raises `BenchError` where there is none to be had."""
+    try:
+        from selenium import webdriver
+    except ImportError as error:
+        raise BenchError("a browser is driven by selenium, which is not installed: pip install selenium") from error
     program = shutil.which("chromedriver")
     if program is None:
-        pytest.skip("no chromedriver on the PATH; on Debian: apt-get install chromium-driver")
+        raise BenchError("there is no chromedriver on the PATH; on Debian: apt-get install chromium-driver")
     options = webdriver.ChromeOptions()
     # Without a sandbox, which needs rights that root in a container has not; it sees pages of ours alone.
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-proxy-server"):
