@@ -30,7 +30,11 @@ def calibrate(arguments: argparse.Namespace) -> int:
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
         if arguments.page:
-            text.calibrated(_on_page(source, board, arguments, text.note), arguments.out)
+            try:
+                text.calibrated(_on_page(source, board, arguments, text.note), arguments.out)
+            except KeyboardInterrupt:
+                text.note("nothing was saved")
+                return FINDINGS
             return OK
         views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
     try:

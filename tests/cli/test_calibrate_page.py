@@ -44,8 +44,8 @@ def webcam(jpegs: list[bytes]) -> Iterator[Webcam]:
 class _Page:
     """A command with a page, without a browser."""
 
-    def __init__(self, start: Start, folder: Path, source: object) -> None:
-        self.program = start("aruco", "calibrate", source, "--page", "--page-port", 0, folder=folder)
+    def __init__(self, start: Start, folder: Path, *arguments: object) -> None:
+        self.program = start("aruco", "calibrate", *arguments, "--page", "--page-port", 0, folder=folder)
         address = re.search(r"http://127\.0\.0\.1:\d+/", self.program.wait_for("in a browser"))
         assert address
         self.url = address[0]
@@ -101,7 +101,7 @@ def test_a_folder_of_images_is_looked_through_on_the_page(start: Start, jpegs: l
     folder.mkdir()
     for number, jpeg in enumerate(jpegs):
         (folder / f"{number}.jpg").write_bytes(jpeg)
-    page = _Page(start, tmp_path, folder)
+    page = _Page(start, tmp_path, folder, "--json", "--out", "cam.yml")
     page.until(lambda state: "ended" in state["note"])
     assert [view["lines"][0] for view in page.state()["views"]] == [f"{number}.jpg" for number in range(len(jpegs))]
     page.click("views/2/drop")
@@ -109,7 +109,10 @@ def test_a_folder_of_images_is_looked_through_on_the_page(start: Start, jpegs: l
     page.until(lambda state: state["result"])
     page.click("save")
     assert page.program.end() == 0
-    assert "1.jpg" not in (tmp_path / "charuco_camera_params.html").read_text(encoding="utf-8").replace("11.jpg", "")
+    said = json.loads(page.program.output[-1])
+    assert said["file"] == "cam.yml"
+    assert [view["name"] for view in said["views"]] == ["0.jpg", *(f"{number}.jpg" for number in range(2, len(jpegs)))]
+    assert "12.jpg" in (tmp_path / "cam.html").read_text(encoding="utf-8")
 
 
 def test_a_camera_that_has_gone_does_not_hold_up_the_clicks(start: Start, jpegs: list[bytes], tmp_path: Path) -> None:
@@ -142,8 +145,9 @@ def test_an_interruption_writes_nothing(start: Start, webcam: Webcam, tmp_path: 
     """It ends at once, though the camera goes on and a browser waits."""
     page = _Page(start, tmp_path, f"http://{webcam.address}/video")
     page.until(lambda state: state["views"])
-    _, took = page.program.interrupt()
-    assert took < 5
+    code, took = page.program.interrupt()
+    assert (code, took < 5) == (1, True)
+    assert "nothing was saved" in str(page.program)
     assert list(tmp_path.glob("charuco*")) == []
 
 

@@ -203,6 +203,13 @@ def test_a_port_that_is_taken_is_named(port: int) -> None:
         PageServer("127.0.0.1", port, _DeskOfOneView())
 
 
+def test_where_everybody_may_look_the_address_is_one_that_others_can_open() -> None:
+    """It is served on all addresses, and named by the computer's name."""
+    with PageServer("0.0.0.0", 0, _DeskOfOneView()) as server:  # noqa: S104  # what is tested
+        assert socket.gethostname() in server.url
+        assert ask(port_of(server), "GET", "/state", Host=server.url.split("/")[2])[0] == 200
+
+
 def test_it_ends_though_browsers_wait() -> None:
     """Nobody has to close a browser first."""
     with PageServer("127.0.0.1", 0, _DeskOfOneView()) as server:

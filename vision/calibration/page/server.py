@@ -26,6 +26,7 @@ _CONNECTIONS = 24
 """At a time; a browser opens six."""
 _TIMEOUT_S = 20.0
 """For which a connection may stand still; longer than a `Desk` waits for news."""
+_EVERYWHERE = ("", "0.0.0.0")  # noqa: S104  # if somebody asks for it
 _FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _PAGE_POLICY = (
@@ -33,6 +34,8 @@ _PAGE_POLICY = (
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
+_NAME = socket.gethostname()
+_ADDRESSES = f"at http://{_NAME}, and at the addresses of that computer"
 _VIEW = re.compile(r"/views/(\d{1,9})(/drop)?")
 
 
@@ -79,7 +82,8 @@ class PageServer:
         except (OSError, OverflowError) as error:
             raise SetupError(f"the page cannot be served on TCP port {port} of {address}: {error}") from error
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="page", daemon=True)
-        self.url = f"http://{address}:{self._server.server_address[1]}/"
+        host = _NAME if address in _EVERYWHERE else address
+        self.url = f"http://{host}:{self._server.server_address[1]}/"
 
     def __enter__(self) -> PageServer:
         self._thread.start()
@@ -123,12 +127,12 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = _TIMEOUT_S
 
     def do_GET(self) -> None:
-        self._send(self._get() if _is_ours(self.headers["Host"]) else _forbidden("this page has another address"))
+        self._send(self._get() if _is_ours(self.headers["Host"]) else _forbidden(f"this page is {_ADDRESSES}"))
 
     def do_POST(self) -> None:
         self.close_connection = True  # no body is read; should one follow, it must not be taken for a request
         if not _is_ours(self.headers["Host"]) or self.headers["Origin"] != f"http://{self.headers['Host']}":
-            return self._send(_forbidden("only the page itself may do this"))
+            return self._send(_forbidden(f"only the page itself may do this, and it is {_ADDRESSES}"))
         return self._send(self._post())
 
     def _get(self) -> _Answer:
@@ -195,7 +199,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 def _is_ours(host: str | None) -> bool:
     """Whether a request's Host is an address or a name of this computer: no other site's name can be one."""
-    own = socket.gethostname().lower()
+    own = _NAME.lower()
     name = re.sub(r":\d+$", "", (host or "").lower())
     if name in ("localhost", own, f"{own}.local"):
         return True
