@@ -9,7 +9,7 @@ SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests
 
-.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision generate clean
+.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -50,6 +50,9 @@ bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise
 
 bench-vision: $(VENV)/ready-bench-vision  ## marker poses on rendered frames: accuracy and speed, beside OpenCV (OPENCV=4.11: that version)
 	$(BIN)/python -m bench.vision
+
+pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, and the recording that it walks through
+	$(BIN)/python -m bench.vision.pictures
 
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
