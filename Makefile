@@ -51,8 +51,9 @@ bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise
 bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.11: that version)
 	$(BIN)/python -m bench.vision
 
-pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md, and the recording that it walks through
+pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md and docs/calibration.md (with Chromium), and the recording for the first
 	$(BIN)/python -m bench.vision.pictures
+	$(BIN)/python -m bench.vision.page_pictures
 
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
