@@ -10,8 +10,9 @@ import cv2
 import numpy as np
 
 from bench.errors import BenchError
+from bench.vision.boards import BOARD
 from bench.vision.browser import Visitor, browser
-from bench.vision.moving_board import BOARD, pictures
+from bench.vision.moving_board import pictures
 from roverlink.calibration import versions
 from runtime.errors import SetupError
 from vision.calibration import Calibration, Collection, View, calibrate
