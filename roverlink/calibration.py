@@ -16,6 +16,7 @@ from roverlink.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.camera_source import open_source
 from roverlink.console import FINDINGS, OK, installed_version
 from roverlink.progress import progress
+from runtime.errors import SetupError
 from vision.calibration import BoardDetector, Calibration, CharucoBoard, Collection, Model, PoorViewsError, View
 from vision.calibration import calibrate as solve
 from vision.calibration.page.live import LiveCalibration
@@ -27,6 +28,8 @@ from vision.sources import Frame, FrameSource, ImageFiles
 def calibrate(arguments: argparse.Namespace) -> int:
     """Collect views, calibrate, write. Raises `SetupError` for what is missing."""
     board = board_of(arguments)
+    if not arguments.out.resolve().parent.is_dir():  # said now, not when all the work is done
+        raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
         if arguments.page:

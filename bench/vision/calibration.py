@@ -149,7 +149,7 @@ def _miss(name: str, run: int, bad: int, outcome: Outcome, truth: Lens, bad_name
         cx=float(error[2]),
         cy=float(error[3]),
         projection_mean=float(distances.mean()),
-        projection_max=float(distances.max()),
+        projection_max=float(np.max(distances)),
         named=outcome.dropped == ((bad_name,) if bad else ()),
         inside=tuple((np.abs(error) <= _QUANTILE * outcome.deviations).tolist()),
         nees=None if covariance is None else float(error @ np.linalg.solve(covariance, error)),

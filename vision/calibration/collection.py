@@ -132,7 +132,7 @@ def _shift(view: View, other: View) -> float:
     if not here.size:
         return np.inf
     moved = np.linalg.norm(view.corners[here] - other.corners[there], axis=1)
-    return float(moved.max()) / view.size[0]
+    return float(np.max(moved)) / view.size[0]
 
 
 def _because(adds: Sequence[Need]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -60,9 +61,12 @@ class Fitted:
 
     @property
     def rms(self) -> float:
-        """Root of the mean squared length of the residuals in pixels: of the used corners, or all of a dropped view."""
+        """Root of the mean squared length of the residuals in pixels: of the used corners, or all of a dropped view.
+
+        Nan of a view without corners.
+        """
         chosen = self.residuals[self.used] if self.used.any() else self.residuals
-        return float(np.sqrt((chosen**2).sum(axis=1).mean()))
+        return float(np.sqrt((chosen**2).sum(axis=1).mean())) if chosen.size else math.nan
 
     @property
     def rejected(self) -> int:
