@@ -14,6 +14,7 @@ from rich.table import Table
 
 from roverlink.console import complain, counted, note
 from vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
+from vision.calibration.report import parameters
 
 _HINT_S = 2.0
 """Between hints about frames that are not taken."""
@@ -136,7 +137,10 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
         "size": list(calibration.views[0].view.size),
         "rms": calibration.rms,
         "parameters": {
-            name: {"value": value, "deviation": deviation} for name, value, deviation in _parameters(calibration)
+            name: {"value": value, "deviation": deviation}
+            for name, value, deviation in zip(
+                calibration.names, calibration.values.tolist(), calibration.deviations.tolist()
+            )
         },
         "uncertainty": {"mean": mean, "max": most},
         "views": [
@@ -160,12 +164,6 @@ def spread(calibration: Calibration) -> tuple[float, float]:
     return float(np.nanmean(deviations)), float(np.nanmax(deviations))
 
 
-def _parameters(calibration: Calibration) -> list[tuple[str, float, float]]:
-    camera = calibration.camera
-    values = np.concatenate([camera.focal, camera.centre, camera.distortion]).tolist()
-    return list(zip(calibration.names, values, calibration.deviations.tolist()))
-
-
 def _view_table(calibration: Calibration) -> Table:
     table = Table(box=None, pad_edge=False)
     table.add_column("view", no_wrap=True)
@@ -184,8 +182,8 @@ def _parameter_table(calibration: Calibration) -> Table:
     table.add_column("parameter", no_wrap=True)
     for name in ("value", "95 % interval"):
         table.add_column(name, justify="right", no_wrap=True)
-    for name, value, deviation in _parameters(calibration):
-        table.add_row(name, f"{value:.6g}", f"± {calibration.interval * deviation:.2g}")
+    for one in parameters(calibration):
+        table.add_row(one.name, one.value, f"± {one.interval}")
     return table
 
 

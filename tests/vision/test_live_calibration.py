@@ -13,38 +13,25 @@ import numpy as np
 import pytest
 
 from runtime.errors import SetupError
+from tests.vision.board_frames import frame
 from tests.vision.boards import CAMERA
 from vision import Pose
 from vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
 from vision.calibration.page.live import LiveCalibration
 
 BOARD = CharucoBoard(7, 5, 0.038, 0.028)
-WIDTH, HEIGHT = 480, 360
 FRAME_NS = 33_000_000
 PATIENCE_S = 30.0
 
 
-def frame(across: float, down: float, distance: float, tilt: float = 0.0) -> np.ndarray:
-    """A picture (H, W, 3) of the board without noise: its middle is at parts of the image, the right edge nearer."""
-    drawn = BOARD.opencv.generateImage((BOARD.columns * 40, BOARD.rows * 40), marginSize=0)
-    camera = np.array([[450.0, 0, WIDTH / 2], [0, 450, HEIGHT / 2], [0, 0, 1]])
-    turn = cv2.Rodrigues(np.array([0, tilt, 0]))[0]
-    middle = np.linalg.inv(camera) @ [across * WIDTH, down * HEIGHT, 1] * distance
-    shift = middle - turn @ BOARD.outline.mean(axis=0)
-    to_image = camera @ np.column_stack([turn[:, :2], shift])
-    to_board = np.diag([BOARD.square / 40, BOARD.square / 40, 1])
-    grey = cv2.warpPerspective(
-        drawn,
-        to_image @ to_board,
-        (WIDTH, HEIGHT),
-        flags=cv2.INTER_AREA,
-        borderMode=cv2.BORDER_CONSTANT,
-        borderValue=128,
-    )
-    return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))
+def shown(tilt: tuple[float, float], place: tuple[float, float], distance: float) -> np.ndarray:
+    """A picture (H, W, 3) of the board."""
+    return np.asarray(cv2.cvtColor(frame(tilt, place, distance, BOARD), cv2.COLOR_GRAY2BGR))
 
 
-NEAR, LEFT, TILTED = frame(0.5, 0.5, 0.35), frame(0.3, 0.5, 0.5), frame(0.6, 0.5, 0.45, 0.5)
+NEAR = shown((0, 0), (0.5, 0.5), 0.35)
+LEFT = shown((0, 0), (0.3, 0.5), 0.5)
+TILTED = shown((0, 29), (0.6, 0.5), 0.45)
 
 
 def calibrated(views: tuple[View, ...]) -> Calibration:

@@ -53,11 +53,10 @@ class _Row:
 
 def parameters(calibration: Calibration) -> list[Parameter]:
     """The camera's numbers, each with as many digits as its interval gives a meaning to."""
-    values = [*calibration.camera.focal, *calibration.camera.centre, *calibration.camera.distortion]
     halves = (calibration.interval * calibration.deviations).tolist()
     return [
         Parameter(name, f"{value:.{digits}f}", f"{half:.{digits}f}")
-        for name, value, half in zip(calibration.names, values, halves)
+        for name, value, half in zip(calibration.names, calibration.values.tolist(), halves)
         for digits in [_digits(half)]
     ]
 
