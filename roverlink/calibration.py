@@ -34,7 +34,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     with open_source(arguments, say=text.note) as source:
         if arguments.page:
             try:
-                text.calibrated(_on_page(source, board, arguments, text.note), arguments.out)
+                text.calibrated(*_on_page(source, board, arguments, text.note))
             except KeyboardInterrupt:
                 text.note("nothing was saved")
                 return FINDINGS
@@ -45,8 +45,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     except PoorViewsError as error:
         text.refused(error, views)
         return FINDINGS
-    _write(arguments.out, calibration, board)
-    text.calibrated(calibration, arguments.out)
+    text.calibrated(calibration, *_write(arguments.out, calibration, board))
     return OK
 
 
@@ -54,10 +53,10 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
     """A view of every image: somebody chose them."""
     detector = BoardDetector(board)
     views = []
-    with progress(source.name) as report:
+    with progress(source.name) as told:
         for frame, name in _named(source):
             views.append(detector.find(frame.image, name, frame.stamp))
-            report(len(views), len(source.paths))
+            told(len(views), len(source.paths))
     return views
 
 
@@ -67,11 +66,11 @@ def _stream(
     """Views that add something, until nothing is missing, the source ends, or somebody stops it."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
-    with progress(source.name) as report, contextlib.suppress(KeyboardInterrupt):
+    with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
         for frame, name in _named(source):
             text.offered(collection.offer(frame.image, frame.stamp, name), collection)
             if source.total:
-                report(frame.number + 1, source.total)
+                told(frame.number + 1, source.total)
             if collection.complete:
                 break
     return collection.views
@@ -79,14 +78,14 @@ def _stream(
 
 def _on_page(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
-) -> Calibration:
-    """What was saved on the page."""
-    saved = []
+) -> tuple[Calibration, Path, Path]:
+    """What was saved on the page, and where."""
+    saved: list[tuple[Calibration, Path, Path]] = []
 
     def save(calibration: Calibration) -> str:
-        page = _write(arguments.out, calibration, board)
-        saved.append(calibration)
-        return f"Saved to {arguments.out}, with a report in {page}."
+        path, page = _write(arguments.out, calibration, board)
+        saved.append((calibration, path, page))
+        return f"Saved to {path}, with a report in {page}."
 
     live = LiveCalibration(
         source.name,
@@ -121,12 +120,12 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
             yield replace(frame, stamp=began + frame.stamp), f"frame {frame.number}"
 
 
-def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> Path:
-    """Write the parameters, and the report beside them; where that is."""
+def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
+    """Write the parameters, and the report beside them; where both are."""
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())
     write_calibration(path, calibration)
-    return page
+    return path, page
 
 
 def versions() -> dict[str, str]:

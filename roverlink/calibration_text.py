@@ -38,8 +38,8 @@ class CalibrationText(Protocol):
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
         """The views are not enough."""
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
-        """The camera is known, and its file written."""
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
+        """The camera is known, and its file and the report are written."""
 
 
 class PlainText:
@@ -77,7 +77,7 @@ class PlainText:
         for reason in error.reasons:
             complain(f"not enough for a calibration: {reason}")
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
         """Print the views, the parameters and how sure they are."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
@@ -88,7 +88,7 @@ class PlainText:
         console.print(
             f"\nreprojection error {calibration.rms:.3f} px (root mean square), "
             f"{counted(dropped, 'view')} dropped; uncertainty of a direction {mean:.3f} px, at most {most:.3f} px "
-            f"(standard deviation)\nwritten to {path}"
+            f"(standard deviation)\nwritten to {path}, with a report in {report}"
         )
 
 
@@ -116,9 +116,9 @@ class JsonText:
         useless = {view.name: view.flaw for view in views if view.flaw}
         _line({"refused": list(error.reasons), "views": len(views), "useless": useless})
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
         """A line with all of it."""
-        _line(as_dict(calibration) | {"file": str(path)})
+        _line(as_dict(calibration) | {"file": str(path), "report": str(report)})
 
 
 def missing_words(needs: Iterable[Need]) -> str:
