@@ -45,7 +45,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
     landmarks = _landmarks(arguments, markers)
     with ExitStack() as stack:
         source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
-        size = next(iter(source)).image.shape[1::-1]
+        size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
