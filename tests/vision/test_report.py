@@ -181,6 +181,13 @@ def test_the_uncertainty_is_drawn_where_it_is() -> None:
     assert len({one.get("class") for one in fields}) > 2
 
 
+def test_a_part_of_the_image_that_the_model_does_not_reach_is_told() -> None:
+    """A lens that bends its corners back has none there."""
+    bent = replace(CAMERA, distortion=np.array([-0.9, 0, 0, 0, 0]))
+    assert "the model has no direction" in report(replace(calibration(), camera=bent), BOARD, VERSIONS)
+    assert "the model has no direction" not in page()
+
+
 def test_what_is_covered_is_counted() -> None:
     """The counts are of the views that are used."""
     counts = [int(one.text or "") for one in pictures()["Coverage of the image"].iter("text")]

@@ -63,8 +63,8 @@ class Uncertainty:
     """A path around all corners that are used: what is outside is extrapolated."""
     inside: float
     """The largest standard deviation inside, in pixels."""
-    outside: float
-    """The largest in the whole image."""
+    outside: float | None
+    """The largest in the whole image; None where the model has no direction for some part of it."""
 
 
 def residuals(calibration: Calibration) -> Residuals:
@@ -87,7 +87,7 @@ def uncertainty(calibration: Calibration) -> Uncertainty:
     rows = max(1, round(_COLUMNS * height / width))
     x, y = np.meshgrid((np.arange(_COLUMNS) + 0.5) * width / _COLUMNS, (np.arange(rows) + 0.5) * height / rows)
     places = np.stack([x, y], axis=-1) - _CORNER
-    deviation = np.nan_to_num(calibration.uncertainty(places), nan=math.inf)  # no ray is seen there
+    deviation = np.nan_to_num(calibration.uncertainty(places), nan=math.inf)
     seen, _, used = _corners(calibration)
     rim = cv2.convexHull(seen[used].astype(np.float32)).reshape(-1, 2)
     inside = [cv2.pointPolygonTest(rim, place, False) >= 0 for place in places.reshape(-1, 2).tolist()]
@@ -95,7 +95,7 @@ def uncertainty(calibration: Calibration) -> Uncertainty:
         fields(np.searchsorted(BOUNDS, deviation, side="right"), (width, height)),
         "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in rim + _CORNER) + "z",
         float(np.max(deviation.ravel()[inside])),
-        float(np.max(deviation)),
+        float(np.max(deviation)) if np.isfinite(deviation).all() else None,
     )
 
 
