@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 import time
+import urllib.request
 from collections.abc import Callable
+from contextlib import ExitStack
 from itertools import count
 from typing import Any
 
@@ -18,6 +21,7 @@ from tests.vision.boards import CAMERA
 from vision import Pose
 from vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
 from vision.calibration.page.live import LiveCalibration
+from vision.calibration.page.server import PageServer
 
 BOARD = CharucoBoard(7, 5, 0.038, 0.028)
 FRAME_NS = 33_000_000
@@ -257,6 +261,23 @@ def test_the_picture_is_the_newest_with_its_corners() -> None:
     camera.live.look(NEAR, 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
+
+
+def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
+    """Ten of them ask for pictures and take none; the camera goes on, and who reads gets the newest."""
+    camera = _Camera()
+    with PageServer("127.0.0.1", 0, camera.live) as server, ExitStack() as stack:
+        port = int(server.url.rstrip("/").rpartition(":")[2])
+        for _ in range(10):
+            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port)))
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode() * 20)
+        showing = threading.Thread(target=camera.show, args=(NEAR, LEFT, TILTED), daemon=True)
+        showing.start()
+        showing.join(PATIENCE_S)
+        assert not showing.is_alive()
+        with urllib.request.urlopen(f"{server.url}picture") as answer:
+            assert answer.headers["Picture-Number"] == "6"
 
 
 def test_the_end_of_a_recording_is_told() -> None:

@@ -25,6 +25,8 @@ _ARROW = 1 / 25
 """Widths of the image that a long residual is drawn long."""
 _LONG = 95
 """Percentile of the residuals' lengths at which one is long."""
+_SHORTEST_LONG = 1e-3
+"""Pixels; what is shorter is not magnified any more."""
 _CORNER = 0.5
 
 
@@ -70,7 +72,7 @@ class Uncertainty:
 def residuals(calibration: Calibration) -> Residuals:
     """Lines from every place where a corner should be towards where it was seen."""
     seen, misses, used = _corners(calibration)
-    long = float(np.percentile(np.linalg.norm(misses[used], axis=1), _LONG))
+    long = max(float(np.percentile(np.linalg.norm(misses[used], axis=1), _LONG)), _SHORTEST_LONG)
     magnified = round_down(calibration.views[0].view.size[0] * _ARROW / long)
     places = seen - misses
     return Residuals(
