@@ -70,8 +70,9 @@ class LiveCalibration:
         `name` is what its view is called.
         """
         with self._lock:
-            look = self._collection.take if chosen or self._asked.is_set() else self._collection.offer
-            self._asked.clear()
+            if asked := self._asked.is_set():
+                self._asked.clear()
+            look = self._collection.take if chosen or asked else self._collection.offer
             offer = look(image, stamp_ns, name)
             self._note = offer.reason
             if offer.taken:
