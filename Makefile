@@ -1,12 +1,15 @@
 # Every target makes the environment that it needs. PYTHON chooses the interpreter, VENV the environment's folder.
+# OPENCV=4.11 makes an environment of its own with that version.
 PYTHON ?= python3
-VENV ?= .venv
+OPENCV ?=
+VENV ?= $(if $(OPENCV),.venv-opencv-$(OPENCV),.venv)
+OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*')
 BIN := $(VENV)/bin
 SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests
 
-.PHONY: help demo test test-slow ros-package soak fuzz lint bench bench-vision generate clean
+.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -19,6 +22,9 @@ test: $(VENV)/ready-dev  ## the tests
 
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto -m slow
+
+test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
+	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
@@ -42,8 +48,12 @@ lint: $(VENV)/ready-dev  ## ruff, black, mypy --strict, whether generated/ is wh
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench
 
-bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames: accuracy, speed, beside OpenCV
+bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.11: that version)
 	$(BIN)/python -m bench.vision
+
+pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md and docs/calibration.md (with Chromium), and the recording for the first
+	$(BIN)/python -m bench.vision.pictures
+	$(BIN)/python -m bench.vision.page_pictures
 
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
@@ -66,7 +76,7 @@ $(VENV)/ready-demo: pyproject.toml | $(VENV)/bin/python
 	@touch $@
 
 $(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]' $(OPENCV_PIN)
 	@touch $@
 
 $(VENV)/ready-fuzz: pyproject.toml | $(VENV)/bin/python
@@ -78,5 +88,5 @@ $(VENV)/ready-bench: pyproject.toml | $(VENV)/bin/python
 	@touch $@
 
 $(VENV)/ready-bench-vision: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[vision,bench]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[vision,bench]' $(OPENCV_PIN)
 	@touch $@

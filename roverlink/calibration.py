@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from roverlink.board_options import board_of
+from roverlink.calibration_page import serve_page
 from roverlink.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.camera_source import open_source
-from roverlink.console import FINDINGS, OK
+from roverlink.console import FINDINGS, OK, installed_version
 from roverlink.progress import progress
 from runtime.errors import SetupError
-from vision.calibration import BoardDetector, CharucoBoard, Collection, Model, PoorViewsError, View
+from vision.calibration import BoardDetector, Calibration, CharucoBoard, Collection, Model, PoorViewsError, View
 from vision.calibration import calibrate as solve
+from vision.calibration.page.live import LiveCalibration
+from vision.calibration.report import report, write_report
 from vision.calibration.writing import write_calibration
-from vision.sources import FrameSource, ImageFiles
+from vision.sources import Frame, FrameSource, ImageFiles
 
 
 def calibrate(arguments: argparse.Namespace) -> int:
@@ -27,14 +32,20 @@ def calibrate(arguments: argparse.Namespace) -> int:
         raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
+        if arguments.page:
+            try:
+                text.calibrated(*_on_page(source, board, arguments, text.note))
+            except KeyboardInterrupt:
+                text.note("nothing was saved")
+                return FINDINGS
+            return OK
         views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
     try:
         calibration = solve(views, board, Model(arguments.model))
     except PoorViewsError as error:
         text.refused(error, views)
         return FINDINGS
-    write_calibration(arguments.out, calibration)
-    text.calibrated(calibration, arguments.out)
+    text.calibrated(calibration, *_write(arguments.out, calibration, board))
     return OK
 
 
@@ -42,10 +53,10 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
     """A view of every image: somebody chose them."""
     detector = BoardDetector(board)
     views = []
-    with progress(source.name) as report:
-        for path, frame in zip(source.paths, source):
-            views.append(detector.find(frame.image, path.name, path.stat().st_mtime_ns))
-            report(len(views), len(source.paths))
+    with progress(source.name) as told:
+        for frame, name in _named(source):
+            views.append(detector.find(frame.image, name, frame.stamp))
+            told(len(views), len(source.paths))
     return views
 
 
@@ -54,19 +65,70 @@ def _stream(
 ) -> Sequence[View]:
     """Views that add something, until nothing is missing, the source ends, or somebody stops it."""
     collection = Collection(board, arguments.views)
-    began = 0 if source.live else _recorded(source.name)
     text.begins(collection)
-    with progress(source.name) as report, contextlib.suppress(KeyboardInterrupt):
-        for frame in source:
-            name = time.strftime("%H:%M:%S", time.localtime(frame.stamp / 1e9)) if source.live else f"{frame.number}"
-            text.offered(collection.offer(frame.image, began + frame.stamp, f"frame {name}"), collection)
+    with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
+        for frame, name in _named(source):
+            text.offered(collection.offer(frame.image, frame.stamp, name), collection)
             if source.total:
-                report(frame.number + 1, source.total)
+                told(frame.number + 1, source.total)
             if collection.complete:
                 break
     return collection.views
 
 
-def _recorded(name: str) -> int:
-    """When a recording was made, in nanoseconds since 1970, as far as its file knows."""
-    return Path(name).stat().st_mtime_ns
+def _on_page(
+    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
+) -> tuple[Calibration, Path, Path]:
+    """What was saved on the page, and where."""
+    saved: list[tuple[Calibration, Path, Path]] = []
+
+    def save(calibration: Calibration) -> str:
+        path, page = _write(arguments.out, calibration, board)
+        saved.append((calibration, path, page))
+        return f"Saved to {path}, with a report in {page}."
+
+    live = LiveCalibration(
+        source.name,
+        Collection(board, arguments.views),
+        calibrate=lambda views: solve(views, board, Model(arguments.model)),
+        report=lambda calibration: report(calibration, board, versions()),
+        save=save,
+    )
+
+    def feed(stop: threading.Event) -> None:
+        for frame, name in _named(source):
+            if stop.is_set():
+                return
+            live.look(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+        live.ended()
+
+    serve_page(live, feed, arguments.page_address, arguments.page_port, say, waits=source.live)
+    return saved[-1]
+
+
+def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
+    """Frames, stamped in nanoseconds since 1970 as far as that is known, with names for their views."""
+    if isinstance(source, ImageFiles):
+        for path, frame in zip(source.paths, source):
+            yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
+    elif source.live:
+        for frame in source:
+            yield frame, f"frame {time.strftime('%H:%M:%S', time.localtime(frame.stamp / 1e9))}"
+    else:
+        began = Path(source.name).stat().st_mtime_ns
+        for frame in source:
+            yield replace(frame, stamp=began + frame.stamp), f"frame {frame.number}"
+
+
+def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
+    """Write the parameters, and the report beside them; where both are."""
+    page = path.with_suffix(".html")
+    write_report(page, calibration, board, versions())
+    write_calibration(path, calibration)
+    return path, page
+
+
+def versions() -> dict[str, str]:
+    """What the numbers may depend on."""
+    packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
+    return {name: found for name, package in packages.items() if (found := installed_version(package))}

@@ -14,6 +14,7 @@ from rich.table import Table
 
 from roverlink.console import complain, counted, note
 from vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
+from vision.calibration.report import parameters
 
 _HINT_S = 2.0
 """Between hints about frames that are not taken."""
@@ -37,8 +38,8 @@ class CalibrationText(Protocol):
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
         """The views are not enough."""
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
-        """The camera is known, and its file written."""
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
+        """The camera is known, and its file and the report are written."""
 
 
 class PlainText:
@@ -76,7 +77,7 @@ class PlainText:
         for reason in error.reasons:
             complain(f"not enough for a calibration: {reason}")
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
         """Print the views, the parameters and how sure they are."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
@@ -87,7 +88,7 @@ class PlainText:
         console.print(
             f"\nreprojection error {calibration.rms:.3f} px (root mean square), "
             f"{counted(dropped, 'view')} dropped; uncertainty of a direction {mean:.3f} px, at most {most:.3f} px "
-            f"(standard deviation)\nwritten to {path}"
+            f"(standard deviation)\nwritten to {path}, with a report in {report}"
         )
 
 
@@ -115,9 +116,9 @@ class JsonText:
         useless = {view.name: view.flaw for view in views if view.flaw}
         _line({"refused": list(error.reasons), "views": len(views), "useless": useless})
 
-    def calibrated(self, calibration: Calibration, path: Path) -> None:
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
         """A line with all of it."""
-        _line(as_dict(calibration) | {"file": str(path)})
+        _line(as_dict(calibration) | {"file": str(path), "report": str(report)})
 
 
 def missing_words(needs: Iterable[Need]) -> str:
@@ -136,7 +137,10 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
         "size": list(calibration.views[0].view.size),
         "rms": calibration.rms,
         "parameters": {
-            name: {"value": value, "deviation": deviation} for name, value, deviation in _parameters(calibration)
+            name: {"value": value, "deviation": deviation}
+            for name, value, deviation in zip(
+                calibration.names, calibration.values.tolist(), calibration.deviations.tolist()
+            )
         },
         "uncertainty": {"mean": mean, "max": most},
         "views": [
@@ -160,12 +164,6 @@ def spread(calibration: Calibration) -> tuple[float, float]:
     return float(np.nanmean(deviations)), float(np.nanmax(deviations))
 
 
-def _parameters(calibration: Calibration) -> list[tuple[str, float, float]]:
-    camera = calibration.camera
-    values = np.concatenate([camera.focal, camera.centre, camera.distortion]).tolist()
-    return list(zip(calibration.names, values, calibration.deviations.tolist()))
-
-
 def _view_table(calibration: Calibration) -> Table:
     table = Table(box=None, pad_edge=False)
     table.add_column("view", no_wrap=True)
@@ -184,8 +182,8 @@ def _parameter_table(calibration: Calibration) -> Table:
     table.add_column("parameter", no_wrap=True)
     for name in ("value", "95 % interval"):
         table.add_column(name, justify="right", no_wrap=True)
-    for name, value, deviation in _parameters(calibration):
-        table.add_row(name, f"{value:.6g}", f"± {calibration.interval * deviation:.2g}")
+    for one in parameters(calibration):
+        table.add_row(one.name, one.value, f"± {one.interval}")
     return table
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import importlib.metadata
 import os
 import platform
 import re
@@ -17,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.console import installed_version
 from runtime import Registry, RoverlinkError, load_registry, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
 from runtime.parameters import Parameters
@@ -64,19 +64,12 @@ def _python() -> Iterator[Diagnosis]:
     version = platform.python_version()
     yield Diagnosis("ok", "python", f"{version} on {platform.system()} {platform.machine()}")
     for package in _NEEDED:
-        if _version(package) is None:
+        if installed_version(package) is None:
             yield Diagnosis("error", package, "is not installed", f"{sys.executable} -m pip install {package}")
-    missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if _version(package) is None]
+    missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if installed_version(package) is None]
     if missing:
-        names = ",".join(extra for package, extra in _EXTRAS.items() if _version(package) is None)
+        names = ",".join(extra for package, extra in _EXTRAS.items() if installed_version(package) is None)
         yield Diagnosis("ok", "extras", f"not installed: {', '.join(missing)}", f"pip install 'roverlink[{names}]'")
-
-
-def _version(package: str) -> str | None:
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return None
 
 
 # --- the network ------------------------------------------------------------------------------------------------
@@ -201,7 +194,7 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
         )
     if rclpy and registry is not None:
         yield _interfaces(registry)
-    dds = _version("cyclonedds")
+    dds = installed_version("cyclonedds")
     if not rclpy and dds is None:
         cure = "pip install cyclonedds (x86-64), or source an installed ROS 2"
         yield Diagnosis("error", "ROS 2", "neither rclpy nor Cyclone DDS is there: the bridge has no topics", cure)

@@ -64,11 +64,16 @@ def landmarks() -> Landmarks:
     return Landmarks("field", {number: Landmark(_on_field(number), 0.001, 0.001) for number in _LANDMARKS})
 
 
+def parameters() -> CameraParameters:
+    """The camera's parameters."""
+    return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
+
+
 def render_film(frames: int = FRAMES) -> Film:
-    """Render the drive: the same frames every time."""
+    """Render the drive, or its first frames: the same every time."""
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
-    truth = tuple(_place(2 * np.pi * index / frames) for index in range(frames))
+    truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
     drawn = [render(_LENS, scene, [_print(number, place) for number in _LANDMARKS], rng) for place in truth]
     return Film(tuple(np.repeat(image[:, :, None], 3, axis=2) for image in drawn), truth)
 
@@ -104,7 +109,7 @@ class DemoCamera:
 
     def start(self, middleware: Middleware, registry: Registry) -> None:
         """Look, and publish what is seen."""
-        camera = CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
+        camera = parameters()
         self._tracker = Tracker(camera, MarkerSet(side=SIDE))
         self._publish = Publishing(middleware, camera, FrameNames(), self.node.topic).publish
         self._tell = place_teller(middleware, registry, self.node.topic)

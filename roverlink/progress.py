@@ -16,6 +16,7 @@ Report = Callable[[int, int], None]
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
     """A bar on a terminal, which goes when it is full; nothing elsewhere."""
-    with Progress(console=Console(file=sys.stderr), transient=True, disable=not sys.stderr.isatty()) as bar:
+    shown = sys.stderr.isatty()
+    with Progress(console=Console(file=sys.stderr), transient=True, disable=not shown, redirect_stdout=False) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -6,6 +6,7 @@ import argparse
 import itertools
 import json
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
@@ -44,7 +45,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
     landmarks = _landmarks(arguments, markers)
     with ExitStack() as stack:
         source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
-        size = next(iter(source)).image.shape[1::-1]
+        size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
@@ -78,12 +79,13 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
     played = not source.live and (arguments.middleware != NO_MIDDLEWARE or arguments.loop)
     frames = play(source, loop=arguments.loop) if played else iter(source)
     frames = itertools.islice(frames, arguments.count)
-    total = None if arguments.loop else source.total
+    if arguments.loop or source.total is None or (arguments.json and sys.stdout.isatty()):
+        yield from frames
+        return
     with progress(source.name) as report:
         for done, frame in enumerate(frames, 1):
             yield frame
-            if total:
-                report(done, total)
+            report(done, source.total)
 
 
 def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:

@@ -65,13 +65,14 @@ def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
 
 
 def _write(image: Image, text: str, place: tuple[float, float]) -> None:
-    """Light on dark, whatever is behind it, and wholly in the image."""
+    """Light on dark, wholly in the image."""
     width = _width(image)
-    (long, high), _ = cv2.getTextSize(text, _FONT, 0.5 * width, width)
-    x = int(np.clip(place[0], 0, max(image.shape[1] - long, 0)))
-    y = int(np.clip(place[1], high + 2 * width, image.shape[0]))
-    for colour, thickness in ((_PAPER, 3 * width), (_INK, width)):
-        cv2.putText(image, text, (x, y), _FONT, 0.5 * width, colour, thickness, cv2.LINE_AA)
+    (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
+    rim = 2 * width
+    x = int(np.clip(place[0], rim, max(image.shape[1] - long - rim, rim)))
+    y = int(np.clip(place[1], high + rim, max(image.shape[0] - below, high + rim)))
+    cv2.rectangle(image, (x - rim, y - high - rim), (x + long + rim, y + below), _PAPER, -1)
+    cv2.putText(image, text, (x, y), _FONT, 0.5 * width, _INK, width, cv2.LINE_AA)
 
 
 def _fixed(points: Floats) -> Floats:

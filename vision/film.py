@@ -9,6 +9,7 @@ from typing import Any
 from runtime.errors import SetupError
 from vision._opencv import cv2
 from vision.detection import Image
+from vision.sources.frame import size_of
 
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
 """What a film may end with, and OpenCV's code for how it is packed: both are in its wheels."""
@@ -42,8 +43,8 @@ class Film:
         """
         if self._writer is None:
             self._open(image, stamp)
-        if image.shape[1::-1] != self._size:
-            raise SetupError(f"{self._path}: a film cannot change from {self._size} to {image.shape[1::-1]} pixels")
+        if size_of(image) != self._size:
+            raise SetupError(f"{self._path}: a film cannot change from {self._size} to {size_of(image)} pixels")
         self._start += max(stamp - self._stamp - round(LONGEST_STILL_S * 1e9), 0)
         self._stamp = stamp
         due = round((stamp - self._start) * self._rate / 1e9) + 1
@@ -52,7 +53,7 @@ class Film:
         self._written = max(due, self._written)
 
     def _open(self, image: Image, stamp: int) -> None:
-        self._size = image.shape[1::-1]
+        self._size = size_of(image)
         code = cv2.VideoWriter_fourcc(*CODECS[self._path.suffix.lower()])
         self._writer = cv2.VideoWriter(str(self._part), cv2.CAP_FFMPEG, code, self._rate, self._size)
         if not self._writer.isOpened():

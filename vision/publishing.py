@@ -63,8 +63,7 @@ class Publishing:
         for one in sightings:
             self._pose_of(names.of(one.id)).put(partial(messages.marker_pose_of, one, names))
         self._detections.put(lambda: messages.detections_of(sightings, stamp, names))
-        size = view.frame.image.shape[1::-1]
-        self._camera_info.put(lambda: messages.camera_info_of(self._camera, size, stamp, names))
+        self._camera_info.put(lambda: messages.camera_info_of(self._camera, view.frame.size, stamp, names))
         self._image.put(lambda: messages.compressed_of(self._drawn(view), stamp, names))
         if place := view.place:
             self._camera_pose.put(lambda: messages.camera_pose_of(place, stamp))

@@ -1,14 +1,15 @@
 """Follows markers from frame to frame.
 
-The whole frame is scanned at half resolution now and then, and at full resolution rarely; between, only regions around
-where the markers of the frame before should be. Every marker that is found, by whichever look, is then fitted at full
-resolution, so that the way it was found does not matter to its pose.
+The whole frame is scanned at half resolution now and then, and at full resolution rarely. Between, the markers of the
+frame before are fitted where they should be by their speed; where that does not fit, the region around is searched, and
+where that finds nothing, the whole frame. Every marker is fitted at full resolution, so that the way it was found does
+not matter to its pose.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,8 @@ EXPLAINED = 0.75
 """The part of the pixels' variance that a marker's pattern must explain; what passes for one by chance stays below."""
 CONTRAST = 8.0
 """Grey levels that white must be brighter than black."""
+NEAR = 1.0
+"""Pixels that corners may be from where they should be: from farther the fit may have begun at the wrong pixels."""
 _MARGIN = 0.3  # of a marker's size, around where it should be
 _LEAST_MARGIN = 10  # pixels
 
@@ -107,7 +110,7 @@ class Tracker:
             self.reset()
         self._stamp = stamp
         self._forget(stamp)
-        fits = self._fit_all(grey, self._find(grey, stamp), stamp)
+        fits = self._find(grey, stamp)
         sightings = [self._sight(target, numbers, fits, stamp) for target, numbers in self._by_target(fits).items()]
         return tuple(sighting for sighting in sightings if sighting)
 
@@ -129,17 +132,25 @@ class Tracker:
 
     # --- finding ---
 
-    def _find(self, grey: Image, stamp: int) -> dict[int, Detection]:
+    def _find(self, grey: Image, stamp: int) -> dict[int, Fit]:
         """Look where it is due; scan also where a marker is lost and nothing was scanned."""
         due = self._frames % self._scan_every == 0
         self._frames += 1
         found = self._scan(grey) if due else {}
-        for number, track in self._tracks.items():
-            if number not in found:
+        expected = {
+            number: Detection(number, _predicted(track, stamp)[0])
+            for number, track in self._tracks.items()
+            if number not in found
+        }
+        fits = self._fit_all(grey, {**found, **expected}, stamp, expected)
+        if lost := [track for number, track in self._tracks.items() if number not in fits]:
+            found = {}
+            for track in lost:
                 self._keep(found, self._detector.look(grey, _region(_predicted(track, stamp), grey.shape)))
-        if not due and any(number not in found for number in self._tracks):
-            self._keep(found, self._detector.scan_half(grey))
-        return found
+            if not due and len(found) < len(lost):
+                self._keep(found, self._detector.scan_half(grey))
+            fits |= self._fit_all(grey, {number: one for number, one in found.items() if number not in fits}, stamp)
+        return fits
 
     def _scan(self, grey: Image) -> dict[int, Detection]:
         full = self._scans % self._full_every == 0
@@ -157,13 +168,18 @@ class Tracker:
 
     # --- fitting ---
 
-    def _fit_all(self, grey: Image, found: Mapping[int, Detection], stamp: int) -> dict[int, Fit]:
+    def _fit_all(
+        self, grey: Image, found: Mapping[int, Detection], stamp: int, expected: Container[int] = ()
+    ) -> dict[int, Fit]:
+        """Fit each; those that were only `expected` have to be near where they were."""
         fits = {}
         guesses = [self._guess(detection) for detection in found.values()]
         for number, fit in zip(found, fit_edges(grey, self._camera, guesses)):
             if fit and fit.explained > EXPLAINED and fit.contrast > CONTRAST:
-                fits[number] = fit
                 corners = self._camera.distort(fit.rays)
+                if number in expected and np.abs(corners - found[number].corners).max() > NEAR:
+                    continue
+                fits[number] = fit
                 self._tracks[number] = _followed(self._tracks.get(number), corners, stamp, fit.blur)
         return fits
 

@@ -90,7 +90,7 @@ def _camera(console: Console) -> DemoCamera | None:
     try:
         from roverlink.demo_camera import DemoCamera
     except SetupError as error:
-        console.print(f"without a camera: {error}", soft_wrap=True)
+        console.print(f"without a camera: {error}", soft_wrap=True, markup=False)
         return None
     return DemoCamera()
 

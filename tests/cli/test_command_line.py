@@ -12,7 +12,8 @@ import pytest
 from roverlink.__main__ import main
 from roverlink.console import node_logger, project_folder
 
-_COMMANDS = ["init", "generate", "add", "explain", "run", "send", "listen", "echo", "pub", "demo"]
+_COMMANDS = ["init", "generate", "add", "explain", "run", "send", "listen", "echo", "pub", "aruco", "demo"]
+_SUBCOMMANDS = ["aruco track"]
 
 Start = Callable[..., Any]
 
@@ -25,10 +26,10 @@ def _exits(*arguments: str) -> int:
     return code
 
 
-@pytest.mark.parametrize("command", _COMMANDS)
+@pytest.mark.parametrize("command", [*_COMMANDS, *_SUBCOMMANDS])
 def test_every_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`--help` says what the command does, and shows one way to call it."""
-    assert _exits(command, "--help") == 0
+    assert _exits(*command.split(), "--help") == 0
     text = capsys.readouterr().out
     assert f"usage: roverlink {command}" in text
     assert f"\nexample: roverlink {command}" in text
@@ -50,8 +51,8 @@ def test_the_example_of_each_help_is_understood(capsys: pytest.CaptureFixture[st
     from roverlink.__main__ import _parser
     from runtime import ros_args
 
-    for command in _COMMANDS:
-        _exits(command, "--help")
+    for command in (*_COMMANDS, *_SUBCOMMANDS):
+        _exits(*command.split(), "--help")
         example = capsys.readouterr().out.rpartition("example: roverlink ")[2].strip()
         own, ros = ros_args.split(shlex.split(example))
         assert _parser(own).parse_args(own).run

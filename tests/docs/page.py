@@ -3,8 +3,8 @@
 - ``proto``: a file to create; its first line, a comment, names it.
 - ``diff``: an edit of the file that ``---`` names; the lines of a hunk say where, since a page counts no lines.
 - ``console``: commands after ``$``, each with the output that the page shows. A ``...`` in it stands for any text.
-  Commands that wait for others (``roverlink run``, ``echo``, ``listen``) stay in their terminal until the next
-  heading; what they show is compared there, and ``run`` is stopped by what Ctrl-C sends.
+  Commands that wait for others (``roverlink run``, ``echo``, ``listen``, ``aruco track --loop``) stay in their terminal
+  until the next heading; what they show is compared there, and what has no end is stopped by what Ctrl-C sends.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
-    *("generator", "templates", "runtime", "roverlink"),
+    *("generator", "templates", "runtime", "vision", "roverlink"),
 )
-_WAITING = ("roverlink run", "roverlink echo", "roverlink listen")
+_READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "is seen"}
+"""What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
+_ENDLESS = ("roverlink run", "roverlink aruco")
+"""What goes on until it is stopped."""
 _PATIENCE_S = 60.0
 _FENCE = re.compile(r"^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
 _HEADING = re.compile(r"^#+ .*$", re.MULTILINE)
@@ -41,7 +44,11 @@ run) set -- --middleware dds "$@" --ros-args -p listen_port:={listen} -p dst_a_p
     -p dst_b_port:={hardware} ;;
 echo | pub) set -- --middleware dds "$@" ;;
 send) set -- --to 127.0.0.1:{listen} "$@" ;;
-listen) set -- "$@" --port {hardware} ;;
+listen)
+    case "$*" in
+    *6000*) set -- "$@" --port {basestation} ;;
+    *) set -- "$@" --port {hardware} ;;
+    esac ;;
 esac
 exec {python} -m roverlink "$command" "$@"
 """
@@ -184,7 +191,7 @@ class Reader:
         assert code == 0, f"line {block.line}: exit code {code}, which the page does not show"
 
     def _run(self, command: str, shown: str, line: int) -> int:
-        if command.startswith(_WAITING):
+        if _waits(command):
             self._terminals.append(self._open(command, shown, line))
             return 0
         done = self._shell(command)
@@ -213,18 +220,23 @@ class Reader:
                 stderr=subprocess.STDOUT,
             )
         terminal = _Terminal(command, shown, line, log, process)
-        if not command.startswith("roverlink echo"):  # which shows nothing before a message comes
-            _wait_until(lambda: "UDP port" in terminal.output() or process.poll() is not None)
+        if ready := next((text for start, text in _READY.items() if command.startswith(start)), ""):
+            _wait_until(lambda: ready in terminal.output() or process.poll() is not None)
         return terminal
 
     def _leave_terminals(self) -> None:
         for terminal in reversed(self._terminals):  # the bridge was opened first, and serves the others
-            if terminal.command.startswith("roverlink run"):
+            if terminal.command.startswith(_ENDLESS):
                 terminal.process.send_signal(signal.SIGINT)
             code = terminal.process.wait(_PATIENCE_S)
             _compare(terminal.command, terminal.shown, terminal.output(), terminal.line)
             assert code == 0, f"line {terminal.line}: {terminal.command} ends with exit code {code}"
         self._terminals.clear()
+
+
+def _waits(command: str) -> bool:
+    """Whether a command stays in its terminal; the camera's program does where its recording is played in a loop."""
+    return command.startswith(("roverlink run", "roverlink echo", "roverlink listen")) or "--loop" in command
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-import threading
 import time
 from collections.abc import Callable, Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import cv2
@@ -15,58 +13,14 @@ import pytest
 from numpy.typing import NDArray
 
 from runtime.errors import SetupError
+from tests.vision.webcam import PATIENCE_S, Webcam
 from vision.sources import open_source
 
 SIZE = (96, 64)
-PATIENCE_S = 20.0
 
 
 def _image(grey: int) -> NDArray[np.uint8]:
     return np.full((SIZE[1], SIZE[0], 3), grey, np.uint8)
-
-
-class Webcam:
-    """A phone with an app: a page at /, a stream of JPEGs at /video, of as many frames as it is told."""
-
-    def __init__(self, frames: int) -> None:
-        self.frames, self.hang, self.visits = frames, False, 0
-        self._released = threading.Event()
-        webcam = self
-
-        class Handler(BaseHTTPRequestHandler):
-            def log_message(self, *_: object) -> None:
-                pass
-
-            def do_GET(self) -> None:
-                webcam.answer(self)
-
-        self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        self.address = f"127.0.0.1:{self._server.server_port}"
-        threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True).start()
-
-    def answer(self, to: BaseHTTPRequestHandler) -> None:
-        """Send the page, or a stream."""
-        video = to.path == "/video"
-        to.send_response(200)
-        to.send_header("Content-Type", "multipart/x-mixed-replace; boundary=next" if video else "text/html")
-        to.end_headers()
-        if not video:
-            to.wfile.write(b"<html>The app</html>")
-            return
-        self.visits += 1
-        for index in range(self.frames):
-            jpeg = cv2.imencode(".jpg", _image(index % 200))[1].tobytes()
-            to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
-            to.wfile.write(jpeg + b"\r\n")
-            time.sleep(0.01)
-        if self.hang:
-            self._released.wait(PATIENCE_S)
-
-    def close(self) -> None:
-        """Be gone."""
-        self._released.set()
-        self._server.shutdown()
-        self._server.server_close()
 
 
 @pytest.fixture
@@ -74,7 +28,7 @@ def webcam() -> Iterator[Callable[[int], Webcam]]:
     webcams: list[Webcam] = []
 
     def start(frames: int) -> Webcam:
-        webcams.append(Webcam(frames))
+        webcams.append(Webcam([cv2.imencode(".jpg", _image(grey))[1].tobytes() for grey in range(200)], frames))
         return webcams[-1]
 
     yield start

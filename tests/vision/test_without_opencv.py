@@ -33,3 +33,26 @@ def test_an_old_opencv_is_told_so() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert "4.8.1 is installed" in done.stdout
+
+
+@pytest.mark.parametrize(("words", "code"), [(["aruco", "track", "0"], 2), (["aruco", "track", "--help"], 0)])
+def test_commands_say_what_they_need(words: list[str], code: int) -> None:
+    """A camera command names the extra, with exit code 2; its help is there all the same."""
+    program = f"import sys; sys.modules['cv2'] = None\nfrom roverlink.__main__ import main\nsys.exit(main({words}))\n"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert "pip install 'roverlink[vision]'" in done.stderr if code else "usage: roverlink aruco track" in done.stdout
+    assert "Traceback" not in done.stderr
+
+
+def test_the_demo_does_without_a_camera() -> None:
+    """It shows the rest, and says how to get the camera."""
+    program = (
+        "import sys; sys.modules['cv2'] = None\nfrom roverlink.__main__ import main\n"
+        "sys.exit(main(['demo', '--seconds', '1', '--middleware', 'memory']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "without a camera: " in done.stdout
+    assert "pip install 'roverlink[vision]'" in done.stdout
+    assert "21 of 21 messages crossed" in done.stdout

@@ -93,6 +93,11 @@ class Calibration:
         return ("fx", "fy", "cx", "cy", *COEFFICIENTS[self.model])
 
     @property
+    def values(self) -> Floats:
+        """The parameters (P,)."""
+        return np.concatenate([self.camera.focal, self.camera.centre, self.camera.distortion])
+
+    @property
     def deviations(self) -> Floats:
         """Standard deviations (P,) of the parameters."""
         return np.sqrt(self.covariance.diagonal())

@@ -25,6 +25,11 @@ class Frame:
     number: int
     """Counts from 0 what the source had; where it grows by more than 1, frames came faster than they were taken."""
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return size_of(self.image)
+
 
 class FrameSource(Protocol):
     """Frames, oldest first. A context manager: leaving it closes the camera, and ends an iteration."""
@@ -43,6 +48,12 @@ class FrameSource(Protocol):
     def __enter__(self) -> FrameSource: ...
 
     def __exit__(self, *_: object) -> None: ...
+
+
+def size_of(image: Image) -> tuple[int, int]:
+    """Width and height of an image in pixels."""
+    height, width = image.shape[:2]
+    return int(width), int(height)
 
 
 def rate_of(capture: Any) -> float:

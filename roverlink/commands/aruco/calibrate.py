@@ -7,7 +7,7 @@ from pathlib import Path
 
 from roverlink.board_options import add_board
 from roverlink.camera_source import add_source
-from roverlink.console import Subparsers, command, count
+from roverlink.console import Subparsers, command, count, port
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 
@@ -36,13 +36,27 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=Path("charuco_camera_params.yml"),
         metavar="FILE",
-        help="where the parameters are written (default: %(default)s)",
+        help="where the parameters are written, and a report beside them as .html (default: %(default)s)",
     )
     parser.add_argument(
         "--views", type=count, default=20, metavar="N", help="views to collect at least (default: %(default)s)"
     )
     parser.add_argument(
         "--json", action="store_true", help="print an object for each view that is taken, and the result"
+    )
+    parser.add_argument(
+        "--page",
+        action="store_true",
+        help="show the picture and what is missing on a page for a browser; views are dropped, and all is saved there",
+    )
+    parser.add_argument(
+        "--page-port", type=port, default=8788, metavar="PORT", help="TCP port of the page (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--page-address",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="where the page is served (default: %(default)s, for this computer alone)",
     )
     parser.set_defaults(run=run)
 

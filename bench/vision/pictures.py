@@ -1,0 +1,169 @@
+"""Makes the pictures of docs/vision.md, and the recording that it walks through: python -m bench.vision.pictures."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from bench.report import draw as draw_charts
+from bench.vision.accuracy import SIZES, measure
+from roverlink.demo_camera import SIDE, Film, landmarks, parameters, render_film
+from vision import Landmarks, MarkerSet, Tracker, localize
+from vision.camera import Floats
+from vision.detection import Detection, Detector, Image, Region
+from vision.drawing import SEEN, draw
+from vision.film import Film as Writer
+from vision.parameters import write_parameters
+from vision.view import View, look
+
+FOLDER = Path("docs/vision")
+POSES = 100
+"""A size, for the picture of errors."""
+_LEVELS = 16  # grey levels that are one, so that noise does not make the files large
+_ROUGH = (40, 40, 235)
+_REGION = (235, 160, 40)
+_ZOOM = 12
+_AXES = ("x, m", "y, m")
+_SURE = 2.4477  # standard deviations that hold 95 % of a plane's normal distribution
+
+
+class _Watched(Detector):
+    """A detector that remembers where it looked, and what it found there."""
+
+    def __init__(self, markers: MarkerSet) -> None:
+        super().__init__(markers)
+        self.regions: list[Region] = []
+        self.found: list[Detection] = []
+
+    def look(self, image: Image, region: Region) -> list[Detection]:
+        found = super().look(image, region)
+        self.regions.append(region)
+        self.found += found
+        return found
+
+
+def main(words: list[str]) -> int:
+    """Make them all, or all but the one that takes minutes."""
+    parser = argparse.ArgumentParser(prog="python -m bench.vision.pictures", description=__doc__)
+    parser.add_argument("--out", type=Path, default=FOLDER, metavar="DIR", help="(default: %(default)s)")
+    parser.add_argument("--quick", action="store_true", help="leave out the picture of errors, which takes minutes")
+    options = parser.parse_args(words)
+    options.out.mkdir(parents=True, exist_ok=True)
+    film = render_film()
+    write_recording(options.out, film)
+    draw_steps(options.out, film)
+    if not options.quick:
+        print(draw_charts(options.out / "errors.png", {"accuracy": measure(POSES, SIZES, print)}))
+    return 0
+
+
+def write_recording(folder: Path, film: Film) -> None:
+    """A film of a drive, the parameters of its camera, and where the landmarks are."""
+    with Writer(folder / "drive.mp4", film.rate) as writer:
+        for frame in film:
+            writer.add(frame.image, frame.stamp)
+    write_parameters(folder / "camera.yml", parameters())
+    lines = [
+        f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
+        for number, one in landmarks().places.items()
+    ]
+    (folder / "landmarks.yaml").write_text("\n".join(["frame: field", "landmarks:", *lines, ""]), encoding="utf-8")
+
+
+def draw_steps(folder: Path, film: Film) -> None:
+    """A picture for each step from a frame to a place on the field."""
+    tracker = Tracker(parameters(), MarkerSet(side=SIDE))
+    watched = tracker._detector = _Watched(MarkerSet(side=SIDE))
+    _, second = look(list(film)[:2], tracker, landmarks())  # the first scans the whole frame
+    _write(folder / "frame.png", second.frame.image)
+    _write(folder / "looks.png", _with_looks(second.frame.image, watched))
+    _write(folder / "edges.png", _with_edges(second, watched.found[0]))
+    _write(folder / "seen.png", draw(second.frame.image, parameters(), second.sightings, second.place))
+    _draw_field(folder / "field.png", film)
+
+
+def _with_looks(image: Image, watched: _Watched) -> Image:
+    """The frame, dark but where the tracker looked."""
+    shown: Image = image // 3
+    for one in watched.regions:
+        part = slice(one.top, one.bottom), slice(one.left, one.right)
+        shown[part] = image[part]
+        cv2.rectangle(shown, (one.left, one.top), (one.right - 1, one.bottom - 1), _REGION, 1)
+    return shown
+
+
+def _with_edges(view: View, rough: Detection) -> Image:
+    """A marker, enlarged: its corners as they were found, and as its edges have them."""
+    (one,) = (one for one in view.sightings if one.id == rough.number)
+    low = np.floor(one.corners.min(axis=0)).astype(int) - 5
+    high = np.ceil(one.corners.max(axis=0)).astype(int) + 6
+    part = view.frame.image[low[1] : high[1], low[0] : high[0]]
+    shown: Image = cv2.resize(part, None, fx=_ZOOM, fy=_ZOOM, interpolation=cv2.INTER_NEAREST)
+    for corners, colour in ((rough.corners, _ROUGH), (one.corners, SEEN)):
+        places = np.rint(((corners - low + 0.5) * _ZOOM - 0.5) * 16).astype(np.int32)
+        cv2.polylines(shown, [places], True, colour, 2, cv2.LINE_AA, 4)
+    return shown
+
+
+def _write(path: Path, image: Image) -> None:
+    grey = np.ptp(image, axis=2, keepdims=True) == 0
+    cv2.imwrite(str(path), np.where(grey, image // _LEVELS * _LEVELS, image), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    print(f"picture: {path}")
+
+
+def _draw_field(path: Path, film: Film) -> None:
+    """The field from above, and one place on it enlarged."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 3.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    field, near = figure.subplots(1, 2)
+    views = list(look(film, Tracker(parameters(), MarkerSet(side=SIDE)), landmarks()))
+    _plot_field(field, film, views)
+    _plot_place(near, film, views[0])
+    figure.savefig(path, dpi=90)
+    print(f"picture: {path}")
+
+
+def _plot_field(axes: Any, film: Film, views: list[View]) -> None:
+    truth = np.array([pose.translation for pose in film.truth])
+    found = np.array([view.place.pose.translation for view in views if view.place])
+    axes.plot(truth[:, 0], truth[:, 1], color="lightgray", linewidth=5, label="where the camera was")
+    axes.plot(found[:, 0], found[:, 1], ".", color="tab:green", label="where it found itself")
+    for number, one in landmarks().places.items():
+        x, y, _ = one.pose.translation
+        axes.plot([x, x], [y - SIDE / 2, y + SIDE / 2], color="black", linewidth=4)
+        axes.annotate(str(number), (x, y), xytext=(6, -3), textcoords="offset points")
+    axes.set(title="the field from above", xlabel=_AXES[0], ylabel=_AXES[1], aspect="equal")
+    axes.legend(fontsize="small", loc="lower left")
+
+
+def _plot_place(axes: Any, film: Film, view: View) -> None:
+    """How sure a place is by one landmark, and by all of them."""
+    known, truth = landmarks(), film.truth[view.frame.number].translation
+    for one in view.sightings:
+        single = localize([one], Landmarks(known.frame, {one.id: known.places[one.id]}))
+        if single:
+            _plot_ellipse(axes, single.pose.translation - truth, single.covariance, "tab:orange", f"by {one.id} alone")
+    if view.place:
+        _plot_ellipse(axes, view.place.pose.translation - truth, view.place.covariance, "tab:green", "by all together")
+    axes.plot([0], [0], "+", color="black", markersize=12, label="where it was")
+    axes.set(title="one place, with what holds it to 95 %", xlabel="x, mm", ylabel="y, mm")
+    axes.legend(fontsize="small")
+
+
+def _plot_ellipse(axes: Any, place: Floats, covariance: Floats, colour: str, label: str) -> None:
+    values, vectors = np.linalg.eigh(covariance[:2, :2])
+    angles = np.linspace(0, 2 * np.pi, 90)
+    rim = vectors @ (np.sqrt(values)[:, None] * np.stack([np.cos(angles), np.sin(angles)])) * _SURE + place[:2, None]
+    axes.plot(*(1e3 * rim), color=colour, label=label, alpha=0.9 if "all" in label else 0.5)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,365 @@
+"""`roverlink aruco track`, from frames of known truth to whoever wants to know."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from generated.messages import BasestationRoverLocalization
+from generated.registry import REGISTRY
+from roverlink.__main__ import main
+from runtime import Qos, cdr
+from runtime.messages import Message
+from runtime.middleware import Middleware, NodeIdentity, open_middleware
+from tests.cli.conftest import PATIENCE_S
+
+cv2 = pytest.importorskip("cv2")
+np = pytest.importorskip("numpy")
+
+from roverlink.demo_camera import SIDE, Film, landmarks, parameters, render_film  # noqa: E402  # they need OpenCV
+from vision import interfaces  # noqa: E402
+from vision.parameters import write_parameters  # noqa: E402
+
+_FRAMES = 6
+_LANDMARKS = "landmarks:\n" + "".join(
+    f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90], survey: {{position: 0.002}}}}\n"
+    for number, one in landmarks().places.items()
+)
+_NEEDS_DDS = pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")
+
+Start = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A drive on a field as files, and its truth."""
+
+    folder: Path
+    film: Film
+
+    def words(self, *more: object) -> list[str]:
+        """The command line that tracks it."""
+        given = ("--parameters", self.folder / "camera.yml", "--side", SIDE, "--landmarks", self.folder / "field.yaml")
+        return ["aruco", "track", *map(str, (self.folder / "frames", *given, "--rate", 10, *more))]
+
+    def off(self, number: int, position: Sequence[float]) -> float:
+        """Metres from a position to where the camera was in a frame."""
+        return float(np.linalg.norm(self.film.truth[number % _FRAMES].translation - position))
+
+
+@pytest.fixture(scope="module")
+def field(tmp_path_factory: pytest.TempPathFactory) -> Field:
+    """A short drive."""
+    folder = tmp_path_factory.mktemp("field")
+    film = render_film(_FRAMES)
+    (folder / "frames").mkdir()
+    for frame in film:
+        cv2.imwrite(str(folder / "frames" / f"{frame.number}.png"), frame.image)
+    write_parameters(folder / "camera.yml", parameters())
+    (folder / "field.yaml").write_text(_LANDMARKS)
+    return Field(folder, film)
+
+
+def _lines(capsys: pytest.CaptureFixture[str], words: list[str]) -> list[Any]:
+    assert main(words) == 0
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_json_says_what_is_where(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """A line a frame: stamps of the recording, each landmark to 2 % of its distance, the camera at its true place."""
+    views = _lines(capsys, field.words("--json"))
+    assert [(view["stamp"], view["frame"]) for view in views] == [(index * 10**8, index) for index in range(_FRAMES)]
+    for view in views:
+        camera = field.film.truth[view["frame"]].inverse()
+        assert [one["id"] for one in view["markers"]] == [7, 8, 9, 10]
+        for one in view["markers"]:
+            there = camera.apply(landmarks().places[one["id"]].pose.translation)
+            assert np.linalg.norm(one["position"] - there) < 0.02 * np.linalg.norm(there)
+            assert np.shape(one["corners"]) == (4, 2)
+        assert field.off(view["frame"], view["camera"]["position"]) < 0.01
+        assert view["camera"]["frame"] == "field"
+        assert view["camera"]["used"] == [7, 8, 9, 10]
+        assert np.linalg.eigvalsh(np.reshape(view["camera"]["covariance"], (6, 6))).min() > 0
+
+
+def test_the_same_frames_give_the_same_lines(field: Field, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing of a recording's account depends on the time; `--count` ends it early."""
+    first, second = (_lines(capsys, field.words("--json", "--count", 2)) for _ in range(2))
+    assert first == second
+    assert len(first) == 2
+
+
+def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is left out, and said once."""
+    moved = tmp_path / "moved.yaml"
+    moved.write_text(_LANDMARKS.replace("9: {position: [2.6, -0.5", "9: {position: [2.6, -0.2"))
+    assert main(field.words("--json", "--landmarks", moved)) == 0
+    told = capsys.readouterr()
+    assert all(json.loads(line)["camera"]["rejected"] == [9] for line in told.out.splitlines())
+    assert told.err.count("9 is not where the landmarks say, and is left out") == 1
+
+
+def test_a_film_is_saved_without_ros(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has every frame, and what was seen drawn into it; the sums are told."""
+    film = tmp_path / "seen.avi"
+    assert main(field.words("--save", film)) == 0
+    capture = cv2.VideoCapture(str(film))
+    images = []
+    while capture.grab():
+        images.append(capture.retrieve()[1].astype(int))
+    assert len(images) == _FRAMES
+    coloured = np.ptp(images[0], axis=2) > 80  # the frames are grey
+    assert 300 < coloured.sum() < 20_000
+    assert f"{_FRAMES} frames, {_FRAMES} of them with landmarks (10, 7, 8, 9)" in capsys.readouterr().err
+
+
+def _resized(field: Field, folder: Path, size: tuple[int, int]) -> Path:
+    folder.mkdir()
+    image = cv2.resize(field.film.frames[0], size, interpolation=cv2.INTER_AREA)
+    cv2.imwrite(str(folder / "0.png"), image)
+    return folder
+
+
+def test_another_image_size_is_refused_or_scaled(
+    field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Parameters of another size are refused; `--rescale` takes them, says so, and distances are still true."""
+    frames = _resized(field, tmp_path / "small", (480, 360))
+    words = [word.replace(str(field.folder / "frames"), str(frames)) for word in field.words("--json")]
+    assert main(words) == 2
+    assert "for images of 640x480 pixels, and these have 480x360; calibrate at this size" in capsys.readouterr().err
+    assert main([*words, "--rescale"]) == 0
+    told = capsys.readouterr()
+    assert "are scaled from images of 640x480 pixels to 480x360" in told.err
+    assert field.off(0, json.loads(told.out)["camera"]["position"]) < 0.02
+
+
+def test_a_cut_image_is_not_scaled(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where width and height have another ratio no scale is right."""
+    frames = _resized(field, tmp_path / "cut", (640, 360))
+    words = [word.replace(str(field.folder / "frames"), str(frames)) for word in field.words("--json", "--rescale")]
+    assert main(words) == 2
+    assert "they were cut or stretched" in capsys.readouterr().err
+
+
+def test_parameters_without_a_size_are_taken_and_told(
+    field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The rover's own file says no size."""
+    text = (field.folder / "camera.yml").read_text()
+    (tmp_path / "old.yml").write_text("\n".join(line for line in text.splitlines() if "image_" not in line))
+    assert main(field.words("--json", "--parameters", tmp_path / "old.yml")) == 0
+    assert "do not say for which image size they are; taken for 640x480" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        (("--parameters", "none.yml"), "none.yml: there are no camera parameters"),
+        (("--dictionary", "DICT_5X5_25"), "no dictionary 'DICT_5X5_25'; did you mean DICT_5X5_250?"),
+        (("--side", "300=0.1"), "DICT_5X5_250 has no marker 300"),
+        (("--boards", "none.yaml"), "cannot read the boards"),
+        (("--landmarks", "none.yaml"), "cannot read the landmarks"),
+        (("--save", "film.gif"), "a film ends with .mp4 or .avi"),
+        (("--ros-args", "-p", "side:=0.1"), "has no parameter 'side'; it is set by options"),
+    ],
+)
+def test_what_cannot_be_is_told(
+    field: Field, more: Sequence[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is missing or wrong is named, with exit code 2 and nothing on standard output."""
+    assert main(field.words("--json", *more)) == 2
+    told = capsys.readouterr()
+    assert expected in told.err
+    assert told.out == ""
+
+
+@pytest.mark.parametrize("side", ["x", "0", "-1", "7=", "a=1", "nan"])
+def test_a_side_that_cannot_be_is_told(side: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """`--side` is metres, or a marker's number and metres."""
+    with pytest.raises(SystemExit):
+        main(["aruco", "track", "--side", side])
+    assert "is neither metres above 0 nor ID=METRES" in capsys.readouterr().err
+
+
+def test_landmarks_have_to_be_what_can_be_seen(
+    field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A board that nobody described, and a marker that is part of a board, are no landmarks."""
+    boards = tmp_path / "boards.yaml"
+    boards.write_text("boards: {gate: {side: 0.15, markers: {7: {position: [0, 0, 0], rpy: [0, 0, 0]}}}}")
+    assert main(field.words("--json", "--boards", boards)) == 2
+    assert "there is no marker of its own 7" in capsys.readouterr().err
+    wall = tmp_path / "wall.yaml"
+    wall.write_text("landmarks: {wall: {position: [0, 0, 0], rpy: [0, 0, 0]}}")
+    assert main(field.words("--json", "--landmarks", wall)) == 2
+    assert "there is no board 'wall'" in capsys.readouterr().err
+
+
+def test_a_board_is_one_landmark(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two markers of the field, taken as one board, have one pose, which is more exact than a marker's."""
+    boards, gate = tmp_path / "boards.yaml", tmp_path / "gate.yaml"
+    # the board's axes are the field's turned like every print here, about landmark 7: right is -y, up is z, out is -x
+    dx, dy, dz = landmarks().places[8].pose.translation - landmarks().places[7].pose.translation
+    boards.write_text(
+        "boards: {gate: {side: 0.15, markers: {7: {position: [0, 0, 0], rpy: [0, 0, 0]}, "
+        f"8: {{position: [{-dy}, {dz}, {-dx}], rpy: [0, 0, 0]}}}}}}}}"
+    )
+    gate.write_text("landmarks: {gate: {position: [3.0, 0.9, 0.9], rpy: [90, 0, -90]}}")
+    view, *_ = _lines(capsys, field.words("--json", "--boards", boards, "--landmarks", gate, "--count", 1))
+    assert {one["id"] for one in view["markers"]} == {"gate", 9, 10}
+    assert field.off(0, view["camera"]["position"]) < 0.02
+
+
+# --- ROS 2 ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def own_domain(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> None:
+    """DDS on this host alone, as the programs of these tests have it."""
+    for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.setenv(name, environment[name])
+
+
+class Listener:
+    """A ROS 2 node that listens."""
+
+    def __init__(self, middleware: Middleware) -> None:
+        self._middleware = middleware
+        self.heard: dict[str, list[Any]] = {}
+
+    def listen(self, topic: str, message_type: type[Message]) -> None:
+        """Keep what comes on a topic."""
+        kept = self.heard.setdefault(topic, [])
+        self._middleware.subscribe(
+            topic, message_type, Qos(), lambda many: kept.extend(cdr.decode(message_type, one) for one in many)
+        )
+
+    def wait(self, least: int) -> None:
+        """Wait until every topic has said so much."""
+        deadline = time.monotonic() + PATIENCE_S
+        while min(map(len, self.heard.values())) < least:
+            assert time.monotonic() < deadline, {topic: len(kept) for topic, kept in self.heard.items()}
+            time.sleep(0.01)
+
+
+@_NEEDS_DDS
+@pytest.mark.usefixtures("own_domain")
+def test_ros_2_hears_what_is_seen(field: Field) -> None:
+    """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""
+    topics = {
+        "/tf": interfaces.TFMessage,
+        "/front/aruco/mark_7/pose": interfaces.PoseWithCovarianceStamped,
+        "/front/seen": interfaces.Detection3DArray,
+        "/front/aruco/camera_info": interfaces.CameraInfo,
+        "/front/aruco/image/compressed": interfaces.CompressedImage,
+        "/front/aruco/camera_pose": interfaces.PoseWithCovarianceStamped,
+        "/rover_localization": BasestationRoverLocalization,
+    }
+    began = time.time_ns()
+    ros = ("-r", "__ns:=/front", "-r", "aruco/detections:=seen", "-r", "rover_localization:=/rover_localization")
+    names = ("--camera-frame", "eye", "--marker-frame", "mark_", "--middleware", "dds", "--count", 40, "--loop")
+    with open_middleware("dds", NodeIdentity("listener")) as middleware:
+        listener = Listener(middleware)
+        for topic, message_type in topics.items():
+            listener.listen(topic, message_type)
+        assert main(field.words("--rate", 20, *names, "--ros-args", *ros)) == 0
+        listener.wait(1)
+    transforms = [one for message in listener.heard["/tf"] for one in message.transforms]
+    assert {(one.header.frame_id, one.child_frame_id) for one in transforms} == {
+        ("eye", f"mark_{number}") for number in (7, 8, 9, 10)
+    }
+    stamps = {one.header.stamp.sec * 10**9 + one.header.stamp.nanosec for one in transforms}
+    assert began < min(stamps) <= max(stamps) < time.time_ns()
+    for place in listener.heard["/rover_localization"]:
+        assert min(field.off(number, (place.x, place.y, place.z)) for number in range(_FRAMES)) < 0.01
+    image = cv2.imdecode(np.frombuffer(listener.heard["/front/aruco/image/compressed"][0].data, np.uint8), 1)
+    assert image.shape == (480, 640, 3)
+
+
+@_NEEDS_DDS
+@pytest.mark.slow
+def test_the_basestation_hears_where_the_rover_is(field: Field, start: Start) -> None:
+    """From the camera's frames over ROS 2 and the bridge to the basestation's UDP port, as programs of their own."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as basestation:
+        basestation.bind(("127.0.0.1", 0))
+        basestation.settimeout(PATIENCE_S)
+        port = f"dst_a_port:={basestation.getsockname()[1]}"
+        bridge = start("run", "--middleware", "dds", "--ros-args", "-p", "listen_port:=0", "-p", port)
+        bridge.wait_for("on UDP port")
+        tracker = start(*field.words("--middleware", "dds", "--loop"))
+        for _ in range(20):
+            envelope = REGISTRY.envelope.FromString(basestation.recv(2000))
+            place = envelope.rover_localization
+            assert min(field.off(number, (place.x, place.y, place.z)) for number in range(_FRAMES)) < 0.01
+        assert tracker.interrupt()[0] == 0
+        assert "of them with landmarks (10, 7, 8, 9)" in str(tracker)
+        assert bridge.interrupt()[0] == 0
+
+
+# --- which source -----------------------------------------------------------------------------------------------
+
+
+def _typed(answer: str, monkeypatch: pytest.MonkeyPatch, words: list[str]) -> tuple[int, str]:
+    """Run a command at a terminal at which somebody types a line; its exit code, and what the terminal showed."""
+    ours, theirs = os.openpty()
+    shown: list[bytes] = []
+
+    def read() -> None:
+        with contextlib.suppress(OSError):  # nobody writes any more
+            while text := os.read(ours, 1000):
+                shown.append(text)
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    with open(theirs, closefd=False) as stdin, open(theirs, "w", buffering=1, closefd=False) as stderr:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        monkeypatch.setattr(sys, "stderr", stderr)
+        os.write(ours, f"{answer}\n".encode())
+        code = main(words)
+    os.close(theirs)
+    reader.join(PATIENCE_S)
+    os.close(ours)
+    return code, b"".join(shown).decode()
+
+
+def _without_source(field: Field) -> list[str]:
+    return [word for word in field.words("--json") if word != str(field.folder / "frames")]
+
+
+@pytest.mark.parametrize(
+    ("answer", "expected"), [("", "camera 0 cannot be opened"), ("97", "camera 97 cannot be opened"), ("{}", "640x480")]
+)
+def test_it_asks_for_the_source(
+    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], answer: str, expected: str
+) -> None:
+    """ENTER is camera 0, a number another; anything else that is a source will do."""
+    code, shown = _typed(answer.format(field.folder / "frames"), monkeypatch, _without_source(field))
+    assert "Camera (ENTER for camera 0, a number, or a URL): " in shown
+    assert expected in shown
+    assert code == (0 if answer == "{}" else 2)
+    assert len(capsys.readouterr().out.splitlines()) == (_FRAMES if answer == "{}" else 0)
+
+
+def test_without_a_terminal_it_is_camera_0(
+    field: Field, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nobody can be asked, so it says what it takes."""
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    assert main(_without_source(field)) == 2
+    told = capsys.readouterr().err
+    assert "no source is given: looking through camera 0" in told
+    assert "camera 0 cannot be opened" in told

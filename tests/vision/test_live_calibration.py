@@ -1,0 +1,289 @@
+"""What the page shows while frames come in, and what its buttons do; the browser itself is in `test_page.py`."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+import urllib.request
+from collections.abc import Callable
+from contextlib import ExitStack
+from itertools import count
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from runtime.errors import SetupError
+from tests.vision.board_frames import frame
+from tests.vision.boards import CAMERA
+from vision import Pose
+from vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
+from vision.calibration.page.live import LiveCalibration
+from vision.calibration.page.server import PageServer
+
+BOARD = CharucoBoard(7, 5, 0.038, 0.028)
+FRAME_NS = 33_000_000
+PATIENCE_S = 30.0
+
+
+def shown(tilt: tuple[float, float], place: tuple[float, float], distance: float) -> np.ndarray:
+    """A picture (H, W, 3) of the board."""
+    return np.asarray(cv2.cvtColor(frame(tilt, place, distance, BOARD), cv2.COLOR_GRAY2BGR))
+
+
+NEAR = shown((0, 0), (0.5, 0.5), 0.35)
+LEFT = shown((0, 0), (0.3, 0.5), 0.5)
+TILTED = shown((0, 29), (0.6, 0.5), 0.45)
+
+
+def calibrated(views: tuple[View, ...]) -> Calibration:
+    """A calibration of views, of which the second is said to be blurred."""
+    pose = Pose(np.eye(3), np.array([0, 0, 1.0]))
+    fitted = tuple(
+        Fitted(
+            view, pose, np.full((len(view.ids), 2), 0.1), np.full(len(view.ids), place != 1), "blurred" * (place == 1)
+        )
+        for place, view in enumerate(views)
+    )
+    return Calibration(CAMERA, Model.PLUMB_BOB, np.eye(9) * 0.01, 0.1414, fitted)
+
+
+class _Camera:
+    """Shows frames to a live calibration, each for as long as it takes to see that the board is still."""
+
+    def __init__(self, **changed: Callable[..., Any]) -> None:
+        self.saved: list[Calibration] = []
+        self._stamps = count(10**18, FRAME_NS)
+        given: dict[str, Callable[..., Any]] = {
+            "calibrate": calibrated,
+            "report": lambda calibration: f"<p>{calibration.rms}",
+            "save": lambda calibration: self.saved.append(calibration) or "Saved to a.yml.",
+        }
+        self.live = LiveCalibration("a camera", Collection(BOARD), **(given | changed))
+
+    def show(self, *frames: np.ndarray) -> dict[str, Any]:
+        """Show each frame twice; what the page then shows."""
+        for image in frames:
+            for _ in range(2):
+                stamp = next(self._stamps)
+                self.live.look(image, stamp, f"frame {stamp}")
+        return self.state()
+
+    def state(self) -> dict[str, Any]:
+        return self.live.state(0)
+
+    def until(self, wanted: Callable[[dict[str, Any]], Any]) -> dict[str, Any]:
+        """What the page shows once it is as wanted."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not wanted(state := self.state()):
+            assert time.monotonic() < deadline, state
+            time.sleep(0.005)
+        return state
+
+
+def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
+    return {goal["name"]: [(part["text"], part["done"]) for part in goal["parts"]] for goal in state["goals"]}
+
+
+def test_before_the_first_frame_everything_is_missing() -> None:
+    """All parts of the image, every distance and tilt; there is nothing to calibrate and nothing to save."""
+    state = _Camera().state()
+    assert state["coverage"]["missing"] == list(range(24))
+    assert goals(state)["Views"] == [("0 of 20", False)]
+    assert goals(state)["Distance"] == [("near 0/2", False), ("middle 0/2", False), ("far 0/2", False)]
+    assert state["can"] == ["take"]
+    assert state["status"] == "Next: bring the board to the upper left of the picture, and hold it still."
+
+
+def test_views_that_add_something_are_taken() -> None:
+    """Each with a number, its corners and a picture; what it covers is no longer missing."""
+    camera = _Camera()
+    state = camera.show(NEAR, LEFT, LEFT, TILTED)
+    assert [view["number"] for view in state["views"]] == [1, 2, 3]
+    assert goals(state)["Views"] == [("3 of 20", False)]
+    assert ("near 1/2", False) in goals(state)["Distance"]
+    assert ("right edge nearer 1/2", False) in goals(state)["Tilt"]
+    assert 14 not in state["coverage"]["missing"]  # just right of the middle
+    assert 0 in state["coverage"]["missing"]
+    picture = cv2.imdecode(np.frombuffer(camera.live.thumbnail(2) or b"", np.uint8), cv2.IMREAD_COLOR)
+    assert picture.shape == (180, 240, 3)
+
+
+def test_why_a_view_is_not_taken_is_shown() -> None:
+    """In the words of the collection."""
+    camera = _Camera()
+    camera.live.look(NEAR, 10**18, "a frame")
+    assert camera.state()["note"] == "hold still"
+    assert "not seen" in camera.show(np.full_like(NEAR, 128))["note"]
+
+
+def test_take_now_takes_the_next_frame_as_it_is() -> None:
+    """Though it was seen already; and only that one."""
+    camera = _Camera()
+    camera.show(NEAR)
+    camera.live.act("take", None)
+    camera.show(NEAR, NEAR)
+    assert len(camera.state()["views"]) == 2
+
+
+def test_a_dropped_view_is_gone() -> None:
+    """With its picture and with what it covered; the others keep their numbers, and none has its number again."""
+    camera = _Camera()
+    camera.show(NEAR, LEFT)
+    camera.live.act("drop", 1)
+    assert [view["number"] for view in camera.state()["views"]] == [2]
+    assert ("near 0/2", False) in goals(camera.state())["Distance"]
+    assert camera.live.thumbnail(1) is None
+    with pytest.raises(SetupError, match="there is no view 1"):
+        camera.live.act("drop", 1)
+    assert [view["number"] for view in camera.show(TILTED)["views"]] == [2, 3]
+
+
+def test_a_refusal_is_shown_with_all_its_reasons() -> None:
+    """And collecting goes on."""
+
+    def refuse(_: object) -> Calibration:
+        raise PoorViewsError(("2 views are too few", "no tilts"))
+
+    camera = _Camera(calibrate=refuse)
+    camera.show(NEAR)
+    camera.live.act("calibrate", None)
+    state = camera.until(lambda state: state["refused"])
+    assert state["refused"] == ["2 views are too few", "no tilts"]
+    assert state["can"] == ["take", "calibrate"]
+    assert len(camera.show(LEFT)["views"]) == 2
+
+
+def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A calibration that fails in a way that nobody thought of says so, and can be tried again."""
+    told: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", told.append)
+    camera = _Camera(calibrate=lambda _: 1 / 0)
+    camera.show(NEAR)
+    camera.live.act("calibrate", None)
+    assert "terminal" in camera.until(lambda state: state["refused"])["refused"][0]
+    assert "calibrate" in camera.state()["can"]
+    deadline = time.monotonic() + PATIENCE_S
+    while not told and time.monotonic() < deadline:
+        time.sleep(0.005)
+    assert told[0].exc_type is ZeroDivisionError
+
+
+def test_the_result_is_shown_and_the_report_is_there() -> None:
+    """Numbers with intervals, errors of the views, the bad one named; and that it is of other views, once it is."""
+    camera = _Camera()
+    camera.show(NEAR, LEFT, TILTED)
+    assert camera.live.report() is None
+    camera.live.act("calibrate", None)
+    state = camera.until(lambda state: state["result"])
+    assert state["result"]["numbers"][0] == ["fx", "920.00", "± 0.20"]
+    assert [view["bad"] for view in state["views"]] == [False, True, False]
+    assert state["views"][0]["lines"][2] == "error 0.141 px"
+    assert state["views"][1]["lines"][2] == "dropped: blurred"
+    assert len(state["result"]["remarks"]) == 1
+    assert camera.live.report() == "<p>0.1414"
+    camera.live.act("drop", 2)
+    assert "calibrate again" in camera.state()["result"]["remarks"][1]
+    camera.show(LEFT)
+    assert camera.state()["views"][-1]["lines"][2] == "not in the result yet"
+
+
+def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
+    """Frames are looked at, and the buttons wait."""
+    go = threading.Event()
+
+    def slowly(views: tuple[View, ...]) -> Calibration:
+        assert go.wait(PATIENCE_S)
+        return calibrated(views)
+
+    camera = _Camera(calibrate=slowly)
+    camera.show(NEAR, LEFT)
+    camera.live.act("calibrate", None)
+    state = camera.show(TILTED)
+    assert state["status"].startswith("Calibrating")
+    assert len(state["views"]) == 3
+    assert state["can"] == ["take"]
+    for action in ("calibrate", "save"):
+        with pytest.raises(SetupError, match="until the calibration is done"):
+            camera.live.act(action, None)
+    go.set()
+    assert camera.until(lambda state: state["result"])["can"] == ["take", "calibrate", "save"]
+
+
+def test_what_is_saved_is_the_result() -> None:
+    """Not before there is one; and then it is over."""
+    camera = _Camera()
+    camera.show(NEAR, LEFT)
+    with pytest.raises(SetupError, match="calibrate first"):
+        camera.live.act("save", None)
+    camera.live.act("calibrate", None)
+    camera.until(lambda state: state["result"])
+    assert not camera.live.finished.is_set()
+    camera.live.act("save", None)
+    assert camera.live.finished.is_set()
+    assert [len(one.views) for one in camera.saved] == [2]
+    assert camera.state()["finished"]
+    assert camera.state()["status"] == "Saved to a.yml. This page can be closed."
+
+
+def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
+    """It can be tried again."""
+
+    def fail(_: object) -> str:
+        raise SetupError("a.yml: cannot be written: no space")
+
+    camera = _Camera(save=fail)
+    camera.show(NEAR)
+    camera.live.act("calibrate", None)
+    camera.until(lambda state: state["result"])
+    with pytest.raises(SetupError, match="no space"):
+        camera.live.act("save", None)
+    assert not camera.live.finished.is_set()
+    assert "save" in camera.state()["can"]
+
+
+def test_the_picture_is_the_newest_with_its_corners() -> None:
+    """A wide one is made smaller; who comes late sees the last, and waits for the next."""
+    camera = _Camera()
+    camera.live.look(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
+    camera.live.look(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
+    number, jpeg = camera.live.picture(0) or (0, b"")
+    assert number == 2
+    shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    assert shown.shape == (720, 960, 3)
+    coloured = shown.max(axis=2).astype(int) - shown.min(axis=2) > 100
+    assert 100 < coloured.sum() < 20_000
+    late: list[int] = []
+    waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
+    waiting.start()
+    camera.live.look(NEAR, 3 * 10**18, "a frame")
+    waiting.join(PATIENCE_S)
+    assert late == [3]
+
+
+def test_browsers_that_do_not_read_hold_up_no_frame() -> None:
+    """Ten of them ask for pictures and take none; the camera goes on, and who reads gets the newest."""
+    camera = _Camera()
+    with PageServer("127.0.0.1", 0, camera.live) as server, ExitStack() as stack:
+        port = int(server.url.rstrip("/").rpartition(":")[2])
+        for _ in range(10):
+            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port)))
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode() * 20)
+        showing = threading.Thread(target=camera.show, args=(NEAR, LEFT, TILTED), daemon=True)
+        showing.start()
+        showing.join(PATIENCE_S)
+        assert not showing.is_alive()
+        with urllib.request.urlopen(f"{server.url}picture") as answer:
+            assert answer.headers["Picture-Number"] == "6"
+
+
+def test_the_end_of_a_recording_is_told() -> None:
+    """There is nothing more to take, and what there is can be calibrated."""
+    camera = _Camera()
+    camera.show(NEAR)
+    camera.live.ended()
+    assert camera.state()["note"] == "a camera has ended."
+    assert camera.state()["can"] == ["calibrate"]

@@ -1,0 +1,219 @@
+"""Who may look at the page, who may click, and that nobody keeps the others waiting."""
+
+from __future__ import annotations
+
+import http.client
+import re
+import socket
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from runtime.errors import SetupError
+from vision.calibration.page.server import PageServer
+
+PATIENCE_S = 30.0
+
+
+class _DeskOfOneView:
+    """One view with the number 1, a large picture, and a list of what was clicked."""
+
+    def __init__(self) -> None:
+        self.done: list[tuple[str, int | None]] = []
+
+    def state(self, after: int) -> dict[str, Any]:
+        return {"version": after + 1}
+
+    def picture(self, after: int) -> tuple[int, bytes] | None:
+        return (5, bytes(50_000_000)) if after < 5 else None
+
+    def thumbnail(self, view: int) -> bytes | None:
+        return b"\xff\xd8" if view == 1 else None
+
+    def report(self) -> str | None:
+        return None
+
+    def act(self, action: str, view: int | None) -> None:
+        if action == "save":
+            raise SetupError("there is nothing to save yet")
+        self.done.append((action, view))
+
+
+def port_of(server: PageServer) -> int:
+    return int(server.url.rstrip("/").rsplit(":", 1)[1])
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[_DeskOfOneView, int]]:
+    desk = _DeskOfOneView()
+    with PageServer("127.0.0.1", 0, desk) as server:
+        yield desk, port_of(server)
+
+
+@pytest.fixture
+def desk(served: tuple[_DeskOfOneView, int]) -> _DeskOfOneView:
+    """The desk behind the server, with nothing clicked yet."""
+    served[0].done.clear()
+    return served[0]
+
+
+@pytest.fixture
+def port(served: tuple[_DeskOfOneView, int]) -> int:
+    return served[1]
+
+
+def ask(port: int, method: str, path: str, **headers: str) -> tuple[int, bytes]:
+    """The status and the body of an answer; `Host` is the server's unless it is given."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
+    try:
+        connection.request(method, path, headers=headers)
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+    finally:
+        connection.close()
+
+
+def own(port: int) -> dict[str, str]:
+    return {"Origin": f"http://127.0.0.1:{port}"}
+
+
+def test_the_page_and_what_it_needs_are_served(port: int) -> None:
+    """The page, its style and its program come from here, and name no other site."""
+    for path in ("/", "/page.css", "/page.js"):
+        status, body = ask(port, "GET", path)
+        assert status == 200
+        assert not re.search(rb"""https?:|["'(]//|@import""", body)
+
+
+def test_what_the_page_may_load_is_said_with_it(port: int) -> None:
+    """The browser is told to load nothing from elsewhere, and to show the page in no frame of another."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
+    connection.request("GET", "/")
+    policy = connection.getresponse().headers["Content-Security-Policy"]
+    connection.close()
+    assert "default-src 'none'" in policy
+    assert "frame-ancestors 'none'" in policy
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "localhost.evil.example", "127.0.0.1.evil", ""])
+def test_another_name_for_this_computer_is_refused(port: int, desk: _DeskOfOneView, host: str) -> None:
+    """A site that lets its own name mean this computer sees nothing and does nothing."""
+    assert ask(port, "GET", "/state", Host=host)[0] == 403
+    assert ask(port, "POST", "/take", Host=host, Origin=f"http://{host}")[0] == 403
+    assert desk.done == []
+
+
+@pytest.mark.parametrize("host", ["localhost:8000", "[::1]:8000", "192.168.0.7", "{}", "{}.local:80"])
+def test_addresses_and_names_of_this_computer_are_taken(port: int, host: str) -> None:
+    """An address, `localhost` through a tunnel with any port, and the computer's own name."""
+    assert ask(port, "GET", "/state", Host=host.format(socket.gethostname()))[0] == 200
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{}", "http://127.0.0.1:1", None])
+def test_a_click_on_another_site_does_nothing(port: int, desk: _DeskOfOneView, origin: str | None) -> None:
+    """Only the page itself may post: neither another site, nor another port, nor one who does not say who asks."""
+    headers = {} if origin is None else {"Origin": origin.format(port)}
+    assert ask(port, "POST", "/take", **headers)[0] == 403
+    assert desk.done == []
+
+
+def test_clicks_reach_the_desk(port: int, desk: _DeskOfOneView) -> None:
+    """Each button does its thing, once."""
+    for path in ("/take", "/views/1/drop", "/calibrate"):
+        assert ask(port, "POST", path, **own(port))[0] == 204
+    assert desk.done == [("take", None), ("drop", 1), ("calibrate", None)]
+
+
+def test_what_cannot_be_done_says_why(port: int) -> None:
+    """The reason is the body of the answer."""
+    assert ask(port, "POST", "/save", **own(port)) == (409, b"there is nothing to save yet")
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/views/1", 200),
+        ("/views/2", 404),
+        ("/report", 404),
+        ("/server.py", 404),
+        ("/../server.py", 404),
+        ("/views/../server.py", 404),
+        ("/state?after=many", 400),
+        ("/state?after=1e9", 400),
+        ("/picture?after=5", 204),
+    ],
+)
+def test_paths(port: int, path: str, status: int) -> None:
+    """What is there is served, nothing else is."""
+    assert ask(port, "GET", path)[0] == status
+
+
+@pytest.mark.parametrize("path", ["/", "/views/1", "/views/x/drop", "/shutdown"])
+def test_there_is_nothing_else_to_do(port: int, desk: _DeskOfOneView, path: str) -> None:
+    """A post elsewhere is no click."""
+    assert ask(port, "POST", path, **own(port))[0] == 404
+    assert desk.done == []
+
+
+def test_a_body_is_not_taken_for_a_request(port: int, desk: _DeskOfOneView) -> None:
+    """What follows a post on its connection is not read."""
+    hidden = f"POST /calibrate HTTP/1.1\r\nHost: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n\r\n"
+    outer = f"POST /take HTTP/1.1\r\nHost: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n"
+    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
+        sock.sendall(f"{outer}Content-Length: {len(hidden)}\r\n\r\n{hidden}".encode())
+        while sock.recv(65536):
+            pass
+    assert desk.done == [("take", None)]
+
+
+def test_a_browser_that_does_not_read_keeps_nobody_waiting(port: int) -> None:
+    """Fifty megabytes wait in vain; others are served at once."""
+    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as sock:
+        sock.sendall(f"GET /picture HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+        assert sock.recv(1)
+        begin = time.monotonic()
+        assert ask(port, "GET", "/state")[0] == 200
+        assert time.monotonic() - begin < PATIENCE_S / 10
+
+
+def test_connections_are_limited(port: int) -> None:
+    """One too many is closed, and there is room again when others have gone."""
+    held = [socket.create_connection(("127.0.0.1", port), PATIENCE_S) for _ in range(24)]
+    try:
+        with pytest.raises(OSError):  # noqa: PT011  # closed, in one way or another
+            ask(port, "GET", "/state")
+    finally:
+        for sock in held:
+            sock.close()
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            assert ask(port, "GET", "/state")[0] == 200
+            break
+        except OSError:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+
+def test_a_port_that_is_taken_is_named(port: int) -> None:
+    """It says which, and why."""
+    with pytest.raises(SetupError, match=f"TCP port {port} of 127.0.0.1"):
+        PageServer("127.0.0.1", port, _DeskOfOneView())
+
+
+def test_where_everybody_may_look_the_address_is_one_that_others_can_open() -> None:
+    """It is served on all addresses, and named by the computer's name."""
+    with PageServer("0.0.0.0", 0, _DeskOfOneView()) as server:  # noqa: S104  # what is tested
+        assert socket.gethostname() in server.url
+        assert ask(port_of(server), "GET", "/state", Host=server.url.split("/")[2])[0] == 200
+
+
+def test_it_ends_though_browsers_wait() -> None:
+    """Nobody has to close a browser first."""
+    with PageServer("127.0.0.1", 0, _DeskOfOneView()) as server:
+        sock = socket.create_connection(("127.0.0.1", port_of(server)))
+        begin = time.monotonic()
+    assert time.monotonic() - begin < PATIENCE_S / 10
+    sock.close()

@@ -1,0 +1,137 @@
+"""The report of a calibration: one page of HTML that needs nothing else, to be kept beside the parameters.
+
+The same calibration gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from vision.calibration import pictures
+from vision.calibration.board import CharucoBoard
+from vision.calibration.coverage import Coverage, traits
+from vision.calibration.solution import Calibration, Fitted
+from vision.files import write_whole
+
+_TEMPLATES = Path(__file__).parents[2] / "templates"
+_TEMPLATE = "calibration.html.j2"
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One of the camera's numbers, as text."""
+
+    name: str
+    value: str
+    interval: str
+    """Half the width of the interval that holds the truth in 95 % of calibrations."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """A line of the table of views."""
+
+    fitted: Fitted
+    used: str
+    left_out: str
+    judged: bool
+    """Whether the view was of use enough to have the numbers that follow."""
+    worst: float
+    """The longest residual of a corner that is used, or of all of a dropped view, in pixels."""
+    distance: float
+    """From the camera to the middle of the board, in metres."""
+    tilt: float
+    """Of the board against the image, in degrees."""
+
+
+def parameters(calibration: Calibration) -> list[Parameter]:
+    """The camera's numbers, each with as many digits as its interval gives a meaning to."""
+    halves = (calibration.interval * calibration.deviations).tolist()
+    return [
+        Parameter(name, f"{value:.{digits}f}", f"{half:.{digits}f}")
+        for name, value, half in zip(calibration.names, calibration.values.tolist(), halves)
+        for digits in [_digits(half)]
+    ]
+
+
+def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> str:
+    """The page: numbers, pictures of residuals, uncertainty and coverage, and every view.
+
+    `versions` are those of the programs that made the calibration, by their names.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )
+    coverage, size = _coverage(calibration, board), calibration.views[0].view.size
+    cells = np.arange(coverage.cells.size).reshape(coverage.cells.shape)
+    return environment.get_template(_TEMPLATE).render(
+        calibration=calibration,
+        board=board,
+        parameters=parameters(calibration),
+        size=size,
+        date=_date(calibration.views),
+        versions=versions,
+        residuals=pictures.residuals(calibration),
+        uncertainty=pictures.uncertainty(calibration),
+        bounds=pictures.BOUNDS,
+        cells=list(zip(pictures.fields(cells, size), coverage.cells.ravel().tolist())),
+        needs=[need for need in coverage.needs() if need.cell is None],
+        rows=[_row(fitted, board) for fitted in calibration.views],
+        kept=[fitted for fitted in calibration.views if not fitted.dropped],
+        dropped=[fitted for fitted in calibration.views if fitted.dropped],
+    )
+
+
+def write_report(path: Path, calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> None:
+    """Write the `report`, whole or not at all. Raises `SetupError` where it cannot be written."""
+    write_whole(path, report(calibration, board, versions).encode())
+
+
+def _digits(half: float) -> int:
+    """Decimals that show two digits of an interval."""
+    return max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 1
+
+
+def _date(views: Sequence[Fitted]) -> str:
+    """When the data was taken, from the first view to the last."""
+    stamps = [fitted.view.stamp_ns for fitted in views if fitted.view.stamp_ns]
+    if not stamps:
+        return "not known"
+    first, last = (datetime.fromtimestamp(stamp // 1_000_000_000, timezone.utc) for stamp in (min(stamps), max(stamps)))
+    until = f" to {last:%H:%M:%S}" if last.date() == first.date() else f" to {last:%Y-%m-%d %H:%M:%S}"
+    return f"{first:%Y-%m-%d %H:%M:%S}{until if last != first else ''} UTC"
+
+
+def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
+    """What the views that are used cover."""
+    coverage = Coverage()
+    for fitted in calibration.views:
+        if not fitted.dropped:
+            outline = calibration.camera.project(fitted.pose.apply(board.outline))
+            coverage.add(traits(fitted.view, fitted.pose, outline))
+    return coverage
+
+
+def _row(fitted: Fitted, board: CharucoBoard) -> _Row:
+    lengths = np.linalg.norm(fitted.residuals[fitted.used if fitted.used.any() else slice(None)], axis=1)
+    return _Row(
+        fitted,
+        pictures.dots(fitted.view.corners[fitted.used]),
+        pictures.dots(fitted.view.corners[~fitted.used]),
+        bool(np.isfinite(fitted.pose.translation).all()),
+        float(np.max(lengths, initial=0)),
+        float(np.linalg.norm(fitted.pose.apply(board.outline.mean(axis=0)))),
+        math.degrees(math.acos(min(1.0, abs(float(fitted.pose.rotation[2, 2]))))),
+    )
