@@ -15,6 +15,7 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator.descriptors import schema_of
 from generator.findings import Finding, FindingsError, Rule, Span, shown
+from generator.proto_files import imported_files
 from generator.protos import Schema
 
 DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
@@ -44,16 +45,31 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target.write_text(text, encoding="utf-8")
         folders = [over, root] if overlay else [root]
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
-        _protoc(folders, files, options, out, shown_root)
+        # protoc generates modules for the files it is given, not for what they import.
+        _protoc(folders, _with_imports(files, folders), options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
-        own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
-        extra = [name for name in own if name not in files]
-        if extra:  # protoc generates modules for the files it is given, not for what they import
-            _protoc(folders, own, options, out, shown_root)
         modules = {
             path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
         }
     return Compilation(schema_of(compiled, shown_root), modules)
+
+
+def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
+    """The files and all that they import, but for those that come with protobuf, and those that do not exist."""
+    waiting = list(files)
+    known = dict.fromkeys(waiting)
+    for file in waiting:  # which grows
+        path = _found(file, folders)
+        text = path.read_text(encoding="utf-8", errors="replace") if path else ""
+        for name in imported_files(text):
+            if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
+                known[name] = None
+                waiting.append(name)
+    return waiting
+
+
+def _found(file: str, folders: Sequence[Path]) -> Path | None:
+    return next((folder / file for folder in folders if (folder / file).is_file()), None)
 
 
 def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Finding]]:
