@@ -37,7 +37,7 @@ def _agree(root: Path, name: str) -> bool:
 
 
 def test_files_are_read_as_protoc_reads_them() -> None:
-    """Names, numbers, types, labels, ranges, imports, comments and places are protoc's in every file at hand that compiles."""
+    """Names, numbers, types, labels, ranges, imports, comments and places are protoc's in every file that compiles."""
     refused = {f"{root.parent.name}/{name}" for root, name in _FILES if not _agree(root, name)}
     assert {name.partition("/")[0] for name in refused} == {
         "only_what_is_needed",
