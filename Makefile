@@ -15,10 +15,10 @@ demo: $(VENV)/ready  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
 
 test: $(VENV)/ready-dev  ## the tests
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
 
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
-	$(BIN)/pytest -n auto -m slow
+	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py
