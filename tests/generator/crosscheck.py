@@ -34,7 +34,7 @@ from generator.write import compare, write
 from runtime import ConversionError, cdr, load_registry
 from runtime.messages import fields_of
 
-_EXAMPLES = settings(max_examples=25, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=15, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
 
 # --- rosbags ----------------------------------------------------------------------------------------------------

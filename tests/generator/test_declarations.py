@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from generator.declarations import Field, File, Message, parse, resolve_type
 from generator.proto_files import imported_files
 
-_EXAMPLES = settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
 _ROOTS = [ROOT / "proto", WELL_KNOWN, *sorted((ROOT / "tests" / "generator" / "cases").glob("*/proto"))]
 _FILES = [(root, path.relative_to(root).as_posix()) for root in _ROOTS for path in sorted(root.rglob("*.proto"))]
 _TEXTS = [(root / name).read_text(encoding="utf-8") for root, name in _FILES if (root / name).is_file()]

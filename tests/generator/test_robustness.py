@@ -22,7 +22,7 @@ from generator.pipeline import compile_table
 
 T = TypeVar("T")
 
-_EXAMPLES = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
 _TABLE = re.sub(rb"  - number: 4\n.*(?=  - number: 11\n)", b"", (ROOT / "mapping.yaml").read_bytes(), flags=re.DOTALL)
 _LEDGER = (ROOT / "mapping.lock").read_bytes()
 _SNIPPETS = st.sampled_from(
