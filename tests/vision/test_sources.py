@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import threading
 import time
@@ -54,13 +55,17 @@ class Webcam:
             to.wfile.write(b"<html>The app</html>")
             return
         self.visits += 1
+        with contextlib.suppress(OSError):  # who watches may go at any time
+            self._stream(to)
+        if self.hang:
+            self._released.wait(PATIENCE_S)
+
+    def _stream(self, to: BaseHTTPRequestHandler) -> None:
         for index in range(self.frames):
             jpeg = cv2.imencode(".jpg", _image(index % 200))[1].tobytes()
             to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
             to.wfile.write(jpeg + b"\r\n")
             time.sleep(0.01)
-        if self.hang:
-            self._released.wait(PATIENCE_S)
 
     def close(self) -> None:
         """Be gone."""
