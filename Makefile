@@ -18,10 +18,10 @@ demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown liv
 	$(BIN)/roverlink demo
 
 test: $(VENV)/ready-dev  ## the tests
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
 
 test-slow: $(VENV)/ready-dev  ## the tests that take minutes
-	$(BIN)/pytest -n auto -m slow
+	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
 	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py

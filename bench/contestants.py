@@ -106,8 +106,8 @@ def _roverlink(site: Site) -> Contestant:
     script = Path(sys.executable).with_name("roverlink")
     if not script.exists():
         raise BenchError(f"no {script}; `make bench` installs it")
-    without_forwards = site.out / "no-forwards"
-    _compile_without_forwards(script, site.proto, without_forwards)
+    project = site.out / "same-work"
+    _compile_for_same_work(script, site.proto, project)
 
     def command(ports: Ports, forwards: bool) -> Sequence[str]:
         parameters = {
@@ -118,17 +118,30 @@ def _roverlink(site: Site) -> Contestant:
             "forward_policy": "all" if forwards else "mapping",
         }
         arguments = (word for name, value in parameters.items() for word in ("-p", f"{name}:={value}"))
-        project = str(ROOT if forwards else without_forwards)
-        return (str(script), "run", "--project", project, "--middleware", "dds", "--json", "--ros-args", *arguments)
+        return (
+            str(script),
+            "run",
+            "--project",
+            str(project),
+            "--middleware",
+            "dds",
+            "--json",
+            "--ros-args",
+            *arguments,
+        )
 
     return Contestant("roverlink", "this project", command)
 
 
-def _compile_without_forwards(script: Path, proto: Path, project: Path) -> None:
-    """Compile our table once more into a project of its own, without the raw forwards that its rows ask for."""
+def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
+    """Compile our table once more into a project of its own, as far as the others do its work.
+
+    That is a topic a row, and raw forwards where the setting asks for them and not where the table does.
+    """
     table = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
     for row in table["messages"]:
         row.pop("forward", None)
+        row.pop("also", None)
     shutil.copytree(proto, project / table["proto"]["root"], dirs_exist_ok=True)
     shutil.copy(ROOT / "mapping.lock", project)
     mapping = project / "mapping.yaml"

@@ -9,12 +9,12 @@
 #include "messages.h"
 
 #include <arpa/inet.h>
+#include <netinet/udp.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <functional>
 #include <iostream>
@@ -32,40 +32,34 @@ std::vector<uint8_t> bytes_of(const std::string& hex) {
   return bytes;
 }
 
-// Copies of one datagram, sent by one system call so that a single core can offer several 100,000 a second.
+// Copies of one datagram, which the kernel cuts from one message (udp(7), UDP_SEGMENT): a single core can offer several
+// 100,000 a second, and takes little from the bridge that it shares the machine with.
 class Datagrams {
  public:
   Datagrams(int port, const std::vector<uint8_t>& datagram, int high_offset, int low_offset)
-      : high_offset_(high_offset), low_offset_(low_offset) {
+      : size_(static_cast<int>(datagram.size())), high_offset_(high_offset), low_offset_(low_offset) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socket_ = checked(socket(AF_INET, SOCK_DGRAM, 0), "socket");
     checked(connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), "connect");
-    copies_.fill(datagram);
-    for (int i = 0; i < batch; ++i) {
-      vectors_[i] = {copies_[i].data(), copies_[i].size()};
-      messages_[i].msg_hdr = {nullptr, 0, &vectors_[i], 1, nullptr, 0, 0};
-    }
+    checked(setsockopt(socket_, IPPROTO_UDP, UDP_SEGMENT, &size_, sizeof size_), "UDP_SEGMENT");
+    for (int i = 0; i < batch; ++i) copies_.insert(copies_.end(), datagram.begin(), datagram.end());
   }
 
   void send(int count) {
     for (int i = 0; i < count; ++i) {
       const Stamp stamp = Stamp::now();
-      std::memcpy(&copies_[i][high_offset_], &stamp.high, sizeof stamp.high);
-      std::memcpy(&copies_[i][low_offset_], &stamp.low, sizeof stamp.low);
+      std::memcpy(&copies_[i * size_ + high_offset_], &stamp.high, sizeof stamp.high);
+      std::memcpy(&copies_[i * size_ + low_offset_], &stamp.low, sizeof stamp.low);
     }
-    for (int sent = 0; sent < count;) {
-      sent += checked(sendmmsg(socket_, &messages_[sent], count - sent, 0), "sendmmsg");
-    }
+    checked(::send(socket_, copies_.data(), count * size_, 0), "send");
   }
 
  private:
-  int socket_, high_offset_, low_offset_;
-  std::array<std::vector<uint8_t>, batch> copies_;
-  std::array<iovec, batch> vectors_;
-  std::array<mmsghdr, batch> messages_{};
+  int socket_, size_, high_offset_, low_offset_;
+  std::vector<uint8_t> copies_;
 };
 
 Send samples() {

@@ -1,4 +1,4 @@
-"""Which .proto file declares which message, without compiling any.
+"""Which .proto file declares which message and imports which files, without compiling any.
 
 Only the import closure of what the table names is compiled, so a file that does not compile, and that nobody needs,
 does no harm.
@@ -21,6 +21,7 @@ _LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hu
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
 )
+_QUOTES = "\"'"
 _DEEPEST = 32  # protoc takes no more messages in messages
 
 
@@ -97,7 +98,7 @@ def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) 
 
 def declared_names(text: str) -> Iterator[str]:
     """The full names of the messages that a .proto file declares, nested ones included."""
-    words = [word for word in _TOKEN.findall(text) if not word.startswith(("//", "/*"))]
+    words = _words(text)
     package = ""
     scopes: list[str] = []
     for index, word in enumerate(words):
@@ -110,3 +111,21 @@ def declared_names(text: str) -> Iterator[str]:
                 yield ".".join([*filter(None, [package]), *scopes])
         elif word == "}" and scopes:
             scopes.pop()
+
+
+def imported_files(text: str) -> Iterator[str]:
+    """The paths that a .proto file imports, as they are written."""
+    path: str | None = None  # None: this is no import statement
+    for word in _words(text):
+        if word == "import":
+            path = ""
+        elif path is not None and word[0] in _QUOTES:
+            path += word.strip(_QUOTES)
+        elif path or word not in ("public", "weak"):
+            if path:
+                yield path
+            path = None
+
+
+def _words(text: str) -> list[str]:
+    return [word for word in _TOKEN.findall(text) if not word.startswith(("//", "/*"))]

@@ -11,11 +11,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator.descriptors import schema_of
 from generator.findings import Finding, FindingsError, Rule, Span, shown
+from generator.proto_files import imported_files
 from generator.protos import Schema
+
+# As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
+_RUN = """
+import sys
+from grpc_tools import _protoc_compiler
+sys.exit(_protoc_compiler.run_main([argument.encode() for argument in sys.argv]))
+"""
+_WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
 
@@ -44,16 +54,31 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target.write_text(text, encoding="utf-8")
         folders = [over, root] if overlay else [root]
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
-        _protoc(folders, files, options, out, shown_root)
+        # protoc generates modules for the files it is given, not for what they import.
+        _protoc(folders, _with_imports(files, folders), options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
-        own = [file.name for file in compiled.file if not file.name.startswith("google/protobuf/")]
-        extra = [name for name in own if name not in files]
-        if extra:  # protoc generates modules for the files it is given, not for what they import
-            _protoc(folders, own, options, out, shown_root)
         modules = {
             path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
         }
     return Compilation(schema_of(compiled, shown_root), modules)
+
+
+def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
+    """The files and all that they import, but for those that come with protobuf, and those that do not exist."""
+    waiting = list(files)
+    known = dict.fromkeys(waiting)
+    for file in waiting:  # which grows
+        path = _found(file, folders)
+        text = path.read_text(encoding="utf-8", errors="replace") if path else ""
+        for name in imported_files(text):
+            if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
+                known[name] = None
+                waiting.append(name)
+    return waiting
+
+
+def _found(file: str, folders: Sequence[Path]) -> Path | None:
+    return next((folder / file for folder in folders if (folder / file).is_file()), None)
 
 
 def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Finding]]:
@@ -78,8 +103,8 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
 def _protoc(
     folders: Sequence[Path], files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str
 ) -> None:
-    command = [sys.executable, "-m", "grpc_tools.protoc", *(f"-I{folder}" for folder in folders), *options]
-    command += ["--include_imports", "--include_source_info", *files]
+    includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
+    command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
     # In a folder of its own, lest a module of the user's be taken for one of Python's.
     done = subprocess.run(command, cwd=inside, capture_output=True, text=True, check=False)  # noqa: S603  # our Python
     if done.returncode:

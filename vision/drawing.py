@@ -65,12 +65,12 @@ def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
 
 
 def _write(image: Image, text: str, place: tuple[float, float]) -> None:
-    """Light on dark, wholly in the image."""
+    """Light on dark, in a box whose lower left corner is at a place, and which is wholly in the image."""
     width = _width(image)
     (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
     rim = 2 * width
     x = int(np.clip(place[0], rim, max(image.shape[1] - long - rim, rim)))
-    y = int(np.clip(place[1], high + rim, max(image.shape[0] - below, high + rim)))
+    y = int(np.clip(place[1], high + rim + below, max(image.shape[0] - 1, high + rim + below))) - below
     cv2.rectangle(image, (x - rim, y - high - rim), (x + long + rim, y + below), _PAPER, -1)
     cv2.putText(image, text, (x, y), _FONT, 0.5 * width, _INK, width, cv2.LINE_AA)
 

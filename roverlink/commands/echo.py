@@ -40,8 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     message_type, published = topics.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability
     qos = Qos(reliability, published.durability, depth=1000)
-    arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
+    arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0
 
     def put_all(messages: Sequence[bytes]) -> None:
@@ -50,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     with open_middleware(arguments.middleware, topics.identity("echo")) as middleware:
         middleware.subscribe(topics.full_topic(arguments.topic), message_type, qos, put_all)
+        deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         while arguments.count is None or seen < arguments.count:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))

@@ -46,7 +46,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show it until interrupted, or once; exit code 1 where no bridge is heard, or with --once, one in trouble."""
-    arrived: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    arrived: queue.Queue[bytes] = queue.Queue()
 
     def keep(messages: Sequence[bytes]) -> None:
         for message in messages:
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _follow(arrived, page, arguments)
 
 
-def _follow(arrived: queue.SimpleQueue[bytes], page: dict[str, Any], arguments: argparse.Namespace) -> int:
+def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argparse.Namespace) -> int:
     if arguments.json:
         while True:
             print(json.dumps(page), flush=True)
@@ -82,7 +82,7 @@ def _follow(arrived: queue.SimpleQueue[bytes], page: dict[str, Any], arguments: 
                 page, heard = news, time.monotonic()
 
 
-def _next_page(arrived: queue.SimpleQueue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
+def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
     """The next thing that the bridge says of itself; None where it says nothing in time."""
     deadline = time.monotonic() + seconds
     while (left := deadline - time.monotonic()) > 0:

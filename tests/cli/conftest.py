@@ -67,16 +67,26 @@ class Program:
 
     def end(self) -> int:
         """Wait until it has ended; its exit code. No program of ours ends with a traceback."""
-        code = self._process.wait(PATIENCE_S)
+        code = self._wait()
         self._join()
         assert "Traceback" not in str(self), str(self)
         return code
+
+    def _wait(self) -> int:
+        """Its exit code; where it hangs, the test fails with what each of its threads is doing."""
+        try:
+            return self._process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.send_signal(signal.SIGABRT)
+            self._process.wait()
+            self._join()
+            pytest.fail(f"it has not ended after {PATIENCE_S:.0f} s:\n{self}")
 
     def interrupt(self, number: signal.Signals = signal.SIGINT) -> tuple[int, float]:
         """Stop it as an operator does; its exit code, and how long it took."""
         start = time.monotonic()
         self.send_signal(number)
-        code = self._process.wait(PATIENCE_S)
+        code = self._wait()
         took = time.monotonic() - start
         return self.end() if code == 0 else code, took
 
@@ -114,7 +124,13 @@ def environment() -> dict[str, str]:
     """An environment without ROS 2, on this host alone, in a domain of this test worker's."""
     dropped = ("ROS_", "RMW_", "CYCLONEDDS", "PYTHONUNBUFFERED")  # output is buffered, as it is for users
     kept = {name: value for name, value in os.environ.items() if not name.startswith(dropped)}
-    return {**kept, "ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": str(51 + os.getpid() % 49), "COLUMNS": "200"}
+    return {
+        **kept,
+        "PYTHONFAULTHANDLER": "1",
+        "ROS_LOCALHOST_ONLY": "1",
+        "ROS_DOMAIN_ID": str(51 + os.getpid() % 49),
+        "COLUMNS": "200",
+    }
 
 
 @pytest.fixture

@@ -44,6 +44,7 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
     assert "    68 01           is_calibrated = 13: true" in said
 
 
+@pytest.mark.slow
 def test_the_json_is_the_same_whatever_the_hash_seed(done: Start) -> None:
     """For scripts: one object, equal in every run, whose example is what the registry makes of it."""
     first, second = (done("explain", "imu_info", "--json", PYTHONHASHSEED=seed) for seed in ("1", "2"))
@@ -68,14 +69,19 @@ def test_the_history_of_the_number(done: Start) -> None:
     assert "history    SensorBoardIMUInfo imu_info, since " in said
 
 
-def test_a_number_without_a_row(project: Path, done: Start) -> None:
+def test_a_number_without_a_row(
+    project: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Of a number that is retired, it says so; of what is nothing, what is like it."""
-    done("retire", "13", folder=project)
-    assert done("explain", "13", folder=project)[:2] == (1, "13 is retired, of imu_info (SensorBoardIMUInfo)")
-    code, _, errors = done("explain", "gps_inf", folder=project)
-    assert code == 2
-    assert "'gps_inf' is no row of mapping.yaml and no rule (did you mean gps_info?)" in errors
-    assert "did you mean ENV1" in done("explain", "ENV10", folder=project)[2]
+    monkeypatch.chdir(project)
+    assert main(["retire", "13"]) == 0
+    capsys.readouterr()
+    assert main(["explain", "13"]) == 1
+    assert capsys.readouterr().out == "13 is retired, of imu_info (SensorBoardIMUInfo)\n"
+    assert main(["explain", "gps_inf"]) == 2
+    assert "'gps_inf' is no row of mapping.yaml and no rule (did you mean gps_info?)" in capsys.readouterr().err
+    assert main(["explain", "ENV10"]) == 2
+    assert "did you mean ENV1" in capsys.readouterr().err
 
 
 def test_a_table_that_does_not_compile(project: Path, done: Start) -> None:

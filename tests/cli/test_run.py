@@ -73,6 +73,7 @@ def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: s
 
 
 @_NEEDS_DDS
+@pytest.mark.slow
 def test_it_ends_whatever_the_middleware_still_has_to_free(start: Start) -> None:
     """Stopped in the middle of traffic over DDS, it does not hang in what Python tears down last."""
     for _ in range(4):

@@ -52,6 +52,7 @@ def test_in_good_days_every_row_speaks_and_everything_is_published() -> None:
     assert _fates(stream) == {PUBLISHED: 1500}
 
 
+@pytest.mark.slow
 def test_lossy_loses_repeats_and_reorders() -> None:
     """Nothing is invented: every datagram is one of the stream's."""
     plain = [emission.datagram for emission in _first(15_000, rate=15_000) if emission.name == "imu_info"]

@@ -8,6 +8,7 @@ import pytest
 from page import ROOT, Reader, blocks
 
 
+@pytest.mark.slow
 def test_the_page_can_be_followed_step_by_step(tmp_path: Path) -> None:
     """Every file, edit and command of the page, in order, shows what the page shows."""
     pytest.importorskip("cyclonedds")  # the message crosses over DDS

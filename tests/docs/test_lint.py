@@ -55,6 +55,7 @@ def test_the_hooks_run_and_are_named_on_the_page(hook: dict[str, Any]) -> None:
     assert not pattern.search("README.md")
 
 
+@pytest.mark.slow
 def test_the_workflow_to_copy_lints_a_pull_request(tmp_path: Path) -> None:
     """Its step, run in a clone of a repository of protos, finds what a branch breaks against the base branch."""
     workflow = yaml.safe_load((ROOT / "docs" / "workflows" / "lint-protos.yml").read_text(encoding="utf-8"))

@@ -15,8 +15,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from generator.declarations import Field, File, Message, parse, resolve_type
+from generator.proto_files import imported_files
 
-_EXAMPLES = settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
 _ROOTS = [ROOT / "proto", WELL_KNOWN, *sorted((ROOT / "tests" / "generator" / "cases").glob("*/proto"))]
 _FILES = [(root, path.relative_to(root).as_posix()) for root in _ROOTS for path in sorted(root.rglob("*.proto"))]
 _TEXTS = [(root / name).read_text(encoding="utf-8") for root, name in _FILES if (root / name).is_file()]
@@ -31,11 +32,12 @@ def _agree(root: Path, name: str) -> bool:
     if files:
         text = (root / name).read_bytes().decode("utf-8")
         assert comparable(parse(text), declared_names(files)) == Theirs(files[-1]).file()
+        assert list(imported_files(text)) == list(files[-1].dependency)
     return bool(files)
 
 
 def test_files_are_read_as_protoc_reads_them() -> None:
-    """Names, numbers, types, labels, ranges, comments and places are protoc's in every file at hand that compiles."""
+    """Names, numbers, types, labels, ranges, imports, comments and places are protoc's in every file that compiles."""
     refused = {f"{root.parent.name}/{name}" for root, name in _FILES if not _agree(root, name)}
     assert {name.partition("/")[0] for name in refused} == {
         "only_what_is_needed",

@@ -26,6 +26,7 @@ def _python(case: Case) -> dict[str, str]:
     }
 
 
+@pytest.mark.slow
 @_CASES
 def test_black_leaves_it_as_it_is(case: Case) -> None:
     """Every module is laid out as black lays it out in 88 columns."""
@@ -41,6 +42,7 @@ def test_it_compiles(case: Case) -> None:
             compile(text, path, "exec")
 
 
+@pytest.mark.slow
 def test_ruff_finds_nothing(tmp_path: Path) -> None:
     """The linter, with this repository's settings, has nothing to say about the modules of any case."""
     for case in passing_cases():

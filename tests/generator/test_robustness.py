@@ -22,7 +22,7 @@ from generator.pipeline import compile_table
 
 T = TypeVar("T")
 
-_EXAMPLES = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+_EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
 _TABLE = re.sub(rb"  - number: 4\n.*(?=  - number: 11\n)", b"", (ROOT / "mapping.yaml").read_bytes(), flags=re.DOTALL)
 _LEDGER = (ROOT / "mapping.lock").read_bytes()
 _SNIPPETS = st.sampled_from(
@@ -97,7 +97,7 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
 # --- the scanner of .proto files --------------------------------------------------------------------------------
 
 _WORDS = [
-    *("message", "enum", "package", "option", "A", "B.c", "ä", "{", "}", ";", "="),
+    *("message", "enum", "package", "import", "public", "option", "A", "B.c", "ä", "{", "}", ";", "="),
     *('"', "'", "\\", "//", "/*", "*/", "\n"),
 ]
 
@@ -107,20 +107,22 @@ _WORDS = [
 def test_any_proto_is_scanned(text: str) -> None:
     """Whatever stands in a .proto file, the scanner names what is declared in it and nothing that is not in it."""
     assert all(part in text for name in proto_files.declared_names(text) for part in name.split("."))
+    assert all(imported for imported in proto_files.imported_files(text))
 
 
-_ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", "a."]
+_ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", "a.", "import "]
 
 
 @pytest.mark.parametrize("text", [part * 100_000 for part in _ENDLESS], ids=_ENDLESS)
 def test_the_scanner_comes_to_an_end(text: str) -> None:
     """A file made to keep the scanner busy takes no longer than its length warrants; this test would hang."""
     assert len(list(proto_files.declared_names(text))) < 100
+    assert not list(proto_files.imported_files(text))
 
 
 @pytest.mark.parametrize("root", [ROOT / "proto", *(case.folder / "proto" for case in passing_cases())], ids=str)
 def test_the_scanner_sees_what_protoc_sees(root: Path) -> None:
-    """The names that it finds are those of the messages that protoc finds, file by file."""
+    """The messages and imports that it finds are those that protoc finds, file by file."""
     unneeded = {"broken.proto", "old/imu.proto"}
     files = sorted(path.relative_to(root).as_posix() for path in root.rglob("*.proto"))
     files = [file for file in files if file not in unneeded]

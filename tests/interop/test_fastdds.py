@@ -150,7 +150,7 @@ class Child:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT if with_log else None,
         )
-        self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._lines: queue.Queue[str] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)
 
     def __enter__(self) -> Child:

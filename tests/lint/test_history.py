@@ -573,6 +573,7 @@ def test_progress_is_told(repository: RepositoryBuilder) -> None:
     assert told == [(0, 149), (64, 149), (128, 149), (149, 149)]
 
 
+@pytest.mark.slow
 def test_a_long_history(repository: RepositoryBuilder) -> None:
     """Two thousand commits of which each gives a number of the envelope away are read and compared in five seconds."""
     members = [f"Message{number} member_{number} = {number};" for number in range(1, 61)]

@@ -87,6 +87,7 @@ def _is_beyond_scope(rule: str) -> bool:
 
 
 @needs_buf
+@pytest.mark.slow
 def test_every_example_breaks_its_rule(tmp_path: Path) -> None:
     """Buf reports the rule for the mutation that is to break it."""
     by_name = {mutation.name: mutation for mutation in MUTATIONS}
@@ -96,6 +97,7 @@ def test_every_example_breaks_its_rule(tmp_path: Path) -> None:
 
 
 @needs_buf
+@pytest.mark.slow
 def test_harmless_mutations_break_nothing(tmp_path: Path) -> None:
     """Buf has nothing to say of those that are called harmless."""
     found = buf.breaking_all([_folders(mutation, tmp_path / mutation.name) for mutation in HARMLESS])

@@ -52,6 +52,7 @@ def _type(package: str, type: RosType) -> str:
     return f"{name}[]" if type.is_sequence else name
 
 
+@pytest.mark.slow
 def test_rosbags_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
     """An independent parser finds the fields in the texts that the generator meant, in all golden cases."""
     for folder, one in compiled.items():

@@ -18,7 +18,7 @@ from runtime.messages import Message, fields_of
 
 _HANDLERS = pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
 _MESSAGE_TYPES: list[type[Message]] = [getattr(generated_messages, name) for name in generated_messages.__all__]
-_EXAMPLES = settings(max_examples=30)
+_EXAMPLES = settings(max_examples=15)
 
 
 @_HANDLERS

@@ -26,7 +26,7 @@ def _variants(data: bytes, padding: int) -> list[bytes]:
 
 
 @pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(data=st.data(), padding=_PADDING)
 def test_every_payload_is_restored_from_each_variant(handler: Any, data: st.DataObject, padding: int) -> None:
     """For each of the table's payloads and any values, stripped and padded envelopes restore to what was sent."""

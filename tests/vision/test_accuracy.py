@@ -31,7 +31,7 @@ def check(found: Accuracy, least_detected: float) -> None:
     assert found.rotation_p95 < rotation_p95
 
 
-@pytest.mark.parametrize("side_px", [24, 48])
+@pytest.mark.parametrize("side_px", [pytest.param(24, marks=[pytest.mark.slow]), 48])
 def test_poses_are_as_accurate_as_promised(side_px: int) -> None:
     """Thirty poses; two may be missed. The mean of their NEES is near 6."""
     found = ours(side_px, 30)
