@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from generator import ir
 from generator.rendering import Files
-from generator.targets.cpp import conversions, handlers, library
+from generator.targets.cpp import conversions, faults, handlers, library
 from generator.targets.cpp.files import FOLDER
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Headers and sources of handlers, feeds and conversions, of the registry and the runtime, and CMake's project."""
+    """Headers and sources of handlers, feeds and conversions, of the registry and the runtime, and CMake's project.
+
+    Raises `FindingsError` for names that protobuf's C++ cannot have.
+    """
+    faults.check(bridge)
     context = conversions.context_of(bridge)
     files = [*conversions.emit(bridge, context), *handlers.emit(bridge, context), *library.emit(bridge)]
     yield from files

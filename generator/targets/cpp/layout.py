@@ -1,4 +1,4 @@
-"""Laying out C++ in the style of ROS 2: two spaces, braces of functions on lines of their own, 100 columns."""
+"""Laying out C++ in the style of ROS 2: two spaces, braces of functions on lines of their own, and the columns of this project."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator
 
-LINE_LENGTH = 100
+LINE_LENGTH = 120
 
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 

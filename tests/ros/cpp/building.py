@@ -20,6 +20,8 @@ from generator.ir import Bridge
 
 _HERE = Path(__file__).parent
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
+_WITH_NAMES_OF_THEIR_OWN = ("feeds", "runtime")
+"""Folders of source files that do not go together in one."""
 _HANDLE = re.compile(r"get_message_type_support_handle<([\w:]+)>")
 _QUATERNION = "geometry_msgs/Quaternion"
 _WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
@@ -52,9 +54,7 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     _run(["/usr/bin/protoc", f"--proto_path={protos}", f"--cpp_out={compiled}", *names])
     options = [f"-I{part}" for part in (folder / "generated/cpp/include", compiled, generated / "include")]
     options += [f"-I{path}" for path in Path("/usr/include").glob("rosidl*")]
-    structs = folder / "structs.cpp"  # in one, which saves reading their headers many times
-    ordered = _held_first(sorted(generated.rglob("*__type_support.cpp")))
-    structs.write_text("".join(f'#include "{source}"\n' for source in ordered), encoding="utf-8")
+    structs = _in_one(folder / "structs.cpp", _held_first(sorted(generated.rglob("*__type_support.cpp"))))
     speaker = [
         f"-DREGISTRY=<{bridge.package}/registry.hpp>",
         f"-DPACKAGE={bridge.package}",
@@ -62,13 +62,22 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     ]
     jobs = [(source, options) for source in (structs, *sorted(compiled.rglob("*.pb.cc")))]
     jobs.append((_HERE / "speaker.cpp", [*options, *speaker]))
-    jobs += [(folder / path, [*options, *_WARNINGS]) for path in ours if path.endswith(".cpp")]
+    sources = sorted(folder / path for path in ours if path.endswith(".cpp"))
+    alone = [source for source in sources if source.parent.name in _WITH_NAMES_OF_THEIR_OWN]
+    alone.append(_in_one(folder / "handlers.cpp", [source for source in sources if source not in alone]))
+    jobs += [(source, [*options, *_WARNINGS]) for source in alone]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda job: _object(folder / f"{job[0]}.o", *job[1]), enumerate(jobs)))
     program = folder / "speaker"
     libraries = ["-lrosidl_typesupport_introspection_cpp", "-lrosidl_runtime_c", "-lprotobuf", "-lfastcdr"]
     _run(["/usr/bin/g++", "-o", program, *objects, *libraries])
     return program
+
+
+def _in_one(made: Path, sources: Iterable[Path]) -> Path:
+    """A source file of many, which saves reading their headers many times."""
+    made.write_text("".join(f'#include "{source}"\n' for source in sources), encoding="utf-8")
+    return made
 
 
 def _object(made: Path, source: Path, options: list[str]) -> Path:
