@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from generator import ir
 from generator.rendering import Files
 from generator.targets.cpp import layout, names
-from generator.targets.cpp.bodies import Bodies, Context, Converter
+from generator.targets.cpp.bodies import Bodies
+from generator.targets.cpp.context import Context, Converter
 from generator.targets.cpp.files import Pair, pair
 
 

@@ -18,7 +18,6 @@ from generator.ir_standard import (
     Source,
     Taken,
     TargetField,
-    Unset,
     Value,
 )
 from generator.targets.cpp import layout, names
@@ -58,7 +57,7 @@ class FeedBodies:
         yield "return message;"
 
     def _filled(self, field: TargetField, path: Path) -> Iterator[str]:
-        """The statements that fill a field of the message."""
+        """The statements that fill a field of the message; none for one that stays as it is in a new message."""
         target, value = ".".join(("message", *path)), field.value
         if isinstance(value, Parts):
             for part in value.fields:
@@ -76,8 +75,6 @@ class FeedBodies:
             yield f"{target} = {function}({names.getter(value.source.path)});"
         elif isinstance(value, Taken):
             yield from self._taken(target, value, field.type, path)
-        else:
-            assert isinstance(value, Unset)
 
     def _taken(self, target: str, value: Taken, type: InterfaceType, path: Path) -> Iterator[str]:
         source = names.getter(value.source.path)

@@ -9,7 +9,8 @@ from generator.feed_names import named_feeds
 from generator.ir_standard import Feed
 from generator.rendering import Files
 from generator.targets.cpp import layout, names
-from generator.targets.cpp.bodies import Bodies, Context
+from generator.targets.cpp.bodies import Bodies
+from generator.targets.cpp.context import Context
 from generator.targets.cpp.conversions import named
 from generator.targets.cpp.feed_bodies import FeedBodies
 from generator.targets.cpp.files import Pair, pair
@@ -107,6 +108,7 @@ def _pair(
     about: str,
     way_back: str,
     taken: list[str],
+    given: str,
     stamped: bool,
     **view: object,
 ) -> Files:
@@ -128,6 +130,9 @@ def _pair(
         message=names.interface_struct(message),
         way_back=layout.comment(way_back, "  "),
         to_ros_head=layout.signature(f"{handler.name}::Message", f"{handler.name}::to_ros", taken),
+        from_ros_head=layout.signature(
+            f"{handler.name}::Payload", f"{handler.name}::from_ros", [f"const Message &{given}"]
+        ),
         publish_head=layout.signature(
             "void",
             f"{handler.name}::publish",

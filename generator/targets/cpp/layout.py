@@ -1,4 +1,4 @@
-"""Laying out C++ in the style of ROS 2: two spaces, braces of functions on lines of their own, and the columns of this project."""
+"""Laying out C++ in the style of ROS 2, with lines as long as elsewhere in this project."""
 
 from __future__ import annotations
 
@@ -76,10 +76,10 @@ def guard(path: str) -> str:
 
 
 def text_literal(text: str) -> str:
-    """A text as a string literal in UTF-8.
+    r"""A text as a string literal in UTF-8.
 
-    >>> text_literal('5 "°"')
-    '"5 \\\\"°\\\\""'
+    >>> print(text_literal('5 "°"'))
+    "5 \"°\""
     """
     escaped = (_ESCAPES.get(one) or (one if one.isprintable() else _octal(one)) for one in text)
     return f'"{"".join(escaped)}"'

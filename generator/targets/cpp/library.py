@@ -38,6 +38,8 @@ def emit(bridge: ir.Bridge) -> Files:
         outbound=_classes([one for one in handlers if not one.route.inbound]),
     )
     yield header_file(Pair(bridge.package, "rclcpp", bridge.table), "rclcpp")
+    # No package of its own: it is for the projects that add it, which say where the protos are.
+    yield f"{FOLDER}/COLCON_IGNORE", header(bridge.table) + "\n"
 
 
 def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:

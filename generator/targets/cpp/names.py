@@ -1,4 +1,4 @@
-"""What C++ calls the things of the IR: protobuf's classes and accessors, rosidl's structs, and what is generated here."""
+"""What C++ calls the things of the IR: protobuf's classes and accessors, rosidl's structs, and our own classes."""
 
 from __future__ import annotations
 

@@ -23,7 +23,6 @@ _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
 _WITH_NAMES_OF_THEIR_OWN = ("feeds", "runtime")
 """Folders of source files that do not go together in one."""
 _HANDLE = re.compile(r"get_message_type_support_handle<([\w:]+)>")
-_QUATERNION = "geometry_msgs/Quaternion"
 _WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 
 
@@ -87,16 +86,19 @@ def _object(made: Path, source: Path, options: list[str]) -> Path:
 
 def _standard(bridge: Bridge, *, jazzy: bool) -> dict[str, str]:
     """The texts of the standard messages that the handlers need."""
-    store = get_typestore(Stores.ROS2_JAZZY if jazzy else Stores.ROS2_HUMBLE)
     names = {interface.name for interface in bridge.interfaces}
     names |= {f"builtin_interfaces/msg/{name}" for name in ("Time", "Duration")}
-    texts = {}
-    for name in sorted(names):
-        text, _ = store.generate_msgdef(name, ros_version=2)
-        texts[name.replace("/msg/", "/")] = text.partition("\n====")[0] + "\n"
-    if _QUATERNION in texts:  # rosbags has no defaults; this is the only one of the common interfaces that is not zero
-        texts[_QUATERNION] = texts[_QUATERNION].replace("float64 w", "float64 w 1")
-    return texts
+    return {name.replace("/msg/", "/"): standard_text(name, jazzy=jazzy) for name in sorted(names)}
+
+
+def standard_text(name: str, *, jazzy: bool = False) -> str:
+    """The .msg of a standard message, as rosbags has it."""
+    store = get_typestore(Stores.ROS2_JAZZY if jazzy else Stores.ROS2_HUMBLE)
+    text, _ = store.generate_msgdef(name, ros_version=2)
+    text = text.partition("\n====")[0] + "\n"
+    if name == "geometry_msgs/msg/Quaternion":  # rosbags leaves out defaults; of those this alone is not zero
+        text = text.replace("float64 w", "float64 w 1")
+    return text
 
 
 def _held_first(sources: list[Path]) -> Iterable[Path]:

@@ -17,11 +17,13 @@ from runtime.interfaces import Time
 from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "generator"))
-from random_payloads import Payloads  # noqa: E402
+from random_payloads import Payloads
 
 _TEXTS = st.one_of(
     st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=4),
-    st.sampled_from(['{"a": 1}', '{"a": 1, "a": 2}', "[1.5e3, null]", '"\\ud83d\\ude00"', '"\\ud800"', "12345678901234567890"]),
+    st.sampled_from(
+        ['{"a": 1}', '{"a": 1, "a": 2}', "[1.5e3, null]", '"\\ud83d\\ude00"', '"\\ud800"', "12345678901234567890"]
+    ),
     st.sampled_from(["1e400", "1e-400", "-0", " true ", "[1,]", "NaN", "{", "01", '{"b": {"c": [false]}}', "0.1"]),
 )
 _SAID = settings(deadline=None, database=None, suppress_health_check=list(HealthCheck))
