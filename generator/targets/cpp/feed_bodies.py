@@ -103,7 +103,7 @@ class FeedBodies:
         if source.type == "bool":
             return f"static_cast<{names.primitive(type.name)}>({text})"
         whole = source.is_integer and value.scaling.is_whole
-        scaled = self._arithmetic.forth(_operand(text, source.type, whole=whole), value.scaling, whole=whole)
+        scaled = self._arithmetic.forth(_operand(text, source.type), value.scaling, whole=whole)
         if type.name.startswith("float"):
             scaled = f"static_cast<double>({scaled})" if whole else scaled
             scaled = f"std::nearbyint({scaled})" if value.rounded and not whole else scaled
@@ -120,7 +120,7 @@ class FeedBodies:
         if value.source is None:
             return ("received",)
         whole = value.source.is_integer and value.nanoseconds.denominator == 1
-        text = _operand(names.getter(value.source.path), value.source.type, whole=whole)
+        text = _operand(names.getter(value.source.path), value.source.type)
         scaled = text if value.nanoseconds == 1 else f"{text} * {_CPP.number(value.nanoseconds, whole=whole)}"
         return scaled if whole else f"whole({scaled}, {_shown(path)})", _shown(path)
 
@@ -177,7 +177,7 @@ class FeedBodies:
         if scaling.is_identity and not source.enum and source.type == type:
             return text
         whole = source.is_integer and scaling.is_whole and abs(scaling.factor) == 1 and not type.startswith("float")
-        back = self._arithmetic.back(_operand(text, type, whole=whole), scaling, whole=whole)
+        back = self._arithmetic.back(_operand(text, type), scaling, whole=whole)
         if source.is_integer:
             made = f"{'narrow' if whole else 'rounded'}<{names.primitive(source.type)}>({back}, {shown})"
             return _as_declared(source, made)
@@ -193,11 +193,9 @@ class FeedBodies:
         return f"rounded<{type}>({divided}, {shown})" if source.is_integer else f"static_cast<{type}>({divided})"
 
 
-def _operand(text: str, type: str, *, whole: bool) -> str:
-    """A number in arithmetic; a float is what C++ makes a double of, by itself."""
-    if whole:
-        return f"wide({text})"
-    return text if type.startswith("float") else f"static_cast<double>({text})"
+def _operand(text: str, type: str) -> str:
+    """A number in arithmetic: whole ones are negated as such, for floats have two zeros."""
+    return text if type.startswith("float") else f"wide({text})"
 
 
 def _as_declared(source: Source, text: str) -> str:

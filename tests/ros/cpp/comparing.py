@@ -42,10 +42,9 @@ class Speaker:
         self._process.stdin.write(" ".join(words) + "\n")
         self._process.stdin.flush()
         kind, _, said = self._process.stdout.readline().strip().partition(" ")
-        if kind == "is":
-            return bytes.fromhex("" if said == "-" else said)
-        assert kind == "refused", f"the program ended at {' '.join(words)}"
-        return str(said)
+        assert kind in ("is", "refused"), f"the program ended at {' '.join(words)}"
+        data = bytes.fromhex("" if said == "-" else said)
+        return data if kind == "is" else data.decode(errors="replace")
 
     def close(self) -> None:
         """End it."""

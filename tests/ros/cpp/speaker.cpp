@@ -4,8 +4,9 @@
 //   from TOPIC MESSAGE               the payload of a serialized ROS 2 message
 //   envelope TOPIC MESSAGE           the envelope that an outbound row makes of it
 //
-// Bytes are in hexadecimal, `-` for none. An answer is `is BYTES`, or `refused WHY`. Messages are serialized by Fast CDR,
-// along rosidl's introspection of the structs; the only thing that is taken from the generator is what is tested.
+// Bytes are in hexadecimal, `-` for none. An answer is `is BYTES`, or `refused TEXT`, with the text as bytes, too.
+// Messages are serialized by Fast CDR, along rosidl's introspection of the structs; the only thing that is taken from
+// the generator is what is tested.
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
@@ -259,7 +260,7 @@ int main()
       const std::string said = hex(answers.at(topic)(what, question));
       std::cout << "is " << said << std::endl;
     } catch (const handlers::ConversionError & error) {
-      std::cout << "refused " << error.what() << std::endl;
+      std::cout << "refused " << hex(error.what()) << std::endl;
     }
   }
 }
