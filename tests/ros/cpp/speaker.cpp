@@ -26,6 +26,9 @@
 
 #include REGISTRY
 
+namespace speaker  // for messages have names of all kinds
+{
+
 namespace handlers = PACKAGE::handlers;
 namespace introspection = rosidl_typesupport_introspection_cpp;
 using eprosima::fastcdr::Cdr;
@@ -243,7 +246,7 @@ std::string answer(const std::string & what, std::istream & question)
   }
 }
 
-int main()
+void speak()
 {
   std::map<std::string, Answer> answers;
   const auto add = [&](auto topic) {
@@ -263,4 +266,11 @@ int main()
       std::cout << "refused " << hex(error.what()) << std::endl;
     }
   }
+}
+
+}  // namespace speaker
+
+int main()
+{
+  speaker::speak();
 }
