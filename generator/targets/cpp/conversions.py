@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from generator import ir
@@ -77,7 +78,8 @@ def _pair(
 
 def named(parameter: str, statements: list[str]) -> str:
     """A parameter's name with a space before it, where statements use it; else nothing."""
-    return f" {parameter}" if any(f"{parameter}." in line or f"({parameter}" in line for line in statements) else ""
+    used = re.compile(rf"(?<![\w\".]){parameter}(?=[.,)])")
+    return f" {parameter}" if any(used.search(line) for line in statements) else ""
 
 
 # --- google.protobuf.Any ----------------------------------------------------------------------------------------

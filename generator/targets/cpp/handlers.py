@@ -77,7 +77,6 @@ def _feed(bridge: ir.Bridge, handler: Handler, feed: Feed) -> Files:
     to_ros, from_ros = list(bodies.to_ros()), list(bodies.from_ros())
     functions = list(bodies.functions())
     shown = feed.message.replace("/msg/", "/")
-    stamp = named("received", to_ros) or (" received" if any("received)" in line for line in to_ros) else "")
     yield from _pair(
         bridge,
         handler,
@@ -87,7 +86,7 @@ def _feed(bridge: ir.Bridge, handler: Handler, feed: Feed) -> Files:
         bodies.headers,
         about=f"{feed.local_name} as {shown} {_arrow(handler.route)} {handler.route.topic}.",
         way_back=_way_back(feed),
-        taken=[f"const Payload &{named('payload', to_ros)}", f"const Stamp &{stamp}"],
+        taken=[f"const Payload &{named('payload', to_ros)}", f"const Stamp &{named('received', to_ros)}"],
         given=named("message", from_ros),
         to_ros=layout.body(to_ros),
         from_ros=layout.body(from_ros),
