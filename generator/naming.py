@@ -44,11 +44,16 @@ def is_field_name(name: str) -> bool:
     return _FIELD.fullmatch(name) is not None
 
 
+def is_cpp_keyword(name: str) -> bool:
+    """Whether C++ has another use for it, in any version up to C++20."""
+    return name in _CPP_KEYWORDS
+
+
 def unusable(name: str) -> str:
     """Why a ROS field cannot have a name; empty where it can."""
     if keyword.iskeyword(name):
         return "it is a keyword of Python"
-    if name in _CPP_KEYWORDS:
+    if is_cpp_keyword(name):
         return "it is a keyword of C++"
     if name in _NEEDED_IN_CLASSES:
         return "the generated class needs Python's own"

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from generator import ir, ir_standard
+from generator.feed_names import named_feeds
 from generator.feeds import words
 from generator.linting import Question, lint_project
 from generator.nanopb import Unbounded, envelope_size, largest_size
@@ -13,7 +14,7 @@ from generator.pipeline import Compiled, compile_table
 from generator.protos import ProtoField
 from generator.subject import Subject
 from generator.table import Row
-from generator.targets.python import feeds, spelling
+from generator.targets.python import spelling
 from generator.type_hashes import type_hashes
 from roverlink.simulation import payload_at
 from roverlink.wire_lines import wire_lines
@@ -153,7 +154,7 @@ class Project:
         bridge = self.compiled.bridge
         folder, module = spelling.proto_module(self._member(route.number).file)
         wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
-        wanted += [f"generated/feeds/{name}.py" for one, _, name, _ in feeds.names(bridge) if one is route]
+        wanted += [f"generated/feeds/{one.file}.py" for one in named_feeds(bridge) if one.route.number == route.number]
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")

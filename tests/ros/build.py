@@ -23,11 +23,15 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(Path(__file__).parent / "cpp")]
 
-import generated.messages  # noqa: E402  # the folder above is not on the path of a script
+import workspace  # noqa: E402  # the folders above are not on the path of a script
+from building import standard_text  # noqa: E402
+
+import generated.messages  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
 from generator.naming import snake_case  # noqa: E402
+from generator.pipeline import compile_table  # noqa: E402
 from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of  # noqa: E402
 
 _WORKSPACE = ROOT / "build" / "ros-package"
@@ -56,21 +60,23 @@ def main() -> int:
         shutil.copytree(Path(__file__).parent / "packages", sources, dirs_exist_ok=True)
     package = ROOT / "generated" / "ros" / REGISTRY.package
     (sources / REGISTRY.package).symlink_to(package)
-    for name in [] if _SOURCED else _interfaces(package):
-        _write_standard(sources / name)
     messages = sorted(path.stem for path in (package / "msg").glob("*.msg"))
     _write_user(sources / "user", messages)
+    if not _SOURCED:
+        _write_node(sources, _write_standards(sources, _interfaces(package)))
     if not _colcon():
         return 1
     environment = _sourced()
     faults = [*_differences(environment, messages), *_other_hashes(), *_does_not_run(environment)]
+    if not _SOURCED:
+        faults += workspace.differences(_WORKSPACE / "install" / "node" / "lib" / "node", environment)
     print("\n".join(faults) or f"{len(messages)} messages of {REGISTRY.package} build, and are what Python says")
     return 1 if faults else 0
 
 
 def _missing() -> list[str]:
     """The tools that are not installed."""
-    missing = [tool for tool in ("colcon", "cmake", "c++") if not shutil.which(tool, path="/usr/bin")]
+    missing = [tool for tool in ("colcon", "cmake", "c++", "protoc") if not shutil.which(tool, path="/usr/bin")]
     for module in ("rosidl_adapter", "rosidl_generator_cpp", "ament_package", "colcon_ros"):
         if subprocess.run([_SYSTEM_PYTHON, "-c", f"import {module}"], capture_output=True).returncode:
             missing.append(module)
@@ -110,16 +116,26 @@ def _store():  # type: ignore[no-untyped-def]  # rosbags is there where the test
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
-def _write_standard(folder: Path) -> None:
-    """A package of standard interfaces, which Debian does not have for ROS 2, from the texts in rosbags."""
-    store, name = _store(), folder.name
-    types = sorted(known for known in store.fielddefs if known.startswith(f"{name}/msg/"))
-    depends = sorted(_closure({name}) - {name})
+def _write_standards(sources: Path, whole: list[str]) -> list[str]:
+    """Packages of standard interfaces, which Debian does not have for ROS 2: some as a whole, and what handlers need.
+
+    Returns the names of all of them.
+    """
+    needed = {interface.name for interface in compile_table(ROOT / "mapping.yaml").bridge.interfaces}
+    needed |= {known for known in _store().fielddefs if known.partition("/")[0] in whole and "/msg/" in known}
+    packages = sorted({name.partition("/")[0] for name in needed})
+    for package in packages:
+        types = sorted(name for name in needed if name.startswith(f"{package}/"))
+        _write_standard(sources / package, types, sorted((_closure({package}) - {package}) & {*packages}))
+    return packages
+
+
+def _write_standard(folder: Path, types: list[str], depends: list[str]) -> None:
+    """A package of standard interfaces, from the texts in rosbags."""
     _write_package(folder, depends, interface=True)
     (folder / "msg").mkdir()
     for type_name in types:
-        text, _ = store.generate_msgdef(type_name, ros_version=2)
-        (folder / "msg" / f"{type_name.rpartition('/')[2]}.msg").write_text(text.partition("\n====")[0] + "\n")
+        (folder / "msg" / f"{type_name.rpartition('/')[2]}.msg").write_text(standard_text(type_name))
     found = "\n".join(f"find_package({one} REQUIRED)" for one in ("ament_cmake", "rosidl_default_generators", *depends))
     files = "\n".join(f'  "msg/{type_name.rpartition("/")[2]}.msg"' for type_name in types)
     needs = f"\n  DEPENDENCIES {' '.join(depends)}" if depends else ""
@@ -128,6 +144,16 @@ def _write_standard(folder: Path) -> None:
         f"{found}\nrosidl_generate_interfaces(${{PROJECT_NAME}}\n{files}{needs}\n)\n"
         "ament_export_dependencies(rosidl_default_runtime)\n",
     )
+
+
+def _write_node(sources: Path, standards: list[str]) -> None:
+    """A package that uses the C++ handlers."""
+    library = _WORKSPACE / "cpp"
+    shutil.rmtree(library, ignore_errors=True)
+    workspace.write_library(library)
+    _write_package(sources / "node", [REGISTRY.package, *standards], interface=False)
+    _write_cmake(sources / "node", workspace.cmake(library, REGISTRY.package))
+    workspace.write_programs(sources / "node")
 
 
 def _write_user(folder: Path, messages: list[str]) -> None:
@@ -211,7 +237,7 @@ def _write_cmake(folder: Path, body: str) -> None:
 def _colcon() -> bool:
     """Build the workspace; whether that worked. Without our environment, whose Python has none of rosidl's modules."""
     kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in os.environ}
-    command = ["/usr/bin/colcon", "--log-base", "log", "build"]
+    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", "src"]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
     return subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}).returncode == 0
 

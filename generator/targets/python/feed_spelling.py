@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
+from generator.arithmetic import Arithmetic, Dialect
 from generator.ir_standard import (
     Case,
     Chosen,
@@ -26,10 +27,10 @@ from generator.ir_standard import (
     Value,
 )
 from generator.targets.python import interfaces, layout, spelling
-from generator.targets.python.arithmetic import Arithmetic, number
 from generator.targets.python.layout import Comprehension, Conditional, Group, Item
 
 _SECOND = 1_000_000_000
+_PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", constant="_{name}")
 
 
 class FeedSpelling:
@@ -37,7 +38,7 @@ class FeedSpelling:
 
     def __init__(self, feed: Feed) -> None:
         self._feed = feed
-        self._arithmetic = Arithmetic()
+        self._arithmetic = Arithmetic(_PYTHON)
         self._tables: dict[str, str] = {}
         self._module = spelling.proto_module(feed.file)[1]
         self.imports: set[tuple[str, str]] = {interfaces.import_of(feed.message)}
@@ -151,7 +152,7 @@ class FeedSpelling:
         source = value.source
         text = _payload(source) if source else ""
         whole = source is not None and source.is_integer and value.nanoseconds.denominator == 1
-        scaled = text if value.nanoseconds == 1 else f"{text} * {number(value.nanoseconds, whole=whole)}"
+        scaled = text if value.nanoseconds == 1 else f"{text} * {_PYTHON.number(value.nanoseconds, whole=whole)}"
         return Group("*divmod(", [scaled if whole else f"round({scaled})", f"{_SECOND:_}"], ")")
 
     # --- from ROS ---
@@ -226,10 +227,10 @@ def _unscaled_time(source: Source, nanoseconds: Fraction, text: str) -> str:
     if nanoseconds == 1:
         return text
     if not source.is_integer:
-        return f"{text} / {number(nanoseconds, whole=False)}"
+        return f"{text} / {_PYTHON.number(nanoseconds, whole=False)}"
     if nanoseconds.denominator == 1:
-        return f"{text} // {number(nanoseconds, whole=True)}"
-    return f"round({text} / {number(nanoseconds, whole=False)})"
+        return f"{text} // {_PYTHON.number(nanoseconds, whole=True)}"
+    return f"round({text} / {_PYTHON.number(nanoseconds, whole=False)})"
 
 
 def _payload(source: Source) -> str:

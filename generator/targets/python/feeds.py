@@ -6,7 +6,8 @@ import dataclasses
 import textwrap
 from collections.abc import Iterable, Iterator
 
-from generator import ir, naming
+from generator import ir
+from generator.feed_names import named_feeds
 from generator.ir_standard import Constant, Feed, Interface, InterfaceField, Parts, Path, TargetField, Unset
 from generator.rendering import Files, header, render
 from generator.targets.python import interfaces, layout, spelling
@@ -21,12 +22,9 @@ def emit(bridge: ir.Bridge) -> Files:
         if route.feed:
             text = _module(bridge, route, route.feed, spelling.handler_class(route))
             yield f"generated/handlers/{spelling.module(route.name)}.py", text
-    named = names(bridge)
-    for route, feed, module, name in named:
-        turned = dataclasses.replace(
-            route, topic=feed.topic, qos=feed.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
-        )
-        yield f"generated/feeds/{module}.py", _module(bridge, turned, feed, name)
+    named = named_feeds(bridge)
+    for one in named:
+        yield f"generated/feeds/{one.file}.py", _module(bridge, one.route, one.feed, one.name)
     if named:
         yield (
             "generated/feeds/__init__.py",
@@ -35,30 +33,11 @@ def emit(bridge: ir.Bridge) -> Files:
                 header=header(bridge.table),
                 docstring='"""The feeds: further topics of the rows, with messages of the common interfaces."""',
                 imports=layout.in_import_order(
-                    layout.import_from(f"generated.feeds.{module}", [name]) for _, _, module, name in named
+                    layout.import_from(f"generated.feeds.{one.file}", [one.name]) for one in named
                 ),
-                names=sorted(name for *_, name in named),
+                names=sorted(one.name for one in named),
             ),
         )
-
-
-def names(bridge: ir.Bridge) -> list[tuple[ir.Route, Feed, str, str]]:
-    """Every feed beside the rows' own, with its route, its module and its class, each name given once."""
-    found: list[tuple[ir.Route, Feed, str, str]] = []
-    taken: set[str] = set()
-    for route in bridge.routes:
-        for feed in route.also:
-            words = [route.name, *feed.topic.strip("~/").split("/")]
-            name = "".join(naming.camel_case(word) for word in words) + "Feed"
-            while name.lower() in taken:
-                name = f"{name.removesuffix('Feed')}_Feed"
-            taken.add(name.lower())
-            module = spelling.module("_".join(words))
-            while module in taken:
-                module += "_"
-            taken.add(module)
-            found.append((route, feed, module, name))
-    return found
 
 
 def _module(bridge: ir.Bridge, route: ir.Route, feed: Feed, name: str) -> str:

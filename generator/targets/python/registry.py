@@ -6,16 +6,17 @@ import hashlib
 from collections.abc import Iterable, Iterator
 
 from generator import ir, ledger
+from generator.feed_names import named_feeds
 from generator.msg_types import msg_type
 from generator.rendering import Files, header, render
-from generator.targets.python import feeds, layout, spelling
+from generator.targets.python import layout, spelling
 
 
 def emit(bridge: ir.Bridge) -> Files:
     """``registry.py`` and ``checks.py``."""
     package, module = spelling.proto_module(bridge.envelope.file)
     classes = [spelling.handler_class(route) for route in bridge.routes]
-    feed_classes = [name for *_, name in feeds.names(bridge)]
+    feed_classes = [feed.name for feed in named_feeds(bridge)]
     yield (
         "generated/registry.py",
         render(

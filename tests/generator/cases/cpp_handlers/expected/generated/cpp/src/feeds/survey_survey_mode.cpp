@@ -1,0 +1,60 @@
+// Generated from mapping.yaml (row survey) and survey.proto; do not edit.
+// Regenerate with: roverlink generate
+
+#include <rover/feeds/survey_survey_mode.hpp>
+
+#include <rover/runtime/feeds.hpp>
+
+namespace rover::handlers
+{
+
+namespace
+{
+
+/// data for a value of mode.
+std::string data_of(int number)
+{
+  switch (number) {
+    case 0:  // IDLE
+      return "idle";
+    case 1:  // DRILLING
+      return "drilling";
+    default:
+      throw no_counterpart("mode", number);
+  }
+}
+
+/// The value of mode for one of data.
+int mode_from_data(const std::string & value)
+{
+  if (value == "idle") {
+    return 0;
+  }
+  if (value == "drilling") {
+    return 1;
+  }
+  throw no_counterpart("data", value);
+}
+
+}  // namespace
+
+void SurveySurveyModeFeed::publish(const ::Envelope & envelope, const Stamp & received) const
+{
+  publish_(to_ros(envelope.survey(), received));
+}
+
+SurveySurveyModeFeed::Message SurveySurveyModeFeed::to_ros(const Payload & payload, const Stamp &)
+{
+  std_msgs::msg::String message;
+  message.data = data_of(payload.mode());
+  return message;
+}
+
+SurveySurveyModeFeed::Payload SurveySurveyModeFeed::from_ros(const Message & message)
+{
+  ::Survey payload;
+  payload.set_mode(enumerator(mode_from_data(message.data), "mode"));
+  return payload;
+}
+
+}  // namespace rover::handlers

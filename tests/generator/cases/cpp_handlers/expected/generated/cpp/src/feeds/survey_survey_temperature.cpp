@@ -1,0 +1,34 @@
+// Generated from mapping.yaml (row survey) and survey.proto; do not edit.
+// Regenerate with: roverlink generate
+
+#include <rover/feeds/survey_survey_temperature.hpp>
+
+#include <rover/runtime/feeds.hpp>
+
+namespace rover::handlers
+{
+
+void SurveySurveyTemperatureFeed::publish(const ::Envelope & envelope, const Stamp & received) const
+{
+  publish_(to_ros(envelope.survey(), received));
+}
+
+SurveySurveyTemperatureFeed::Message SurveySurveyTemperatureFeed::to_ros(
+  const Payload & payload, const Stamp & received)
+{
+  sensor_msgs::msg::Temperature message;
+  set_time(message.header.stamp, received);
+  message.header.frame_id = "probe";
+  message.temperature = (payload.fahrenheit() - 32.0) / 1.8;
+  message.variance = 0.25;
+  return message;
+}
+
+SurveySurveyTemperatureFeed::Payload SurveySurveyTemperatureFeed::from_ros(const Message & message)
+{
+  ::Survey payload;
+  payload.set_fahrenheit(single(message.temperature * 1.8 + 32.0, "fahrenheit"));
+  return payload;
+}
+
+}  // namespace rover::handlers
