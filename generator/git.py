@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -9,6 +11,8 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+# What a hook of git's is told of the repository that it runs in; the folder may be in another one.
+_OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "GIT_PREFIX")
 _FILES = ("100644", "100755")  # the modes of files in a tree; there are links and submodules, too
 
 
@@ -34,6 +38,21 @@ class Repository:
     """A folder within a git repository, from which paths are counted."""
 
     folder: Path
+
+    def exists(self) -> bool:
+        """Whether the folder is in a repository, be it one without a commit, that git can read."""
+        try:
+            self._run("rev-parse", "--git-dir")
+        except GitError:
+            return False
+        return True
+
+    def called(self) -> set[str]:
+        """What others may call the repository: its folder's name, and those that its remotes' addresses end with."""
+        folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
+        remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]
+        addresses = [str(folder).removesuffix("/.git"), *remotes]
+        return {name_of_repository(address) for address in addresses}
 
     def resolve(self, ref: str) -> str:
         """The commit that a ref names. Raises `GitError` where it names none."""
@@ -88,12 +107,24 @@ class Repository:
     def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
         command = ["git", "-C", str(self.folder), *arguments]
         try:
-            done = subprocess.run(command, input=input, capture_output=True, check=False)  # noqa: S603  # no shell
+            done = subprocess.run(  # noqa: S603  # no shell
+                command, input=input, capture_output=True, check=False, env=environment()
+            )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
         if done.returncode:
             raise GitError(done.stderr.decode("utf-8", errors="replace").strip())
         return done.stdout
+
+
+def name_of_repository(address: str) -> str:
+    """The name that the address of a repository ends with, be it a URL or a folder."""
+    return re.split(r"[/:]", address.rstrip("/"))[-1].removesuffix(".git")
+
+
+def environment() -> dict[str, str]:
+    """The environment in which git finds the repository of the folder that it is asked about, also within a hook."""
+    return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
 
 
 def date_of(seconds: str) -> str:

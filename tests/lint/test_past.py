@@ -207,6 +207,19 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     assert run("lint", root, *_TREE)[0] == 0
 
 
+def test_branches_that_gave_one_number_to_one_type(repository: RepositoryBuilder, run: Run) -> None:
+    """Two new payloads are two, though of one type; one that both branches renamed is not."""
+    repository.branch("rear")
+    repository.branch("front")
+    repository.commit("Rear", {_FILE: _envelope("Imu imu_a = 1;", "Gps gps = 2;", "Imu rear = 3;")}, branch="rear")
+    repository.commit("Front", {_FILE: _envelope("Imu imu_b = 1;", "Gps gps = 2;", "Imu front = 3;")}, branch="front")
+    code, out, _ = run("lint", _written(repository), "--branches", *_TREE, "--format", "json")
+    assert code == 1
+    assert [(one["number"], one["message"]) for one in _found(out)] == [
+        (3, "number 3 of PBEnvelope is Imu front on front and Imu rear on rear")
+    ]
+
+
 def _consumer(folder: Path, **files: str) -> Path:
     folder.mkdir()
     for name, text in files.items():
@@ -244,18 +257,66 @@ def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: 
     assert run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")[0] == 0
 
 
+def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """A package does not hide the envelope; two uses of a type of protobuf's own differ by their names."""
+    text = _envelope("Imu imu = 1;", "Gps gps = 2;", "uint32 timeout = 3;")
+    repository.commit("Time out", {_FILE: text})
+    text = _envelope("rover.Imu imu = 1;", ".rover.Wind wind = 2;", "uint32 temperature = 3;")
+    repository.commit("Have a package", {_FILE: text.replace("message PB", "package rover;\nmessage PB")})
+    root = _written(repository)
+    (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
+    _, out, _ = run("lint", "--history", root, "--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
+    assert "number 2 of PBEnvelope is .rover.Wind wind to basestation and Gps gps to rover" in out
+    assert "number 3 of PBEnvelope is uint32 temperature to basestation and uint32 timeout to rover" in out
+    assert "number 1 of PBEnvelope is" not in out
+
+
+def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """What CMake's `set` makes of a tag is what counts; a `#` in a string begins no comment."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    board = _consumer(tmp_path / "board")
+    declared = 'FetchContent_Declare(protos GIT_REPOSITORY "x#y" GIT_TAG ${PROTOS_TAG})'
+    (board / "CMakeLists.txt").write_text(f'set(PROTOS_TAG "main" CACHE STRING "of the protos")\n{declared}\n')
+    (tmp_path / "pins.txt").write_text("rover main~1\n")
+    code, out, _ = run("lint", root, *_TREE, "--pins", board, tmp_path / "pins.txt")
+    assert code == 1
+    assert "number 2 of PBEnvelope is Gps gps to rover and Wind wind to board/protos" in out
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("https://example.com/team/protos.git", "board/x is pinned to 0123abc, which this repository does not have"),
+        ("https://example.com/json.git", "none of its pins is a commit of this repository: board/x (0123abc)"),
+    ],
+)
+def test_consumers_of_which_nothing_is_known(
+    repository: RepositoryBuilder, tmp_path: Path, run: Run, address: str, said: str
+) -> None:
+    """A consumer that is pinned to a commit nobody fetched is not one that agrees."""
+    root = _written(repository)
+    board = _consumer(tmp_path / "board")
+    (board / "CMakeLists.txt").write_text(f"FetchContent_Declare(x GIT_REPOSITORY {address} GIT_TAG 0123abc)\n")
+    code, out, _ = run("lint", root, *_TREE, "--pins", board)
+    assert (code, f"fatal[PIN101] {said}" in out) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("rover 0123456789abcdef\n", "rover is pinned to 0123456789abcdef, which this repository does not have"),
         ("one two three four\n", "no `name commit`: 'one two three four'"),
         ("# nothing\n", "no pin was found"),
+        ("rover \0\n", "is binary, and no list of pins"),
+        ("rover empty\n", "rover is pinned to empty, which has no message PBEnvelope"),
     ],
 )
 def test_pins_that_cannot_be_read(
     repository: RepositoryBuilder, tmp_path: Path, run: Run, text: str, said: str
 ) -> None:
-    """A commit that is not there, a line that is none, a source without a pin: named, with exit code 2."""
+    """A commit that is not there or has no envelope, a line or a source that says nothing: named, with exit code 2."""
+    repository.commit("Begin elsewhere", {"README.md": "Nothing."}, branch="empty", parents=[])
     root = _written(repository)
     (tmp_path / "pins.txt").write_text(text)
     code, out, _ = run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")

@@ -231,6 +231,21 @@ def test_no_such_envelope(tree: Path, lint: Lint) -> None:
     assert "fatal[STA104] no message PBEnvelope is declared" in err
 
 
+def test_the_repository_is_that_of_the_folder(tree: Path, lint: Lint, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a hook, git says which repository it runs in; what is looked at may stand in another one."""
+    other = tree.parent / "other"
+    other.mkdir()
+    _git(other, "init", "--quiet", "--initial-branch", "main")
+    _git(other, "commit", "--quiet", "--allow-empty", "--message", "Nothing")
+    _replace(tree / "imu.proto", "float accel_y = 2;", "")
+    for name in ("GIT_DIR", "GIT_WORK_TREE"):
+        monkeypatch.setenv(name, str(other / ".git" if name == "GIT_DIR" else other))
+    code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert code == 1
+    (found,) = _found(out)
+    assert (found["id"], found["also"][0]["commit"]["subject"]) == ("WIR102", "Add the IMU")
+
+
 def test_the_other_state_does_not_compile(tree: Path, lint: Lint) -> None:
     """What could not be looked at is named and ends with 2; the rest is compared all the same."""
     (tree / "broken.proto").write_text('syntax = "proto3";\n\nmessage Broken {\n  Missing x = 1;\n}\n')
