@@ -231,6 +231,19 @@ def test_no_such_envelope(tree: Path, lint: Lint) -> None:
     assert "fatal[STA104] no message PBEnvelope is declared" in err
 
 
+def test_a_name_that_went_along_is_not_to_be_reserved(tree: Path, lint: Lint) -> None:
+    """What is to be written compiles: a name that another number has now cannot be reserved."""
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 3;")
+    _, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert [(found["id"], found["help"]) for found in _found(out)] == [("ENV107", "add `reserved 2;` to Envelope")]
+
+
+def test_numbers_and_texts_are_members_of_a_tree_s_envelope(tree: Path, lint: Lint) -> None:
+    """An envelope that carries more than messages agrees with itself."""
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 2;\n    uint32 timeout = 3;\n    string text = 4;")
+    assert lint("protos", *_TREE)[0] == 0
+
+
 def test_the_repository_is_that_of_the_folder(tree: Path, lint: Lint, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a hook, git says which repository it runs in; what is looked at may stand in another one."""
     other = tree.parent / "other"
