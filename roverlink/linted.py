@@ -11,10 +11,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from generator.git import GitError, Repository
+from generator.findings import Severity
+from generator.git import Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName
-from roverlink.console import add_table, table_file
+from roverlink.console import OK, UNABLE, add_table, table_file
 
 Report = Callable[[int, int], None]
 
@@ -36,13 +37,16 @@ def linted(arguments: argparse.Namespace, root: Path | None, question: Question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
 
 
+def say_limits(found: Linted) -> int:
+    """Say on standard error what was not looked at, for commands that show no other finding; their exit code."""
+    for finding in found.limits:
+        print(finding.render(), file=sys.stderr)
+    return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK
+
+
 def in_repository(folder: Path) -> bool:
     """Whether there is a git repository whose history can be read."""
-    try:
-        Repository(folder).resolve("HEAD")
-    except GitError:
-        return False
-    return True
+    return Repository(folder).exists()
 
 
 @contextmanager

@@ -188,6 +188,24 @@ def test_a_tree_whose_protos_are_gone_still_has_a_history(repository: Repository
     assert [(one["number"], "today there is no PBEnvelope" in one["message"]) for one in _found(out)] == [(2, True)]
 
 
+@pytest.mark.parametrize(
+    "arguments", [["lint", "--branches"], ["lint", "--pins", "pins.txt"], ["next-number"], ["history", "1"]]
+)
+def test_a_question_about_the_envelope_needs_one(
+    repository: RepositoryBuilder, run: Run, arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without an envelope there is no answer, and with one that never was neither: exit code 2, not a clean bill."""
+    monkeypatch.chdir(_written(repository))
+    Path("pins.txt").write_text("rover main\n")
+    first, *rest = arguments
+    number = [rest.pop()] if rest == ["1"] else []
+    for named in ([], ["--message", "Nobody"]):
+        code, out, err = run(first, *number, ".", *named, *rest)
+        assert (code, out, "fatal[STA104]" in err) == (2, "", True)
+    code, _, err = run("lint", "--history", ".", "--message", "Nobody")
+    assert (code, "no message Nobody is declared" in err) == (2, True)
+
+
 # --- branches, pins, numbers -------------------------------------------------------------------------------------
 
 
@@ -339,6 +357,36 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     assert "stood for other (Imu), which side has" in lines[1]
     assert "comment" in lines[2]
     assert "is reserved in" in lines[3]
+
+
+def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run: Run) -> None:
+    """Ranges are skipped as a whole, and said in one line; where all above is closed, what is left below is taken."""
+    closed = "  extensions 3 to 9;\n  reserved 12 to max;\n  uint32 outside = 10;\n  oneof"
+    text = _envelope("Imu imu = 1;", "Gps gps = 2;").replace("proto3", "proto2").replace("  oneof", closed)
+    repository.commit("Close", {_FILE: text.replace("uint32 outside", "optional uint32 outside")})
+    root = _written(repository)
+    code, out, err = run("next-number", root, *_TREE)
+    assert (code, out) == (0, "11\n")
+    assert err.splitlines()[0] == f"3 to 9 is for extensions in {_FILE}"
+    (root / _FILE).write_text((root / _FILE).read_text().replace("12 to max", "11 to max"))
+    shutil.rmtree(root / ".git")
+    code, out, err = run("next-number", root, *_TREE)
+    assert (code, out, "there is no number left" in err) == (2, "", True)
+    (root / _FILE).write_text((root / _FILE).read_text().replace("3 to 9", "4 to 9"))
+    assert run("next-number", root, *_TREE)[:2] == (0, "3\n")
+
+
+def test_the_next_number_says_how_far_it_could_look(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """A shallow clone, an envelope that does not compile: the number may not be the last word."""
+    repository.commit("Go on", {"README.md": "Nothing."})
+    git(tmp_path, "clone", "--quiet", "--depth", "1", f"file://{_written(repository)}", "shallow")
+    root = tmp_path / "shallow"
+    (root / _FILE).write_text((root / _FILE).read_text().replace("Gps gps = 2;", "Gps gps = 2; Imu other = 3"))
+    for arguments in (["next-number", root], ["history", "2", root]):
+        _, _, err = run(*arguments, *_TREE)
+        assert "warning[STA106] this is a shallow clone" in err
+        assert "error[PRO101]" in err
+    assert run("next-number", root, *_TREE)[1] == "4\n"
 
 
 def test_the_life_of_one_number(repository: RepositoryBuilder, run: Run) -> None:
