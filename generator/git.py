@@ -62,7 +62,7 @@ class Repository:
         """The commit that a ref names. Raises `GitError` where it names none."""
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
-        return Commit(id, date_of(seconds), subject)
+        return commit_of(id, seconds, subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Mode, object and path of all that stands below the folder in a commit; paths are relative to the folder."""
@@ -99,7 +99,7 @@ class Repository:
         id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
         if not id.strip("0") or "summary" not in facts:
             return None
-        return Commit(id, date_of(facts["author-time"]), facts["summary"])
+        return commit_of(id, facts["author-time"], facts["summary"])
 
     def _run(self, *arguments: str) -> str:
         return self._run_bytes(*arguments).decode("utf-8", errors="replace")
@@ -127,7 +127,12 @@ def environment() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
 
 
-def date_of(seconds: str) -> str:
+def commit_of(id: str, seconds: str, subject: str) -> Commit:
+    """A commit as git tells of it, without what a terminal would obey, or XML cannot hold."""
+    return Commit(id, _date_of(seconds), "".join(letter if letter.isprintable() else "\ufffd" for letter in subject))
+
+
+def _date_of(seconds: str) -> str:
     """The date of a time; empty where somebody's clock made it one that no calendar has."""
     try:
         return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from generator.git import Commit, GitError, Repository, date_of, environment
+from generator.git import Commit, GitError, Repository, commit_of, environment
 
 _FIELDS = ("%H", "%P", "%ct", "%at", "%s")
 _LOG = (
@@ -71,7 +71,7 @@ class PastRepository(Repository):
             while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
                 edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
                 at += 2
-            commit = Commit(id, date_of(written), subject)
+            commit = commit_of(id, written, subject)
             found.append(Revision(commit, tuple(parents.split()), int(time), tuple(edits)))
         return found[::-1]
 

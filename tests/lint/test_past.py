@@ -9,6 +9,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -135,6 +136,16 @@ def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: Reposit
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
     assert ["read from files with errors" in one["message"] for one in _found(out)] == [True]
+
+
+def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilder, run: Run) -> None:
+    """A subject line with control characters colours no terminal, and breaks no report."""
+    repository.commit("Measure \x1b[31mthe\x01 wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "junit")
+    assert "Measure \ufffd[31mthe\ufffd wind" in "".join(ElementTree.fromstring(out).itertext())  # noqa: S314  # ours
+    _, out, _ = run("lint", "--history", root, *_TREE)
+    assert all(line.isprintable() for line in out.splitlines())
 
 
 @settings(deadline=None, max_examples=8, suppress_health_check=list(HealthCheck))
