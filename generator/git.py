@@ -47,6 +47,14 @@ class Repository:
             return False
         return True
 
+    def has(self, ref: str, path: str) -> bool:
+        """Whether a commit has a file."""
+        try:
+            self._run("cat-file", "-e", f"{ref}:./{path}")
+        except GitError:
+            return False
+        return True
+
     def called(self) -> set[str]:
         """What others may call the repository: its folder's name, and those that its remotes' addresses end with."""
         folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
