@@ -16,6 +16,7 @@ from generator.git import Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName
 from roverlink.console import OK, UNABLE, add_table, table_file
+from runtime.errors import SetupError
 
 Report = Callable[[int, int], None]
 
@@ -31,7 +32,9 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """The lint of the tree, or of the table's project."""
+    """The lint of the tree, or of the table's project. Raises `SetupError` where an envelope is named, and no tree."""
+    if root is None and (arguments.envelope or arguments.message):
+        raise SetupError("--envelope and --message are for a tree without mapping.yaml: name its folder, too")
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)

@@ -113,6 +113,22 @@ def test_today_that_is_reserved_is_said(repository: RepositoryBuilder, run: Run)
     assert [one["message"].endswith("today it is reserved") for one in _found(out)] == [True]
 
 
+def test_a_message_that_changed_its_package_is_found_once(repository: RepositoryBuilder, run: Run) -> None:
+    """Under the name that it has today; where it is gone, under one of those that it had."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    text = _envelope("Imu imu = 1;", "Wind wind = 2;").replace("message PB", "package rover;\nmessage PB")
+    repository.commit("Have a package", {_FILE: text})
+    root = _written(repository)
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
+    (found,) = (one for one in _found(out) if one["id"] == "HIS101")
+    assert (found["message_type"], found["number"]) == ("rover.PBEnvelope", 2)
+    assert found["message"].endswith("today it is wind")
+    for file in root.rglob("*.proto"):
+        file.unlink()
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
+    assert [one["message_type"] for one in _found(out) if one["id"] == "HIS101"] == ["rover.PBEnvelope"]
+
+
 def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, run: Run) -> None:
     """A payload renamed with its fields is a hint; one whose fields were replaced under its name an error."""
     renamed = _PAYLOADS["components/imu.proto"].replace("message Imu", "message ImuInfo")
@@ -472,6 +488,27 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     code, _, err = run("generate")
     assert code == 1
     assert "error[ENV110] field 30 stood for SensorBoardPHInfo and for SensorBoardGPSInfo in the past" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["lint", "--message", "PBEnvelope"], "name its folder, too"),
+        (["next-number", "--envelope", "e.proto"], "name its folder, too"),
+        (["lint", "one", "--history", "other"], "two trees are named, one and other"),
+    ],
+)
+def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:
+    """What would not be looked at is not taken without a word."""
+    code, out, err = run(*arguments)
+    assert (code, out, said in err) == (2, "", True)
+
+
+def test_accepting_needs_the_history(project: Path, run: Run) -> None:
+    """Nothing is accepted where nobody asked what there is."""
+    for question in ([], ["--branches"]):
+        code, _, err = run("lint", *question, "--accept")
+        assert (code, "fatal[RET102]" in err) == (2, True)
 
 
 def test_accepting_needs_a_ledger(repository: RepositoryBuilder, run: Run) -> None:
