@@ -23,7 +23,8 @@ def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
 
     Raises `FindingsError` where there is no table, and where it does not compile.
     """
-    if not found.subject.table.proto.root or found.subject.past is None:
+    past = found.subject.past
+    if not found.subject.table.proto.root or past is None or not past.of_numbers:
         message = "there is no ledger: accepting takes --history in a project with a mapping.yaml"
         raise FindingsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
     of_history = [finding for finding in found.findings if finding.rule.id in _OF_HISTORY]

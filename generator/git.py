@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -9,6 +11,8 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+# What a hook of git's is told of the repository that it runs in; the folder may be in another one.
+_OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "GIT_PREFIX")
 _FILES = ("100644", "100755")  # the modes of files in a tree; there are links and submodules, too
 
 
@@ -35,6 +39,29 @@ class Repository:
 
     folder: Path
 
+    def exists(self) -> bool:
+        """Whether the folder is in a repository, be it one without a commit, that git can read."""
+        try:
+            self._run("rev-parse", "--git-dir")
+        except GitError:
+            return False
+        return True
+
+    def has(self, ref: str, path: str) -> bool:
+        """Whether a commit has a file."""
+        try:
+            self._run("cat-file", "-e", f"{ref}:./{path}")
+        except GitError:
+            return False
+        return True
+
+    def called(self) -> set[str]:
+        """What others may call the repository: its folder's name, and those that its remotes' addresses end with."""
+        folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
+        remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]
+        addresses = [str(folder).removesuffix("/.git"), *remotes]
+        return {name_of_repository(address) for address in addresses}
+
     def resolve(self, ref: str) -> str:
         """The commit that a ref names. Raises `GitError` where it names none."""
         return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
@@ -43,7 +70,7 @@ class Repository:
         """The commit that a ref names. Raises `GitError` where it names none."""
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
-        return Commit(id, date_of(seconds), subject)
+        return commit_of(id, seconds, subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Mode, object and path of all that stands below the folder in a commit; paths are relative to the folder."""
@@ -80,7 +107,7 @@ class Repository:
         id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
         if not id.strip("0") or "summary" not in facts:
             return None
-        return Commit(id, date_of(facts["author-time"]), facts["summary"])
+        return commit_of(id, facts["author-time"], facts["summary"])
 
     def _run(self, *arguments: str) -> str:
         return self._run_bytes(*arguments).decode("utf-8", errors="replace")
@@ -88,7 +115,9 @@ class Repository:
     def _run_bytes(self, *arguments: str, input: bytes = b"") -> bytes:
         command = ["git", "-C", str(self.folder), *arguments]
         try:
-            done = subprocess.run(command, input=input, capture_output=True, check=False)  # noqa: S603  # no shell
+            done = subprocess.run(  # noqa: S603  # no shell
+                command, input=input, capture_output=True, check=False, env=environment()
+            )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
         if done.returncode:
@@ -96,7 +125,22 @@ class Repository:
         return done.stdout
 
 
-def date_of(seconds: str) -> str:
+def name_of_repository(address: str) -> str:
+    """The name that the address of a repository ends with, be it a URL or a folder."""
+    return re.split(r"[/:]", address.rstrip("/"))[-1].removesuffix(".git")
+
+
+def environment() -> dict[str, str]:
+    """The environment in which git finds the repository of the folder that it is asked about, also within a hook."""
+    return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
+
+
+def commit_of(id: str, seconds: str, subject: str) -> Commit:
+    """A commit as git tells of it, without what a terminal would obey, or XML cannot hold."""
+    return Commit(id, _date_of(seconds), "".join(letter if letter.isprintable() else "\ufffd" for letter in subject))
+
+
+def _date_of(seconds: str) -> str:
     """The date of a time; empty where somebody's clock made it one that no calendar has."""
     try:
         return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()

@@ -14,8 +14,8 @@ from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
 from generator.past import Past, read_pinned
 from generator.pins import read_pins
-from generator.proto_files import DeclarationIndex, proto_files, read_proto
-from generator.protoc import compile_tree
+from generator.proto_files import DeclarationIndex, proto_files, read_protos
+from generator.protoc import DOES_NOT_COMPILE, compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
@@ -40,6 +40,8 @@ class Question:
     """Whether open branches are compared with each other."""
     pins: tuple[Path, ...] = ()
     """Files and repositories that say which commit a consumer is pinned to."""
+    envelope: bool = False
+    """Whether there is nothing to say without an envelope."""
     report: Callable[[int, int], None] | None = None
     """Told how much of the history is read, and of how much."""
 
@@ -47,6 +49,11 @@ class Question:
     def of_the_past(self) -> bool:
         """Whether git's history has to be read."""
         return self.history or self.branches or bool(self.pins)
+
+    @property
+    def of_the_envelope(self) -> bool:
+        """Whether it has to be known which message the envelope is."""
+        return self.envelope or self.branches or bool(self.pins)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +67,12 @@ class Linted:
     """The commit from which a line is; None where it is not committed, or not known."""
     subject: Subject
     """What the rules looked at."""
+
+    @property
+    def limits(self) -> list[Finding]:
+        """The findings that say what could not be looked at, or not all of it."""
+        partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
+        return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
@@ -82,21 +95,23 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
         raise FindingsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
+    if question.of_the_envelope:
+        tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
     files = proto_files(root, shown_root, findings)
     if not files and not (past and past.history.messages):
         raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
-    declared = {file: parse(read_proto(root, file, shown_root, findings)) for file in files}
+    declared = {file: parse(text) for file, text in read_protos(root, files, shown_root, findings).items()}
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
     findings += errors
     if table.proto.root:
         locate(table, DeclarationIndex(_by_name(kept), _by_name(left_out)), findings)
-    table = tree.with_members(table, schema, known=past is not None)
+    table = tree.with_members(table, schema, findings, past.history.messages if past else ())
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
-    state = open_state(question.against, project, layout, findings) if question.against else None
+    state = _other_state(question, project, layout, findings)
     subject = Subject(
         table=table,
         schema=schema,
@@ -126,6 +141,15 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Finding]
         findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or not there"))
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
     return Past(history, question.history, question.branches, tuple(pins))
+
+
+def _other_state(question: Question, project: Path, layout: Layout, findings: list[Finding]) -> State | None:
+    """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
+    try:
+        return open_state(question.against, project, layout, findings) if question.against else None
+    except FindingsError as error:
+        findings += [finding for finding in error.findings if finding not in findings]
+        return None
 
 
 def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from generator.declarations import parse
-from generator.findings import Finding
-from generator.git import Commit, GitError, Repository
-from generator.history import History
+from generator.findings import Finding, Span
+from generator.git import Commit, GitError, Repository, name_of_repository
+from generator.history import History, differ
 from generator.pins import UNREADABLE_PINS, Pin
+
+_FETCH = "git fetch --all gets what is new"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +28,7 @@ class Pinned:
         return sorted(
             number
             for number in self.numbers.keys() & other.numbers.keys()
-            if self.numbers[number][0] != other.numbers[number][0]
+            if differ(self.numbers[number], other.numbers[number])
         )
 
 
@@ -58,33 +60,58 @@ def _branch(ref: str) -> str:
     return ref.removeprefix("refs/heads/").removeprefix("refs/remotes/")
 
 
-def read_pinned(
-    pins: Iterable[Pin], repository: Repository, envelope: str, findings: list[Finding]
-) -> Iterator[Pinned]:
+def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Finding]) -> list[Pinned]:
     """What each pin's commit of the protos says of the envelope.
 
-    A commit that this repository does not have is a finding where a plain list names it; of other sources, it is that
-    of another dependency.
+    A commit that this repository does not have is a finding where a plain list names it, or where the pin is by its
+    address one of this repository; of other addresses, it is that of another dependency. So is a source of which
+    nothing is known here.
     """
+    pinned: list[Pinned] = []
+    faults: list[Finding] = []
+    ours = repository.called() if pins else set()
     for pin in pins:
         try:
-            commit = repository.commit(pin.commit)
-            numbers = _numbers_at(repository, commit.id, envelope)
-        except GitError as error:
-            if pin.listed:
-                message = f"{pin.consumer} is pinned to {pin.commit}, which this repository does not have"
-                findings.append(UNREADABLE_PINS.at(pin.span, message, str(error)))
-        else:
-            yield Pinned(pin, commit, numbers)
+            pinned.append(_pinned(pin, repository, envelope))
+        except LookupError as error:
+            if pin.listed or name_of_repository(pin.address) in ours:
+                message = f"{pin.consumer} is pinned to {pin.commit}, which {error.args[0]}"
+                faults.append(UNREADABLE_PINS.at(pin.span, message, _FETCH))
+    findings += faults
+    if not faults:
+        findings += _without_any(pins, {one.pin.source for one in pinned})
+    return pinned
 
 
-def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]]:
+def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
+    """What a pin's commit says. Raises `LookupError` where this repository does not have it, or it has no envelope."""
+    try:
+        commit = repository.commit(pin.commit)
+        numbers = _numbers_at(repository, commit.id, envelope)
+    except GitError as error:
+        raise LookupError("this repository does not have") from error
+    if numbers is None:
+        raise LookupError(f"has no message {envelope}")
+    return Pinned(pin, commit, numbers)
+
+
+def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Finding]:
+    """The sources of which no pin is of this repository."""
+    for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
+        others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
+        message = f"none of its pins is a commit of this repository: {others}"
+        yield UNREADABLE_PINS.at(Span(source), message, _FETCH)
+
+
+def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]] | None:
+    """The envelope's numbers at a commit, in whatever package it was; None where there is none."""
     name = envelope.rpartition(".")[2]
     protos = [file for file in repository.files(commit) if file.endswith(".proto")]
-    found: dict[int, tuple[str, str]] = {}
+    found: dict[str, dict[int, tuple[str, str]]] = {}
     for _, data in repository.contents(commit, protos):
         if name.encode() in data:
             for message in parse(data.decode("utf-8", errors="replace")).all_messages():
-                if message.full_name == envelope:
-                    found |= {field.number: (field.type, field.name) for field in message.fields if field.number}
-    return found
+                if message.name == name:
+                    numbers = found.setdefault(message.full_name, {})
+                    numbers |= {field.number: (field.type, field.name) for field in message.fields if field.number}
+    return found.get(envelope) or next(iter(found.values()), None)

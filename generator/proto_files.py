@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -45,7 +46,7 @@ def index_declarations(root: Path, exclude: Iterable[str], shown_root: str) -> D
     findings: list[Finding] = []
     for name in proto_files(root, shown_root, findings):
         target = excluded if name in left_out else files
-        for declared in sorted(set(declared_names(read_proto(root, name, shown_root, findings)))):
+        for declared in sorted(set(declared_names(read_proto(root, name, shown_root, findings) or ""))):
             target.setdefault(declared, []).append(name)
     if findings:
         raise FindingsError(findings)
@@ -55,7 +56,7 @@ def index_declarations(root: Path, exclude: Iterable[str], shown_root: str) -> D
 def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[str]:
     """The .proto files below a folder, relative to it, links followed; hidden files are an editor's.
 
-    A folder that cannot be listed, and a link that leads back to where it is, is a finding.
+    A folder that cannot be listed, a link that leads back to where it is, and a name that is no text, is a finding.
     """
 
     def unreadable(error: OSError) -> None:
@@ -76,23 +77,42 @@ def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[st
                 span = Span(shown(shown_root, (here / name).as_posix()))
                 message = "is a link to a folder that it stands in; what is behind it was not looked at"
                 findings.append(UNREADABLE_PROTO.at(span, message, "remove the link"))
-    return sorted(found)
+    return [name for name in sorted(found) if _is_text(name, shown_root, findings)]
 
 
-def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str:
-    """The text of a .proto file; empty, with a finding, where it has none that anybody wrote."""
+def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
+    """Whether a file's name can be said: protoc, JSON and terminals take UTF-8 alone."""
+    readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
+    if readable != name:
+        span = Span(shown(shown_root, readable))
+        findings.append(UNREADABLE_PROTO.at(span, "has a name that is not UTF-8", "rename it"))
+    return readable == name
+
+
+def read_protos(root: Path, names: Iterable[str], shown_root: str, findings: list[Finding]) -> dict[str, str]:
+    """The texts of those of the .proto files that have one; any other is a finding."""
+    texts = {name: read_proto(root, name, shown_root, findings) for name in names}
+    return {name: text for name, text in texts.items() if text is not None}
+
+
+def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str | None:
+    """The text of a .proto file; None, with a finding, where it has none that anybody wrote."""
     path, span = root / name, Span(shown(shown_root, name))
+    data = b""
     try:
-        size = path.stat().st_size
-        data = b"" if size > _LARGEST else path.read_bytes()
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):  # to read a pipe or a device might take for ever
+            fault = "is no file"
+        elif about.st_size > _LARGEST:
+            fault = f"has {about.st_size} bytes; files of more than {_LARGEST} are not looked at"
+        else:
+            data = path.read_bytes()
+            fault = "is binary, not the text of a .proto file" if b"\0" in data else ""
     except OSError as error:
-        findings.append(UNREADABLE_PROTO.at(span, f"cannot be read: {error.strerror}"))
-        return ""
-    if size > _LARGEST:
-        findings.append(UNREADABLE_PROTO.at(span, f"has {size} bytes; files of more than {_LARGEST} are not looked at"))
-    elif b"\0" in data:
-        findings.append(UNREADABLE_PROTO.at(span, "is binary, not the text of a .proto file"))
-        return ""
+        fault = f"cannot be read: {error.strerror}"
+    if fault:
+        findings.append(UNREADABLE_PROTO.at(span, fault))
+        return None
     return data.decode("utf-8", errors="replace")
 
 

@@ -21,9 +21,9 @@ from generator.protos import Schema
 
 # As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
 _RUN = """
-import sys
+import os, sys
 from grpc_tools import _protoc_compiler
-sys.exit(_protoc_compiler.run_main([argument.encode() for argument in sys.argv]))
+sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
@@ -106,9 +106,10 @@ def _protoc(
     includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
     command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
     # In a folder of its own, lest a module of the user's be taken for one of Python's.
-    done = subprocess.run(command, cwd=inside, capture_output=True, text=True, check=False)  # noqa: S603  # our Python
+    done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
-        raise FindingsError(_protoc_findings(done.stderr, folders, shown_root))
+        said = done.stderr.decode("utf-8", errors="replace")
+        raise FindingsError(_protoc_findings(said, folders, shown_root))
 
 
 _PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
@@ -137,7 +138,7 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
         if not _is_consequence(error, broken, imported, missing_names):
             places.setdefault(Span(shown(shown_root, error.file), error.line, error.column), []).append(error.text)
     if not places:
-        return [DOES_NOT_COMPILE.at(Span(shown_root), f"protoc failed: {output.strip() or 'without a message'}")]
+        return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
     return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
 
 

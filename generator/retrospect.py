@@ -28,14 +28,23 @@ def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, 
     if past is None or not past.of_numbers:
         return
     for owner in (*past.history.messages, *past.history.enums):
-        accepted = subject.ledger.burned_in(owner)
+        names = past.history.names(owner)
+        if any(_stands_for(name, owner, subject, past.history) for name in names):
+            continue
+        accepted = [subject.ledger.burned_in(name) for name in names]
         found = [reuse for reuse in past.history.reuses(owner) if reuse.kind in kinds]
         for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
             reuses = list(group)
-            known = set(accepted[number].uses) if number in accepted else set()
+            known = {use for burned in accepted if number in burned for use in burned[number].uses}
             uses = {(life.type, life.name) for reuse in reuses for life in (reuse.earlier, reuse.later)}
             if not uses <= known:
                 yield owner, number, reuses
+
+
+def _stands_for(name: str, owner: str, subject: Subject, history: History) -> bool:
+    """Whether what is found of a message under one of its names is found under another: today's, if there is one."""
+    today = [(_declared(subject, each) is not None, each) for each in (owner, name)]
+    return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
 def _lives(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Life]:

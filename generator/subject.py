@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field
-from itertools import count
 from typing import TYPE_CHECKING
 
 from generator.declarations import Claim, File, Message
@@ -13,13 +12,11 @@ from generator.ledger import NAME as LEDGER
 from generator.ledger import Entry, Ledger, as_schema
 from generator.protos import Schema
 from generator.table import Table
-from generator.table_format import IMPLEMENTATION_NUMBERS
+from generator.table_format import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER
 
 if TYPE_CHECKING:
     from generator.nanopb import Bounds
     from generator.past import Past
-
-_LONGEST_RANGE = 100_000  # numbers; `1000 to max` is half a thousand millions
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,21 +64,44 @@ class Subject:
         return (*self.ledger.entries, *self.earlier_entries)
 
     def next_number(self) -> int:
-        """The number for the next payload: the smallest above all published ones that nothing ever had or claimed."""
-        taken = self.taken()
-        numbers = (number for number in count(self.largest_number() + 1) if number not in IMPLEMENTATION_NUMBERS)
-        return next(number for number in numbers if number not in taken)
+        """The number for the next payload: the smallest above all published ones that nothing ever had or claimed.
+
+        Where all of those are closed, it is the smallest of all; and one that is too large where none is left.
+        """
+        above = self.free_number(self.largest_number() + 1)
+        return above if above <= LARGEST_NUMBER else self.free_number(1)
+
+    def free_number(self, number: int, besides: Set[int] = frozenset()) -> int:
+        """The smallest number of the envelope, from one on, that is free but for what ``besides`` has."""
+        for _, last, _ in self.occupied(number, besides):
+            number = last + 1
+        return number
+
+    def occupied(self, number: int, besides: Set[int] = frozenset()) -> Iterator[tuple[int, int, str]]:
+        """The numbers of the envelope from one on that cannot be given to a new payload, up to the first that can.
+
+        They come as ranges, both ends included, each with its reason; those that ``besides`` has count as free.
+        """
+        taken, closed = self.taken(), list(self._closed())
+        while True:
+            found = [(last, why) for first, last, why in closed if first <= number <= last]
+            if number in taken and number not in besides:
+                found = [(number, taken[number])]
+            if not found:
+                return
+            yield number, *found[0]
+            number = found[0][0] + 1
 
     def largest_number(self) -> int:
         """The largest number of the table, or that is known to have been published; 0 for none."""
         return max([0, *self.table.numbers, *(entry.number for entry in self.published)])
 
     def taken(self) -> dict[int, str]:
-        """Every number of the envelope that cannot be given to a new payload, and why."""
+        """Every single number of the envelope that cannot be given to a new payload, and why."""
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
-        for name, numbers in self._declared_reserved():
-            taken |= dict.fromkeys(numbers, f"is reserved in {name}")
+        for path, message in self.declared(envelope):
+            taken |= {field.number: f"is that of {field.name} in {path}" for field in message.fields if field.number}
         for claim, span in self.envelope_claims():
             taken[claim.number] = f"stands in a comment, for {claim.name} ({span})"
         if self.past is not None:
@@ -93,10 +113,14 @@ class Subject:
         taken |= {row.number: f"is retired, of {row.name} ({row.proto})" for row in table.retired}
         return taken | {row.number: f"is that of {row.name} ({row.proto})" for row in table.rows}
 
-    def _declared_reserved(self) -> Iterator[tuple[str, Iterable[int]]]:
+    def _closed(self) -> Iterator[tuple[int, int, str]]:
+        """Ranges of numbers that the envelope keeps closed, both ends included, and why."""
+        yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is kept by protobuf for itself"
         for path, message in self.declared(self.table.envelope.message):
             for first, last in message.reserved:
-                yield path, range(first, min(last, first + _LONGEST_RANGE) + 1)
+                yield first, last, f"is reserved in {path}"
+            for first, last in message.extension_ranges:
+                yield first, last, f"is for extensions in {path}"
 
     def place(self, file: str, line: int, column: int) -> Span:
         """A place in a .proto file."""

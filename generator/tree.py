@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 from generator import ir
-from generator.findings import FindingsError, Rule, Severity, Span
+from generator.findings import Finding, FindingsError, Rule, Severity, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Row, Table
 
@@ -28,13 +30,14 @@ class EnvelopeName:
 
 def table_of_tree(envelope: EnvelopeName) -> Table:
     """A table without rows; `with_members` gives it those of the envelope."""
-    here = Span(envelope.file or ".")
+    file = str(PurePosixPath(envelope.file)) if envelope.file else ""
+    here = Span(file or ".")
     return Table(
-        file=envelope.file,
+        file=file,
         whole=False,
         numbers=frozenset(),
         proto=ProtoSettings(here, {}, "", ()),
-        envelope=EnvelopeSettings(here, {}, envelope.file, envelope.message, "", "proto"),
+        envelope=EnvelopeSettings(here, {}, file, envelope.message, "", "proto"),
         package="",
         package_span=here,
         maintainer="",
@@ -47,27 +50,62 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
     )
 
 
-def with_members(table: Table, schema: Schema, *, known: bool = False) -> Table:
+def with_members(table: Table, schema: Schema, findings: Sequence[Finding] = (), past: Iterable[str] = ()) -> Table:
     """The table of a tree with a row for each member of its envelope; any other table as it is.
 
-    Raises `FindingsError` where there is no such envelope, unless it is ``known`` from elsewhere.
+    The envelope's message may be named without its package. Raises `FindingsError` where there is no such envelope,
+    after the ``findings`` that may be why, unless it is among the messages of the ``past``.
     """
-    if table.proto.root or not table.envelope.message:
+    if table.proto.root or not (table.envelope.message or table.envelope.file):
         return table
-    envelope = schema.messages.get(table.envelope.message)
-    if envelope is None and known:
+    name = _full_name(table.envelope, schema)
+    envelope = schema.messages.get(name)
+    if envelope is None and _named(table.envelope.message, past):
         return table
-    if envelope is None:
-        message = f"no message {table.envelope.message} is declared in a file that compiles"
-        raise FindingsError([NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])
+    if envelope is None or table.envelope.file not in ("", envelope.span.file):
+        raise FindingsError([*findings, _no_envelope(table.envelope, schema, envelope)])
     oneof = _largest_oneof(envelope)
     members = [field for field in envelope.fields if field.oneof == oneof]
     return dataclasses.replace(
         table,
-        envelope=dataclasses.replace(table.envelope, oneof=oneof, span=envelope.span),
+        envelope=dataclasses.replace(table.envelope, message=name, oneof=oneof, span=envelope.span),
         numbers=frozenset(field.number for field in members),
         rows=tuple(_row(field) for field in members),
     )
+
+
+def must_have_envelope(table: Table, findings: Sequence[Finding]) -> None:
+    """Raises `FindingsError` where nobody said which message the envelope is."""
+    if not table.envelope.message:
+        message = "which message is the envelope was not said; nothing was looked at"
+        raise FindingsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])
+
+
+def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
+    """The full name of the envelope's message, where one message alone has the name."""
+    named = _named(envelope.message, schema.messages)
+    return named[0] if len(named) == 1 and envelope.message not in named else envelope.message
+
+
+def _named(name: str, messages: Iterable[str]) -> list[str]:
+    """The messages of a name, whatever package they are in; none for no name."""
+    return [message for message in messages if name and f".{message}".endswith(f".{name}")]
+
+
+def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Finding:
+    """What is wrong with the words that name the envelope."""
+    name, file = settings.message, settings.file
+    in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]
+    known = _named(name, schema.messages) or in_file
+    help = f"say --message {' or --message '.join(known)}" if known else "say --message"
+    if elsewhere is not None:
+        message = f"{name} is declared in {elsewhere.span.file}, not in {file}"
+        help = f"say --envelope {elsewhere.span.file}"
+    elif not name:
+        message = "which of its messages is the envelope was not said"
+    else:
+        message = f"no message {name} is declared in a file that compiles"
+    return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
 
 
 def _largest_oneof(envelope: ProtoMessage) -> str:

@@ -42,7 +42,8 @@ class Project:
 
     def taken(self, word: str) -> str:
         """Why a number without a row is not free; empty for one that is, and for what is no number."""
-        return self.subject.taken().get(int(word), "") if word.isdecimal() else ""
+        occupied = self.subject.occupied(int(word)) if word.isdecimal() else iter(())
+        return next((why for _, _, why in occupied), "")
 
     def known(self) -> list[str]:
         """What rows can be called by."""

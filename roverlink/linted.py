@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
-from generator.git import GitError, Repository
+from generator.findings import Severity
+from generator.git import Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName
-from roverlink.console import add_table, table_file
+from roverlink.console import OK, UNABLE, add_table, table_file
+from runtime.errors import SetupError
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
@@ -22,16 +25,21 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """The lint of the tree, or of the table's project."""
+    """The lint of the tree, or of the table's project. Raises `SetupError` where an envelope is named, and no tree."""
+    if root is None and (arguments.envelope or arguments.message):
+        raise SetupError("--envelope and --message are for a tree without mapping.yaml: name its folder, too")
     if root is None:
         return lint_project(table_file(arguments.table), question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
 
 
+def say_limits(found: Linted) -> int:
+    """Say on standard error what was not looked at, for commands that show no other finding; their exit code."""
+    for finding in found.limits:
+        print(finding.render(), file=sys.stderr)
+    return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK
+
+
 def in_repository(folder: Path) -> bool:
     """Whether there is a git repository whose history can be read."""
-    try:
-        Repository(folder).resolve("HEAD")
-    except GitError:
-        return False
-    return True
+    return Repository(folder).exists()

@@ -8,6 +8,7 @@ compile, for the boards they were flashed to did not ask.
 from __future__ import annotations
 
 from generator.history.history import History, read_history
+from generator.history.meanings import differ
 from generator.history.model import (
     Allocation,
     Collision,
@@ -33,5 +34,6 @@ __all__ = [
     "Life",
     "Relation",
     "Reuse",
+    "differ",
     "read_history",
 ]

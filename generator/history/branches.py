@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
-from generator.declarations import SCALARS
+from generator.history.meanings import differ
 from generator.history.model import Allocation, Collision, Fact
 from generator.history.record import Record
 from generator.history.repository import Ref
@@ -73,9 +73,12 @@ class Branches:
         graph = self._record.graph
         known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
         ours, theirs = self._facts(one) - known, self._facts(other) - known
+        old = {fact.number for fact in known}  # of those, one payload may have been renamed on both sides
         for fact in sorted(ours - theirs):
-            rivals = [rival for rival in theirs - ours if rival.number == fact.number and _differ(fact, rival)]
-            yield from ((fact.number, fact, rival) for rival in sorted(rivals))
+            for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
+                new = fact.number not in old and fact.name != rival.name
+                if new or differ((fact.type, fact.name), (rival.type, rival.name)):
+                    yield fact.number, fact, rival
 
     def _facts(self, node: int) -> set[Fact]:
         return {
@@ -96,11 +99,6 @@ class Branches:
         for owner in self._owners:
             spans = self._record.past.tips[node].alive.get(owner, {}).get(fact, frozenset())
             yield from (self._record.past.spans[owner][index] for index in sorted(spans, reverse=True))
-
-
-def _differ(one: Fact, other: Fact) -> bool:
-    """Whether two uses are of different payloads; or, of what is no message, of different names."""
-    return one.type != other.type or ((not one.type or one.type in SCALARS) and one.name != other.name)
 
 
 def _short(ref: str) -> str:

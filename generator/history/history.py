@@ -73,6 +73,10 @@ class History:
         """Full names of all enums that there ever were."""
         return tuple(sorted(name for name, enum in self._kinds() if enum))
 
+    def names(self, name: str) -> tuple[str, ...]:
+        """The full names that a message or enum has had: several where it changed its package."""
+        return tuple(self._record.owners(name))
+
     def numbers(self, name: str) -> dict[int, tuple[Life, ...]]:
         """Every number that a message or enum ever used, with its lives, the earliest first."""
         return _by_number(lived.life for lived in self._lived(name, False))

@@ -39,6 +39,14 @@ def _types_agree(old: Fact, new: Fact) -> bool:
     return old.name == new.name or simple(old.type) == simple(new.type)
 
 
+def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
+    """Whether type and name of two uses are of different payloads; or, of what is no message, of different names."""
+    types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
+    if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one may be written with its package
+        return True
+    return (not one[0] or one[0] in SCALARS) and one[1] != other[1]
+
+
 def simple(type: str) -> str:
     """A type's name without its package."""
     return type.rpartition(".")[2]

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from generator.git import Commit, GitError, Repository, date_of
+from generator.git import Commit, GitError, Repository, commit_of, environment
 
 _FIELDS = ("%H", "%P", "%ct", "%at", "%s")
 _LOG = (
@@ -71,7 +71,7 @@ class PastRepository(Repository):
             while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
                 edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
                 at += 2
-            commit = Commit(id, date_of(written), subject)
+            commit = commit_of(id, written, subject)
             found.append(Revision(commit, tuple(parents.split()), int(time), tuple(edits)))
         return found[::-1]
 
@@ -98,7 +98,9 @@ class PastRepository(Repository):
         """The contents of blobs, in their order; None for one that is not there, or is too large to be looked at."""
         command = ["git", "-C", str(self.folder), "cat-file", "--batch"]
         try:
-            git = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # noqa: S603  # no shell
+            git = subprocess.Popen(  # noqa: S603  # no shell
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment()
+            )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error
         with git:

@@ -8,11 +8,13 @@ from pathlib import Path
 
 from generator import ir
 from generator.findings import Finding, Rule, Severity, Span
+from generator.git import Repository
 from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
 
 UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
 BROKEN_LEDGER = Rule("LED102", "broken-ledger")
 EDITED_LEDGER = Rule("LED103", "edited-ledger")
+DELETED_LEDGER = Rule("LED104", "deleted-ledger")
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
@@ -37,12 +39,15 @@ _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
     """The ledger on disk, as far as it can be read; empty where there is none yet.
 
-    It is a finding where it cannot be read, where a line is none of the ledger's, and where it is not as generate
-    wrote it.
+    It is a finding where it cannot be read, where a line is none of the ledger's, where it is not as generate wrote it,
+    and where it was deleted, though not in git.
     """
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
+        if Repository(path.parent).has("HEAD", path.name):
+            message = "was deleted: with it, every number that was ever published would be free again"
+            findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:
         findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))

@@ -83,7 +83,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
     table, schema, name = subject.table, subject.schema, subject.table.envelope.message
-    if schema is None or not name:
+    if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
         return
     envelope = schema.messages.get(name)
     if envelope is not None:

@@ -18,11 +18,9 @@ Good::
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count
 
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
-from generator.table_format import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("TAB106", "number-skipped", Severity.HINT)
 
@@ -36,10 +34,9 @@ def check(subject: Subject) -> Iterator[Finding]:
     new = {row.number: row for row in reversed(table.rows) if row.number not in published}
     # Only what lies above every old number is known to have never been used.
     old = published | (table.numbers - new.keys())
-    taken = subject.taken().keys() - new.keys()
-    wanted = (number for number in count(max(old) + 1) if number not in taken and number not in IMPLEMENTATION_NUMBERS)
-    above = sorted(number for number in new if number > max(old))
-    for number, smallest in zip(above, wanted):
+    smallest = max(old)
+    for number in sorted(number for number in new if number > max(old)):
+        smallest = subject.free_number(smallest + 1, besides=new.keys())
         if number > smallest:
             row = new[number]
             message = f"field {number} skips numbers that were never used; the next one is {smallest}"

@@ -28,6 +28,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.findings import Finding, Rule
+from generator.ledger import Entry
 from generator.protos import ProtoMessage
 from generator.subject import Subject
 from generator.table import Table
@@ -46,7 +47,7 @@ def check(subject: Subject) -> Iterator[Finding]:
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
             message = f"field {number} was {entry.name} ({entry.proto}); nothing keeps another payload from getting it"
-            help = f'add `reserved {number};` and `reserved "{entry.name}";` to {envelope.full_name}'
+            help = f"add {_reservation(entry, envelope)} to {envelope.full_name}"
             also = [(entry.span, "published here")]
             yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)
 
@@ -54,6 +55,13 @@ def check(subject: Subject) -> Iterator[Finding]:
 def _is_free(number: int, envelope: ProtoMessage) -> bool:
     used = any(field.number == number for field in envelope.fields)
     return not used and not any(first <= number <= last for first, last in envelope.reserved)
+
+
+def _reservation(entry: Entry, envelope: ProtoMessage) -> str:
+    """What reserves a number, and its name, unless that is reserved or went along to another field."""
+    known = {*envelope.reserved_names, *(field.name for field in envelope.fields)}
+    of_name = "" if entry.name in known else f' and `reserved "{entry.name}";`'
+    return f"`reserved {entry.number};`{of_name}"
 
 
 def _is_of_another_rule(number: int, table: Table) -> bool:

@@ -66,9 +66,8 @@ def _number(table: Path, name: str) -> int:
         subject = lint_project(table, question).subject
     if (member := _member(subject, name)) is not None:
         return member
-    number = subject.next_number()
-    say_skipped(subject, number)
-    return number
+    say_skipped(subject)
+    return subject.next_number()
 
 
 def _member(subject: Subject, name: str) -> int | None:

@@ -9,8 +9,8 @@ from generator.findings import FindingsError
 from generator.history import Life
 from generator.linting import Question
 from generator.retrospect import branch
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, count
-from roverlink.linted import add_subject, linted
+from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
+from roverlink.linted import add_subject, linted, say_limits
 from roverlink.progress import progress
 
 
@@ -34,10 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Print its life; exit code 1 where it has none."""
     try:
         with progress("reading history") as report:
-            subject = linted(arguments, arguments.root, Question(history=True, report=report)).subject
+            question = Question(history=True, envelope=not arguments.of, report=report)
+            found = linted(arguments, arguments.root, question)
     except FindingsError as error:
         print(error, file=sys.stderr)
         return UNABLE
+    subject, code = found.subject, say_limits(found)
     if subject.past is None:
         return UNABLE
     owner = arguments.of or subject.table.envelope.message
@@ -45,12 +47,12 @@ def run(arguments: argparse.Namespace) -> int:
     lives, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
     if not lives and not claims:
         print(f"{owner} never had the number {arguments.number} in {history.commits} commits")
-        return FINDINGS
+        return max(code, FINDINGS)
     for life in lives:
         _tell(life, f"{life.type} {life.name}".strip())
     for life in claims:
         _tell(life, f"in a comment: {life.type} {life.name}".strip())
-    return OK
+    return code
 
 
 def _tell(life: Life, what: str) -> None:

@@ -12,6 +12,7 @@ from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_f
 from roverlink.linted import add_subject, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
+from runtime.errors import SetupError
 
 _COUNTED = ("error", "warning", "hint")
 
@@ -76,7 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(arguments: argparse.Namespace) -> Linted:
-    root = arguments.history if isinstance(arguments.history, Path) else arguments.root
+    of_history: Path | None = arguments.history if isinstance(arguments.history, Path) else None
+    if of_history is not None and arguments.root is not None:
+        raise SetupError(f"two trees are named, {arguments.root} and {of_history}: one lint looks at one")
+    root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
             against=arguments.against,

@@ -9,8 +9,9 @@ from pathlib import Path
 from generator.findings import FindingsError
 from generator.linting import Question
 from generator.subject import Subject
-from roverlink.console import OK, UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, in_repository, linted
+from generator.table_format import LARGEST_NUMBER
+from roverlink.console import UNABLE, Subparsers, command, table_file
+from roverlink.linted import add_subject, in_repository, linted, say_limits
 from roverlink.progress import progress
 
 
@@ -32,25 +33,29 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the number."""
     try:
         with progress("reading history") as report:
-            question = Question(branches=in_repository(_folder(arguments)), report=report)
-            subject = linted(arguments, arguments.root, question).subject
+            question = Question(branches=in_repository(_folder(arguments)), envelope=True, report=report)
+            found = linted(arguments, arguments.root, question)
     except FindingsError as error:
         print(error, file=sys.stderr)
         return UNABLE
-    number = subject.next_number()
-    say_skipped(subject, number)
-    if subject.past is None:
+    code = say_limits(found)
+    if found.subject.past is None:
         print("there is no git repository here, so that the history was not looked at", file=sys.stderr)
+    say_skipped(found.subject)
+    number = found.subject.next_number()
+    if number > LARGEST_NUMBER:
+        print("there is no number left", file=sys.stderr)
+        return UNABLE
     print(number)
-    return OK
+    return code
 
 
-def say_skipped(subject: Subject, number: int) -> None:
-    """Say on standard error why the numbers before one are not given."""
-    taken = subject.taken()
-    for skipped in range(subject.largest_number() + 1, number):
-        if skipped in taken:
-            print(f"{skipped} {taken[skipped]}", file=sys.stderr)
+def say_skipped(subject: Subject) -> None:
+    """Say on standard error why the numbers before the next one are not given."""
+    largest, number = subject.largest_number(), subject.next_number()
+    for start in [largest + 1] if number > largest else [largest + 1, 1]:
+        for first, last, why in subject.occupied(start):
+            print(f"{first if first == last else f'{first} to {last}'} {why}", file=sys.stderr)
 
 
 def _folder(arguments: argparse.Namespace) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,21 @@ def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory,
     _, rules = _read(file)
     assert rules
     assert set(rules) <= {"LED102", "LED103"}
+
+
+def test_a_deleted_ledger_is_noticed(project: Path) -> None:
+    """As long as git has it, nothing is generated without it; a project that never had one begins with none."""
+    lock = project / "mapping.lock"
+    git = ("git", "-C", str(project), "-c", "user.name=A", "-c", "user.email=a@example.com")
+    for command in (["init", "--quiet"], ["add", "--all"], ["commit", "--quiet", "--message", "Begin"]):
+        subprocess.run([*git, *command], check=True)
+    lock.unlink()
+    assert _read(lock)[1] == ["LED104"]
+    assert "mapping.lock: error[LED104] was deleted" in generate(project).stderr
+    assert not lock.exists()
+    for command in (["rm", "--quiet", "mapping.lock"], ["commit", "--quiet", "--message", "Begin again"]):
+        subprocess.run([*git, *command], check=True)
+    assert generate(project).code == 0
 
 
 def test_what_is_written_is_read_back() -> None:

@@ -9,6 +9,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -112,6 +113,22 @@ def test_today_that_is_reserved_is_said(repository: RepositoryBuilder, run: Run)
     assert [one["message"].endswith("today it is reserved") for one in _found(out)] == [True]
 
 
+def test_a_message_that_changed_its_package_is_found_once(repository: RepositoryBuilder, run: Run) -> None:
+    """Under the name that it has today; where it is gone, under one of those that it had."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    text = _envelope("Imu imu = 1;", "Wind wind = 2;").replace("message PB", "package rover;\nmessage PB")
+    repository.commit("Have a package", {_FILE: text})
+    root = _written(repository)
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
+    (found,) = (one for one in _found(out) if one["id"] == "HIS101")
+    assert (found["message_type"], found["number"]) == ("rover.PBEnvelope", 2)
+    assert found["message"].endswith("today it is wind")
+    for file in root.rglob("*.proto"):
+        file.unlink()
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
+    assert [one["message_type"] for one in _found(out) if one["id"] == "HIS101"] == ["rover.PBEnvelope"]
+
+
 def test_a_mere_rename_and_a_replaced_content_are_other_rules(repository: RepositoryBuilder, run: Run) -> None:
     """A payload renamed with its fields is a hint; one whose fields were replaced under its name an error."""
     renamed = _PAYLOADS["components/imu.proto"].replace("message Imu", "message ImuInfo")
@@ -135,6 +152,16 @@ def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: Reposit
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
     assert ["read from files with errors" in one["message"] for one in _found(out)] == [True]
+
+
+def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilder, run: Run) -> None:
+    """A subject line with control characters colours no terminal, and breaks no report."""
+    repository.commit("Measure \x1b[31mthe\x01 wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    _, out, _ = run("lint", "--history", root, *_TREE, "--format", "junit")
+    assert "Measure \ufffd[31mthe\ufffd wind" in "".join(ElementTree.fromstring(out).itertext())  # noqa: S314  # ours
+    _, out, _ = run("lint", "--history", root, *_TREE)
+    assert all(line.isprintable() for line in out.splitlines())
 
 
 @settings(deadline=None, max_examples=8, suppress_health_check=list(HealthCheck))
@@ -188,6 +215,24 @@ def test_a_tree_whose_protos_are_gone_still_has_a_history(repository: Repository
     assert [(one["number"], "today there is no PBEnvelope" in one["message"]) for one in _found(out)] == [(2, True)]
 
 
+@pytest.mark.parametrize(
+    "arguments", [["lint", "--branches"], ["lint", "--pins", "pins.txt"], ["next-number"], ["history", "1"]]
+)
+def test_a_question_about_the_envelope_needs_one(
+    repository: RepositoryBuilder, run: Run, arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without an envelope there is no answer, and with one that never was neither: exit code 2, not a clean bill."""
+    monkeypatch.chdir(_written(repository))
+    Path("pins.txt").write_text("rover main\n")
+    first, *rest = arguments
+    number = [rest.pop()] if rest == ["1"] else []
+    for named in ([], ["--message", "Nobody"]):
+        code, out, err = run(first, *number, ".", *named, *rest)
+        assert (code, out, "fatal[STA104]" in err) == (2, "", True)
+    code, _, err = run("lint", "--history", ".", "--message", "Nobody")
+    assert (code, "no message Nobody is declared" in err) == (2, True)
+
+
 # --- branches, pins, numbers -------------------------------------------------------------------------------------
 
 
@@ -205,6 +250,19 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     assert "Imu spare on imu and Wind wind on wind" in found["message"]
     assert found["help"] == "keep it for one of them; the next number that no branch has is 4"
     assert run("lint", root, *_TREE)[0] == 0
+
+
+def test_branches_that_gave_one_number_to_one_type(repository: RepositoryBuilder, run: Run) -> None:
+    """Two new payloads are two, though of one type; one that both branches renamed is not."""
+    repository.branch("rear")
+    repository.branch("front")
+    repository.commit("Rear", {_FILE: _envelope("Imu imu_a = 1;", "Gps gps = 2;", "Imu rear = 3;")}, branch="rear")
+    repository.commit("Front", {_FILE: _envelope("Imu imu_b = 1;", "Gps gps = 2;", "Imu front = 3;")}, branch="front")
+    code, out, _ = run("lint", _written(repository), "--branches", *_TREE, "--format", "json")
+    assert code == 1
+    assert [(one["number"], one["message"]) for one in _found(out)] == [
+        (3, "number 3 of PBEnvelope is Imu front on front and Imu rear on rear")
+    ]
 
 
 def _consumer(folder: Path, **files: str) -> Path:
@@ -244,18 +302,66 @@ def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: 
     assert run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")[0] == 0
 
 
+def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """A package does not hide the envelope; two uses of a type of protobuf's own differ by their names."""
+    text = _envelope("Imu imu = 1;", "Gps gps = 2;", "uint32 timeout = 3;")
+    repository.commit("Time out", {_FILE: text})
+    text = _envelope("rover.Imu imu = 1;", ".rover.Wind wind = 2;", "uint32 temperature = 3;")
+    repository.commit("Have a package", {_FILE: text.replace("message PB", "package rover;\nmessage PB")})
+    root = _written(repository)
+    (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
+    _, out, _ = run("lint", "--history", root, "--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
+    assert "number 2 of PBEnvelope is .rover.Wind wind to basestation and Gps gps to rover" in out
+    assert "number 3 of PBEnvelope is uint32 temperature to basestation and uint32 timeout to rover" in out
+    assert "number 1 of PBEnvelope is" not in out
+
+
+def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """What CMake's `set` makes of a tag is what counts; a `#` in a string begins no comment."""
+    repository.commit("Measure the wind", {_FILE: _envelope("Imu imu = 1;", "Wind wind = 2;")})
+    root = _written(repository)
+    board = _consumer(tmp_path / "board")
+    declared = 'FetchContent_Declare(protos GIT_REPOSITORY "x#y" GIT_TAG ${PROTOS_TAG})'
+    (board / "CMakeLists.txt").write_text(f'set(PROTOS_TAG "main" CACHE STRING "of the protos")\n{declared}\n')
+    (tmp_path / "pins.txt").write_text("rover main~1\n")
+    code, out, _ = run("lint", root, *_TREE, "--pins", board, tmp_path / "pins.txt")
+    assert code == 1
+    assert "number 2 of PBEnvelope is Gps gps to rover and Wind wind to board/protos" in out
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("https://example.com/team/protos.git", "board/x is pinned to 0123abc, which this repository does not have"),
+        ("https://example.com/json.git", "none of its pins is a commit of this repository: board/x (0123abc)"),
+    ],
+)
+def test_consumers_of_which_nothing_is_known(
+    repository: RepositoryBuilder, tmp_path: Path, run: Run, address: str, said: str
+) -> None:
+    """A consumer that is pinned to a commit nobody fetched is not one that agrees."""
+    root = _written(repository)
+    board = _consumer(tmp_path / "board")
+    (board / "CMakeLists.txt").write_text(f"FetchContent_Declare(x GIT_REPOSITORY {address} GIT_TAG 0123abc)\n")
+    code, out, _ = run("lint", root, *_TREE, "--pins", board)
+    assert (code, f"fatal[PIN101] {said}" in out) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("rover 0123456789abcdef\n", "rover is pinned to 0123456789abcdef, which this repository does not have"),
         ("one two three four\n", "no `name commit`: 'one two three four'"),
         ("# nothing\n", "no pin was found"),
+        ("rover \0\n", "is binary, and no list of pins"),
+        ("rover empty\n", "rover is pinned to empty, which has no message PBEnvelope"),
     ],
 )
 def test_pins_that_cannot_be_read(
     repository: RepositoryBuilder, tmp_path: Path, run: Run, text: str, said: str
 ) -> None:
-    """A commit that is not there, a line that is none, a source without a pin: named, with exit code 2."""
+    """A commit that is not there or has no envelope, a line or a source that says nothing: named, with exit code 2."""
+    repository.commit("Begin elsewhere", {"README.md": "Nothing."}, branch="empty", parents=[])
     root = _written(repository)
     (tmp_path / "pins.txt").write_text(text)
     code, out, _ = run("lint", root, *_TREE, "--pins", tmp_path / "pins.txt")
@@ -278,6 +384,36 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     assert "stood for other (Imu), which side has" in lines[1]
     assert "comment" in lines[2]
     assert "is reserved in" in lines[3]
+
+
+def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run: Run) -> None:
+    """Ranges are skipped as a whole, and said in one line; where all above is closed, what is left below is taken."""
+    closed = "  extensions 3 to 9;\n  reserved 12 to max;\n  uint32 outside = 10;\n  oneof"
+    text = _envelope("Imu imu = 1;", "Gps gps = 2;").replace("proto3", "proto2").replace("  oneof", closed)
+    repository.commit("Close", {_FILE: text.replace("uint32 outside", "optional uint32 outside")})
+    root = _written(repository)
+    code, out, err = run("next-number", root, *_TREE)
+    assert (code, out) == (0, "11\n")
+    assert err.splitlines()[0] == f"3 to 9 is for extensions in {_FILE}"
+    (root / _FILE).write_text((root / _FILE).read_text().replace("12 to max", "11 to max"))
+    shutil.rmtree(root / ".git")
+    code, out, err = run("next-number", root, *_TREE)
+    assert (code, out, "there is no number left" in err) == (2, "", True)
+    (root / _FILE).write_text((root / _FILE).read_text().replace("3 to 9", "4 to 9"))
+    assert run("next-number", root, *_TREE)[:2] == (0, "3\n")
+
+
+def test_the_next_number_says_how_far_it_could_look(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
+    """A shallow clone, an envelope that does not compile: the number may not be the last word."""
+    repository.commit("Go on", {"README.md": "Nothing."})
+    git(tmp_path, "clone", "--quiet", "--depth", "1", f"file://{_written(repository)}", "shallow")
+    root = tmp_path / "shallow"
+    (root / _FILE).write_text((root / _FILE).read_text().replace("Gps gps = 2;", "Gps gps = 2; Imu other = 3"))
+    for arguments in (["next-number", root], ["history", "2", root]):
+        _, _, err = run(*arguments, *_TREE)
+        assert "warning[STA106] this is a shallow clone" in err
+        assert "error[PRO101]" in err
+    assert run("next-number", root, *_TREE)[1] == "4\n"
 
 
 def test_the_life_of_one_number(repository: RepositoryBuilder, run: Run) -> None:
@@ -352,6 +488,27 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     code, _, err = run("generate")
     assert code == 1
     assert "error[ENV110] field 30 stood for SensorBoardPHInfo and for SensorBoardGPSInfo in the past" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["lint", "--message", "PBEnvelope"], "name its folder, too"),
+        (["next-number", "--envelope", "e.proto"], "name its folder, too"),
+        (["lint", "one", "--history", "other"], "two trees are named, one and other"),
+    ],
+)
+def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:
+    """What would not be looked at is not taken without a word."""
+    code, out, err = run(*arguments)
+    assert (code, out, said in err) == (2, "", True)
+
+
+def test_accepting_needs_the_history(project: Path, run: Run) -> None:
+    """Nothing is accepted where nobody asked what there is."""
+    for question in ([], ["--branches"]):
+        code, _, err = run("lint", *question, "--accept")
+        assert (code, "fatal[RET102]" in err) == (2, True)
 
 
 def test_accepting_needs_a_ledger(repository: RepositoryBuilder, run: Run) -> None:

@@ -176,24 +176,32 @@ def test_a_ref_sees_the_folder_it_is_asked_for(tree: Path, lint: Lint) -> None:
 def test_no_such_state(tree: Path, lint: Lint) -> None:
     """What is no folder, no file and no ref is said, with exit code 2."""
     code, out, err = lint("protos", "--against", "mian", *_TREE)
-    assert (code, out) == (2, "")
-    assert "fatal[STA101] 'mian' is no folder, no file, and no git ref" in err
+    assert (code, err) == (2, "")
+    assert "fatal[STA101] 'mian' is no folder, no file, and no git ref" in out
+
+
+def test_the_rest_is_looked_at_without_the_other_state(tree: Path, lint: Lint) -> None:
+    """Where there is no such state, it is one finding among those of the present, in any format."""
+    _replace(tree / "imu.proto", "latitude = 1;", "latitude = 1;\n  // double age = 2;\n  float hdop = 2;")
+    code, out, _ = lint("protos", "--against", "mian", *_TREE, "--format", "json")
+    assert code == 2
+    assert [(found["id"], found["severity"]) for found in _found(out)] == [("STA101", "fatal"), ("ENV109", "warning")]
 
 
 def test_no_repository(tmp_path: Path, lint: Lint, monkeypatch: pytest.MonkeyPatch) -> None:
     """Outside a repository there is no ref; git's own words say why."""
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     (tmp_path / "imu.proto").write_text(_IMU)
-    code, _, err = lint(tmp_path, "--against", "main")
+    code, out, _ = lint(tmp_path, "--against", "main")
     assert code == 2
-    assert "STA101" in err
+    assert "STA101" in out
 
 
 def test_an_option_is_no_ref(tree: Path, lint: Lint) -> None:
     """What starts with a dash is not handed to git as an option."""
-    code, _, err = lint("protos", "--against=--help", *_TREE)
+    code, out, _ = lint("protos", "--against=--help", *_TREE)
     assert code == 2
-    assert "STA101" in err
+    assert "STA101" in out
 
 
 @pytest.mark.parametrize(
@@ -202,16 +210,16 @@ def test_an_option_is_no_ref(tree: Path, lint: Lint) -> None:
 def test_no_descriptor_set(tree: Path, lint: Lint, data: bytes, said: str) -> None:
     """A file that is no descriptor set, or an empty one, is no state: nothing passes in silence."""
     Path("old.binpb").write_bytes(data)
-    code, _, err = lint("protos", "--against", "old.binpb", *_TREE)
+    code, out, _ = lint("protos", "--against", "old.binpb", *_TREE)
     assert code == 2
-    assert f"old.binpb: fatal[STA102] {said}" in err
+    assert f"old.binpb: fatal[STA102] {said}" in out
 
 
 def test_a_folder_without_protos(tree: Path, lint: Lint) -> None:
     """A folder with nothing to look at is no clean state, be it this one or the other."""
     Path("empty").mkdir()
-    code, _, err = lint("protos", "--against", "empty", *_TREE)
-    assert (code, "empty: fatal[STA102] holds no .proto file" in err) == (2, True)
+    code, out, _ = lint("protos", "--against", "empty", *_TREE)
+    assert (code, "empty: fatal[STA102] holds no .proto file" in out) == (2, True)
     code, _, err = lint("empty", *_TREE)
     assert (code, "fatal[STA103] holds no .proto file" in err) == (2, True)
 
@@ -229,6 +237,73 @@ def test_no_such_envelope(tree: Path, lint: Lint) -> None:
     code, _, err = lint("protos", "--envelope", "envelope.proto", "--message", "PBEnvelope")
     assert code == 2
     assert "fatal[STA104] no message PBEnvelope is declared" in err
+
+
+def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
+    """Where the envelope is missing, it is said why: its file has an error."""
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 2")
+    code, _, err = lint("protos", *_TREE)
+    assert code == 2
+    assert 'envelope.proto:9:3: error[PRO101] Expected ";"' in err
+    assert "fatal[STA104] no message Envelope is declared in a file that compiles" in err
+
+
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [
+        (("--envelope", "no.proto", "--message", "Envelope"), "Envelope is declared in envelope.proto, not in no"),
+        (("--envelope", "envelope.proto"), "which of its messages is the envelope was not said"),
+        (("--message", "Envelop"), "no message Envelop is declared in a file that compiles"),
+    ],
+)
+def test_words_that_name_no_envelope(tree: Path, lint: Lint, named: tuple[str, ...], said: str) -> None:
+    """A file or a message that is not the envelope's is said, and not passed over."""
+    code, _, err = lint("protos", *named)
+    assert code == 2
+    assert f"fatal[STA104] {said}" in err
+
+
+def test_an_envelope_named_without_its_package(tree: Path, lint: Lint) -> None:
+    """The last part of its name is enough, as long as there is one such message."""
+    for name in ("envelope.proto", "imu.proto"):
+        _replace(tree / name, 'syntax = "proto3";\n', 'syntax = "proto3";\n\npackage rover;\n')
+    _commit(tree, "Have a package")
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 3;")
+    code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert code == 1
+    assert [(found["id"], found["message_type"]) for found in _found(out)] == [("ENV107", "rover.Envelope")]
+    (tree / "other.proto").write_text('syntax = "proto3";\n\npackage other;\n\nmessage Envelope {}\n')
+    code, _, err = lint("protos", *_TREE)
+    assert code == 2
+    assert "help: say --message rover.Envelope or --message other.Envelope" in err
+
+
+def test_a_name_that_went_along_is_not_to_be_reserved(tree: Path, lint: Lint) -> None:
+    """What is to be written compiles: a name that another number has now cannot be reserved."""
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 3;")
+    _, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert [(found["id"], found["help"]) for found in _found(out)] == [("ENV107", "add `reserved 2;` to Envelope")]
+
+
+def test_numbers_and_texts_are_members_of_a_tree_s_envelope(tree: Path, lint: Lint) -> None:
+    """An envelope that carries more than messages agrees with itself."""
+    _replace(tree / "envelope.proto", "Gps gps = 2;", "Gps gps = 2;\n    uint32 timeout = 3;\n    string text = 4;")
+    assert lint("protos", *_TREE)[0] == 0
+
+
+def test_the_repository_is_that_of_the_folder(tree: Path, lint: Lint, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a hook, git says which repository it runs in; what is looked at may stand in another one."""
+    other = tree.parent / "other"
+    other.mkdir()
+    _git(other, "init", "--quiet", "--initial-branch", "main")
+    _git(other, "commit", "--quiet", "--allow-empty", "--message", "Nothing")
+    _replace(tree / "imu.proto", "float accel_y = 2;", "")
+    for name in ("GIT_DIR", "GIT_WORK_TREE"):
+        monkeypatch.setenv(name, str(other / ".git" if name == "GIT_DIR" else other))
+    code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert code == 1
+    (found,) = _found(out)
+    assert (found["id"], found["also"][0]["commit"]["subject"]) == ("WIR102", "Add the IMU")
 
 
 def test_the_other_state_does_not_compile(tree: Path, lint: Lint) -> None:
@@ -258,13 +333,36 @@ def test_binary_and_enormous_files(tree: Path, lint: Lint) -> None:
     """A file that nobody wrote is named with exit code 2, and not read to its end."""
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)
     (tree / "enormous.proto").write_text("// " + "x" * 5_000_000)
-    code, out, _ = lint("protos", "--format", "json")
-    said = {finding["path"]: finding["message"] for finding in _found(out) if finding["id"] == "PRO102"}
-    assert code == 2
-    assert said == {
+    expected = {
         "binary.proto": "is binary, not the text of a .proto file",
         "enormous.proto": "has 5000003 bytes; files of more than 4194304 are not looked at",
     }
+    code, out, _ = lint("protos", *_TREE, "--format", "json")
+    assert (code, {finding["path"]: finding["message"] for finding in _found(out)}) == (2, expected)
+    _commit(tree, "Add what nobody wrote")
+    for name in expected:
+        (tree / name).unlink()
+    code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    expected = {f"main:{name}": message for name, message in expected.items()}
+    assert (code, {finding["path"]: finding["message"] for finding in _found(out)}) == (2, expected)
+
+
+def test_what_is_no_file(tree: Path, lint: Lint) -> None:
+    """A pipe, a device, a link to nothing, a name that is no text: named, never waited for; the rest is looked at."""
+    os.mkfifo(tree / "pipe.proto")
+    (tree / "device.proto").symlink_to("/dev/zero")
+    (tree / "dangling.proto").symlink_to("gone.proto")
+    (tree / os.fsdecode(b"l\xe4tin.proto")).write_text('syntax = "proto3";\n')
+    _replace(tree / "imu.proto", "float accel_y = 2;", "")
+    code, out, _ = lint("protos", "--against", "main", *_TREE, "--format", "json")
+    assert code == 2
+    assert [(found["id"], found["path"], found["message"][:14]) for found in _found(out)] == [
+        ("PRO102", "dangling.proto", "cannot be read"),
+        ("PRO102", "device.proto", "is no file"),
+        ("WIR102", "imu.proto", "accel_y = 2 is"),
+        ("PRO102", "l\\xe4tin.proto", "has a name tha"),
+        ("PRO102", "pipe.proto", "is no file"),
+    ]
 
 
 def test_a_link_in_circles(tree: Path, lint: Lint) -> None:
