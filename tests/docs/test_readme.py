@@ -54,7 +54,8 @@ def test_every_command_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
         main(["--help"])
     commands = re.findall(r"^    ([\w-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
 
-    assert [row.split()[1] for row in _table("| command | what it does |")] == commands
+    listed = dict.fromkeys(row.split()[1] for row in _table("| command | what it does |"))  # a group has several rows
+    assert list(listed) == commands
 
 
 @pytest.mark.parametrize("page", [_README, *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name)
