@@ -24,7 +24,7 @@ test-slow: $(VENV)/ready-dev  ## the tests that take minutes
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 test-vision: $(VENV)/ready-dev  ## the tests of the camera programs; OPENCV=4.11 with that version of OpenCV
-	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py
+	$(BIN)/pytest -n auto tests/vision tests/cli/test_aruco_track.py tests/cli/test_aruco_calibrate.py
 
 ros-package: $(VENV)/ready-dev  ## build generated/ros with colcon and rosidl, which have to be installed, and use it
 	$(BIN)/python tests/ros/build.py

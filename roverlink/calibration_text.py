@@ -17,7 +17,7 @@ from vision.calibration import Calibration, Collection, Need, Offer, PoorViewsEr
 from vision.calibration.report import parameters
 
 _HINT_S = 2.0
-"""Between hints about frames that are not taken."""
+"""Between what is said of frames, if they are not taken."""
 _KINDS = {"region": "parts of the image", "distance": "distances", "tilt": "tilts"}
 _GRID = (32, 24)
 """Columns and rows of places at which the uncertainty is looked at."""
@@ -46,7 +46,7 @@ class PlainText:
     """Lines for people: the result to standard output, all else to standard error."""
 
     def __init__(self) -> None:
-        self._hint, self._hinted = "", 0.0
+        self._told = -_HINT_S
 
     def note(self, message: str) -> None:
         """Say it."""
@@ -59,15 +59,17 @@ class PlainText:
 
     def offered(self, offer: Offer, collection: Collection) -> None:
         """Say what was taken and what is missing; now and then, why nothing is."""
+        now = time.monotonic()
         if offer.taken:
             count = len(collection.views)
             note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
             if missing := missing_words(collection.missing):
                 note(f"  missing: {missing}")
-        elif offer.reason != self._hint or time.monotonic() - self._hinted > _HINT_S:
+        elif now - self._told > _HINT_S:
             note(f"  {offer.reason}")
-            self._hinted = time.monotonic()
-        self._hint = offer.reason
+        else:
+            return
+        self._told = now
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
         """Complain, a line a reason, and name the views that are of no use."""

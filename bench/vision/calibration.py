@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
 import cv2
@@ -76,8 +76,8 @@ Contestant = Callable[[Sequence[BoardView]], Outcome]
 
 def measure(runs: int, interval_runs: int, say: Callable[[str], None]) -> SectionResult:
     """Measure `runs` calibrations of `VIEWS` views, and `interval_runs` smaller ones for the intervals."""
-    misses = list(_runs(SIZE, runs, say))
-    small = list(_runs(SMALL, interval_runs, say, corrupt=False))
+    misses = list(measure_runs(SIZE, runs, say))
+    small = list(measure_runs(SMALL, interval_runs, say, corrupt=False))
     accuracy = Table(
         f"Calibration, {VIEWS} views of {SIZE[0]}x{SIZE[1]}, {runs} runs",
         COLUMNS,
@@ -93,15 +93,18 @@ def measure(runs: int, interval_runs: int, say: Callable[[str], None]) -> Sectio
         ("truth in the stated 95 % interval, %", "fx", "fy", "cx", "cy", "k1 k2 p1 p2 k3", "NEES", "its 95 %\nband"),
         [Group("", [*_interval_rows(small, f"{low:.1f} - {high:.1f}"), ("goal", *["90"] * 5, "", "")])],
         [
-            "NEES: squared error of all parameters in units of their covariance: 9 on average if that is exact, less if "
-            "it is cautious."
+            "NEES: squared error of all parameters in units of their covariance: 9 on average if that is exact, less "
+            "if it is cautious."
         ],
     )
     data = {"calibrations": [asdict(one) for one in misses], "intervals": [asdict(one) for one in small]}
     return SectionResult([accuracy, intervals], (), data)
 
 
-def _runs(size: tuple[int, int], runs: int, say: Callable[[str], None], *, corrupt: bool = True) -> Iterable[Miss]:
+def measure_runs(
+    size: tuple[int, int], runs: int, say: Callable[[str], None] = lambda _: None, *, corrupt: bool = True
+) -> Iterator[Miss]:
+    """How far all contestants are from the truth in each run; with `corrupt` once more with one bad view."""
     contestants: dict[str, Contestant] = {OURS: ours, PLAIN: plain}
     camera = lens(*size)
     for run in range(runs):
