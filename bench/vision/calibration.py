@@ -16,6 +16,7 @@ from bench.vision.scenes import lens
 from vision import CameraParameters
 from vision.calibration import BoardDetector, calibrate
 from vision.rendering import Floats, Lens
+from vision.sources.frame import size_of
 
 SIZE = (1280, 720)
 SMALL = (640, 480)
@@ -133,7 +134,7 @@ def plain(views: Sequence[BoardView]) -> Outcome:
         if ids is not None and len(ids) >= 6:
             objects.append(BOARD.points[np.ravel(ids)].astype(np.float32))
             images.append(np.reshape(corners, (-1, 2)).astype(np.float32))
-    size = views[0].frame.shape[::-1]
+    size = size_of(views[0].frame)
     rms, matrix, distortion, _, _, deviations, _, _ = cv2.calibrateCameraExtended(objects, images, size, None, None)
     camera = CameraParameters(matrix, distortion, size)
     return Outcome(camera, np.ravel(deviations)[: 4 + camera.distortion.size], None, float(rms), ())

@@ -25,7 +25,7 @@ from vision.parameters import read_parameters  # noqa: E402
 
 Start = Callable[..., Any]
 
-IMAGES = 14
+IMAGES = 12
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +111,17 @@ def test_a_folder_that_is_not_there_is_told_before_the_work(
     assert "there is no folder" in capsys.readouterr().err
 
 
+@pytest.mark.slow
+def test_the_same_images_give_the_same_bytes(images: Path, tmp_path: Path) -> None:
+    """Parameters and report: nothing in them is of the moment."""
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        assert main(["aruco", "calibrate", str(images), "--out", str(tmp_path / name / "camera.yml")]) == 0
+    for file in ("camera.yml", "camera.html"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+
+
+@pytest.mark.slow
 def test_of_a_video_the_views_that_add_something_are_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of a board that is held still for two frames each time, one; until nothing is missing."""
     film = filmed(tmp_path, 20, 2)

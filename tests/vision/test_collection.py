@@ -31,17 +31,17 @@ class Hands:
 
 def test_views_are_taken_until_nothing_is_missing() -> None:
     """What each adds is no longer missing; when all is there, the collection is complete and takes no more."""
-    hands = Hands(wanted=12)
+    hands = Hands(wanted=10)
     for image in frames(24):
         before = hands.collection.missing
         offer = hands.hold(image)
-        if offer.taken and len(hands.collection.views) > 12:
+        if offer.taken and len(hands.collection.views) > 10:
             assert set(offer.adds) <= set(before)
             assert offer.adds
         if hands.collection.complete:
             break
     assert hands.collection.complete
-    assert 12 <= len(hands.collection.views) < 24
+    assert 10 <= len(hands.collection.views) < 24
     assert hands.collection.coverage.cells.shape == CELLS[::-1]
     assert hands.collection.coverage.cells.min() >= 2
     assert "adds nothing" in hands.hold(frame((10, -25), (0.4, 0.6), 0.5)).reason

@@ -18,7 +18,9 @@ MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: 
 LENS = Lens(CAMERA.matrix, tuple(CAMERA.distortion.tolist()), SIZE)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(
+    "model", [Model.PLUMB_BOB, pytest.param(Model.RATIONAL, marks=pytest.mark.slow), Model.EQUIDISTANT]
+)
 def test_the_camera_that_saw_the_views_is_found(model: Model) -> None:
     """The error is some standard deviations of the noise, everywhere in the image, and as large as stated."""
     truth = MODELS[model]
@@ -93,6 +95,7 @@ def test_the_stated_interval_holds_the_truth(model: Model) -> None:
     assert np.mean(inside, axis=0).min() >= 0.9
 
 
+@pytest.mark.slow
 def test_views_that_disagree_widen_the_interval() -> None:
     """Where the corners of each view err together, they tell less than their number seems to say."""
     rng = np.random.default_rng(9)
@@ -107,6 +110,7 @@ def test_views_that_disagree_widen_the_interval() -> None:
     assert np.median(wider) > 1.5
 
 
+@pytest.mark.slow
 def test_the_uncertainty_is_what_the_camera_errs_by() -> None:
     """Over the image, in the root mean square of six calibrations; it is cautious, and no more than that."""
     pixels = np.stack(np.meshgrid(np.linspace(20, SIZE[0] - 20, 12), np.linspace(20, SIZE[1] - 20, 7)), axis=-1)

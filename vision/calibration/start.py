@@ -17,7 +17,7 @@ FOCALS = np.geomspace(0.4, 4.0, 13)
 """Focal lengths to try, in widths of the image: fields of view from 103 to 14 degrees."""
 GUESS = 1.0
 """That of a camera about which no view tells anything."""
-_SOME = 10
+_SOME = 6
 """Views that are enough to tell such focal lengths apart."""
 
 
