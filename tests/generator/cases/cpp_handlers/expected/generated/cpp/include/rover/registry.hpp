@@ -8,6 +8,7 @@
 #include <rover/feeds/survey_survey_spin.hpp>
 #include <rover/feeds/survey_survey_temperature.hpp>
 #include <rover/handlers/chain.hpp>
+#include <rover/handlers/legacy.hpp>
 #include <rover/handlers/order.hpp>
 #include <rover/handlers/survey.hpp>
 #include <rover/runtime/registry.hpp>
@@ -25,7 +26,8 @@ using Inbound = Table<
 /// What goes to the peers, in the order of the table.
 using Outbound = Table<
   OrderHandler,
-  ChainHandler>;
+  ChainHandler,
+  LegacyHandler>;
 
 /// A registry with every inbound handler.
 ///

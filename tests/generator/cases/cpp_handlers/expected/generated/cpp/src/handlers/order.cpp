@@ -14,6 +14,9 @@ namespace rover::handlers
 {
   ::Envelope envelope;
   *envelope.mutable_order() = from_ros(message);
+  if (!envelope.IsInitialized()) {
+    throw ConversionError(ROUTE.name, "not set: " + envelope.InitializationErrorString());
+  }
   return envelope;
 }
 
