@@ -1,136 +1,100 @@
-"""The camera of the demo: rendered frames of four landmarks on a field, tracked as those of a real one would be."""
+"""The camera of the demo: ``roverlink aruco track`` as a child, before rendered frames.
+
+It has a process of its own, as on a rover: what tracking computes must not keep those waiting who command.
+"""
 
 from __future__ import annotations
 
+import json
+import signal
+import subprocess
+import sys
 import threading
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO, cast
 
 import numpy as np
 
-from roverlink.commands.aruco.track import NODE
+from roverlink.commands.aruco.track import NO_MIDDLEWARE
+from roverlink.demo_field import RATE_HZ, SIDE, render_film, write_field
 from roverlink.tracking import ROVER, place_teller
-from runtime import Registry
-from runtime.middleware import Middleware, NodeIdentity
-from vision import CameraParameters, Landmark, Landmarks, MarkerSet, Pose, Tracker
+from runtime import Registry, SetupError
+from runtime.middleware import Middleware
 from vision._opencv import cv2
-from vision.detection import Image
-from vision.messages import FrameNames
-from vision.publishing import Publishing
-from vision.rendering import Lens, Print, marker_print, render, texture
-from vision.rendering import Pose as PrintPose
-from vision.sources import Frame, play
-from vision.view import look
+from vision.camera import Floats
 
-FRAMES = 16
-RATE_HZ = 10.0
-SIDE = 0.15
-"""Metres."""
-_SIZE = (640, 480)
-_LENS = Lens(
-    np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
-    (0.100096, -0.256227, 0.00111085, 0.000269882, 0),
-    _SIZE,
-)
-_FACING_US = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # right is -y, up is z, out of the print is -x
-_AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # a camera that looks along x
-_LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (3.2, -1.0, 1.0)}
-
-
-@dataclass
-class Film:
-    """Frames of a drive in a circle, and where the camera is in each: a source as any recording is."""
-
-    frames: tuple[Image, ...]
-    truth: tuple[Pose, ...]
-    name: str = "rendered frames"
-    live: bool = False
-    rate: float = RATE_HZ
-    total: int | None = FRAMES
-
-    def __iter__(self) -> Iterator[Frame]:
-        for number, image in enumerate(self.frames):
-            yield Frame(image, round(number * 1e9 / self.rate), number)
-
-    def __enter__(self) -> Film:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-
-def landmarks() -> Landmarks:
-    """Where the landmarks are, exactly."""
-    return Landmarks("field", {number: Landmark(_on_field(number), 0.001, 0.001) for number in _LANDMARKS})
-
-
-def parameters() -> CameraParameters:
-    """The camera's parameters."""
-    return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
-
-
-def render_film(frames: int = FRAMES) -> Film:
-    """Render the drive, or its first frames: the same every time."""
-    rng = np.random.default_rng(1)
-    scene = texture(_SIZE, rng)
-    truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
-    drawn = [render(_LENS, scene, [_print(number, place) for number in _LANDMARKS], rng) for place in truth]
-    return Film(tuple(np.repeat(image[:, :, None], 3, axis=2) for image in drawn), truth)
-
-
-def _on_field(number: int) -> Pose:
-    return Pose(_FACING_US, np.array(_LANDMARKS[number]))
-
-
-def _place(angle: float) -> Pose:
-    """Where the camera is: takes its points to the field."""
-    return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
-
-
-def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
-    """A landmark, and where it is in the camera's frame."""
-    seen = camera.inverse() @ _on_field(number)
-    return marker_print(cv2.aruco.DICT_5X5_250, number, SIDE, texels=8), PrintPose(seen.rotation, seen.translation)
+_PATIENCE_S = 20.0
 
 
 class DemoCamera:
-    """A camera that looks at the film again and again, in a thread."""
+    """A camera that looks at a film again and again. A context manager: leaving it ends the child."""
 
-    node = NodeIdentity(NODE)
     tells = (ROVER,)
     """The payloads whose topics it publishes."""
 
-    def __init__(self) -> None:
+    def __init__(self, project: Path | None, middleware: str) -> None:
+        """`middleware` is the child's: dds, or anything else for none; then `publish_on` has to tell."""
         self._film = render_film()
-        self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+        self._folder = TemporaryDirectory(prefix="roverlink-camera-")
+        folder = Path(self._folder.name)
+        frames = folder / "frames"
+        self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(frames), "--loop", "--json"]
+        self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
+        self._command += ["--landmarks", str(folder / "landmarks.yaml")]
+        self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
+        self._command += ["--project", str(project)] if project else []
+        self._command += ["--ros-args", "--log-level", "warn"]
+        self._tell: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0
+        frames.mkdir()
+        write_field(folder)
+        for frame in self._film:
+            cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 
-    def start(self, middleware: Middleware, registry: Registry) -> None:
-        """Look, and publish what is seen."""
-        camera = parameters()
-        self._tracker = Tracker(camera, MarkerSet(side=SIDE))
-        self._publish = Publishing(middleware, camera, FrameNames(), self.node.topic).publish
-        self._tell = place_teller(middleware, registry, self.node.topic)
+    def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
+        """Tell where the rover is in the child's place, which knows no middleware of this process."""
+        self._tell = place_teller(middleware, registry, topic)
+
+    def __enter__(self) -> DemoCamera:
+        self._child = subprocess.Popen(  # noqa: S603  # our own program
+            self._command, stdout=subprocess.PIPE, text=True
+        )
+        self._output = cast(IO[str], self._child.stdout)
+        first = self._output.readline()
+        if not first:
+            self._child.wait()
+            raise SetupError("the demo's camera did not start")
+        self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
+        return self
 
     def stop(self) -> str:
-        """Stop; what is to be said of what was seen."""
-        self._stopped.set()
+        """Interrupt the child; what is to be said of what it saw."""
+        self._child.send_signal(signal.SIGINT)
+        self._child.wait(_PATIENCE_S)
         self._thread.join()
         return (
-            f"the camera found itself on the field in {self._frames} frames by {len(_LANDMARKS)} landmarks, never more "
-            f"than {1e3 * self._worst:.0f} mm from where it was"
+            f"the camera found itself on the field in {self._frames} frames by 4 landmarks, never more than "
+            f"{1e3 * self._worst:.0f} mm from where it was"
         )
 
-    def _run(self) -> None:
-        for view in look(play(self._film, loop=True), self._tracker, landmarks()):
-            if self._stopped.is_set():
-                return
-            self._publish(view)
-            if view.place:
-                self._tell(view.place)
-                truth = self._film.truth[view.frame.number % len(self._film.truth)]
-                self._worst = max(self._worst, float(np.linalg.norm(view.place.pose.translation - truth.translation)))
-                self._frames += 1
+    def __exit__(self, *_: object) -> None:
+        if self._child.poll() is None:
+            self._child.kill()
+            self._child.wait()
+        self._output.close()
+        self._folder.cleanup()
+
+    def _listen(self) -> None:
+        for line in self._output:
+            view = json.loads(line)
+            if "camera" not in view:
+                continue
+            place = np.array(view["camera"]["position"])
+            self._tell(place)
+            truth = self._film.truth[view["frame"] % len(self._film.truth)].translation
+            self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
+            self._frames += 1

@@ -21,9 +21,9 @@ from runtime.middleware import Middleware, open_middleware
 from runtime.ros_args import RosArguments
 from vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
 from vision.boards import read_boards
+from vision.camera import Floats
 from vision.drawing import draw
 from vision.film import Film
-from vision.localization import FieldPose
 from vision.markers import SIDE
 from vision.messages import FrameNames
 from vision.parameters import read_parameters
@@ -132,13 +132,13 @@ def _outputs(
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
             tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
-            yield lambda view: tell(view.place) if view.place else None
+            yield lambda view: tell(view.place.pose.translation) if view.place else None
 
 
 def place_teller(
     middleware: Middleware, registry: Registry, topic: Callable[[str], str], say: Callable[[str], None] = lambda _: None
-) -> Callable[[FieldPose], None]:
-    """What publishes where the rover is, on the topic that the bridge forwards to the basestation."""
+) -> Callable[[Floats], None]:
+    """What publishes where the rover is (3,) in metres, on the topic that the bridge forwards to the basestation."""
     handler = next((one for one in registry.handlers if one.payload_type.DESCRIPTOR.name == ROVER), None)
     if handler is None:
         say(f"the table has no row of {ROVER}: the basestation is not told where the rover is")
@@ -146,8 +146,8 @@ def place_teller(
     route, message_type = handler.route, handler.message_type
     publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
 
-    def tell(place: FieldPose) -> None:
-        x, y, z = place.pose.translation.tolist()
+    def tell(position: Floats) -> None:
+        x, y, z = position.tolist()
         publish([cdr.encode(message_type(x=x, y=y, z=z))])
 
     return tell

@@ -12,13 +12,12 @@ import numpy as np
 
 from bench.report import draw as draw_charts
 from bench.vision.accuracy import SIZES, measure
-from roverlink.demo_camera import SIDE, Film, landmarks, parameters, render_film
+from roverlink.demo_field import SIDE, Film, landmarks, parameters, render_film, write_field
 from vision import Landmarks, MarkerSet, Tracker, localize
 from vision.camera import Floats
 from vision.detection import Detection, Detector, Image, Region
 from vision.drawing import SEEN, draw
 from vision.film import Film as Writer
-from vision.parameters import write_parameters
 from vision.view import View, look
 
 FOLDER = Path("docs/vision")
@@ -67,12 +66,7 @@ def write_recording(folder: Path, film: Film) -> None:
     with Writer(folder / "drive.mp4", film.rate) as writer:
         for frame in film:
             writer.add(frame.image, frame.stamp)
-    write_parameters(folder / "camera.yml", parameters())
-    lines = [
-        f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
-        for number, one in landmarks().places.items()
-    ]
-    (folder / "landmarks.yaml").write_text("\n".join(["frame: field", "landmarks:", *lines, ""]), encoding="utf-8")
+    write_field(folder)
 
 
 def draw_steps(folder: Path, film: Film) -> None:

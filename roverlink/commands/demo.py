@@ -61,18 +61,18 @@ def run(arguments: argparse.Namespace) -> int:
     project = project_folder(arguments.project)
     registry = load_registry(project)
     console = Console()
-    camera = _camera(console)
     with contextlib.ExitStack() as stack:
+        camera = _camera(console, project, arguments.middleware, stack)
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
         host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
         middleware = stack.enter_context(host.middleware(topics.identity("demo")))
         rig = _Rig(registry, host, middleware, sockets, camera.tells if camera else ())
-        if camera:
-            camera.start(stack.enter_context(host.middleware(camera.node)), registry)
+        if camera and arguments.middleware == "memory":
+            camera.publish_on(middleware, registry, topics.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
+        account = host.stop()  # at once: whoever commands is silent from now on
         if camera:
             console.print(camera.stop(), soft_wrap=True)
-        account = host.stop()
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
@@ -85,14 +85,14 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if missing else OK
 
 
-def _camera(console: Console) -> DemoCamera | None:
+def _camera(console: Console, project: Path | None, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
     """A camera that tells where the rover is, where OpenCV is installed."""
     try:
         from roverlink.demo_camera import DemoCamera
     except SetupError as error:
         console.print(f"without a camera: {error}", soft_wrap=True, markup=False)
         return None
-    return DemoCamera()
+    return stack.enter_context(DemoCamera(project, middleware))
 
 
 def _peer_socket() -> socket.socket:

@@ -29,15 +29,10 @@ from tests.cli.conftest import PATIENCE_S
 cv2 = pytest.importorskip("cv2")
 np = pytest.importorskip("numpy")
 
-from roverlink.demo_camera import SIDE, Film, landmarks, parameters, render_film  # noqa: E402  # they need OpenCV
+from roverlink.demo_field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
 from vision import interfaces  # noqa: E402
-from vision.parameters import write_parameters  # noqa: E402
 
 _FRAMES = 6
-_LANDMARKS = "landmarks:\n" + "".join(
-    f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90], survey: {{position: 0.002}}}}\n"
-    for number, one in landmarks().places.items()
-)
 _NEEDS_DDS = pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")
 
 Start = Callable[..., Any]
@@ -52,7 +47,14 @@ class Field:
 
     def words(self, *more: object) -> list[str]:
         """The command line that tracks it."""
-        given = ("--parameters", self.folder / "camera.yml", "--side", SIDE, "--landmarks", self.folder / "field.yaml")
+        given = (
+            "--parameters",
+            self.folder / "camera.yml",
+            "--side",
+            SIDE,
+            "--landmarks",
+            self.folder / "landmarks.yaml",
+        )
         return ["aruco", "track", *map(str, (self.folder / "frames", *given, "--rate", 10, *more))]
 
     def off(self, number: int, position: Sequence[float]) -> float:
@@ -68,8 +70,7 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Field:
     (folder / "frames").mkdir()
     for frame in film:
         cv2.imwrite(str(folder / "frames" / f"{frame.number}.png"), frame.image)
-    write_parameters(folder / "camera.yml", parameters())
-    (folder / "field.yaml").write_text(_LANDMARKS)
+    write_field(folder)
     return Field(folder, film)
 
 
@@ -105,7 +106,8 @@ def test_the_same_frames_give_the_same_lines(field: Field, capsys: pytest.Captur
 def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is left out, and said once."""
     moved = tmp_path / "moved.yaml"
-    moved.write_text(_LANDMARKS.replace("9: {position: [2.6, -0.5", "9: {position: [2.6, -0.2"))
+    text = (field.folder / "landmarks.yaml").read_text()
+    moved.write_text(text.replace("9: {position: [2.6, -0.5", "9: {position: [2.6, -0.2"))
     assert main(field.words("--json", "--landmarks", moved)) == 0
     told = capsys.readouterr()
     assert all(json.loads(line)["camera"]["rejected"] == [9] for line in told.out.splitlines())
