@@ -33,9 +33,8 @@ _TREES = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[] if name == "flat" else [pytest.mark.slow]) for name in _TREES]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", _TREES)
 def test_from_protos_to_a_bridge_that_carries_a_message(name: str, tmp_path: Path, start: Start, done: Start) -> None:
     """One command, and `generate`, `lint` and `run` work; a datagram that a board sends comes out on its topic."""
     prepare, row, assignment, expected = _TREES[name]

@@ -304,6 +304,7 @@ def test_a_project_without_generated_code_is_told(done: Start, tmp_path: Path) -
 
 
 @_NEEDS_DDS
+@pytest.mark.slow
 def test_echo_knows_the_standard_messages_that_a_row_feeds(start: Start) -> None:
     """What a board says over UDP is printed, over DDS, as the standard message in its units; no type has to be said."""
     program = start("run", "--middleware", "dds", "--ros-args", *_FREE_PORT)

@@ -52,6 +52,7 @@ def test_yaml_as_ros2_topic_echo_prints_it(start: Start) -> None:
 
 
 @_NEEDS_DDS
+@pytest.mark.slow
 def test_json_by_ros_field_names(start: Start) -> None:
     """With `--json`, a message is one object on one line, nested messages within it."""
     values = "{accel_x: 0.25, accel_y: 1e-3, accel_z: .nan, is_calibrated: true, state: {state: 3}, error_code: 8}"
@@ -80,6 +81,7 @@ def test_topics_of_standard_types(start: Start) -> None:
 
 
 @_NEEDS_DDS
+@pytest.mark.slow
 def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) -> None:
     """`--best-effort` subscribes as sensor drivers publish; it hears reliable publishers as well."""
     printed = _crossed(start, ("drive_motor", "--best-effort", "--count", 1, "--json"), ("drive_motor",))
@@ -87,6 +89,7 @@ def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) ->
 
 
 @_NEEDS_DDS
+@pytest.mark.slow
 def test_once_is_once(start: Start) -> None:
     """`--once` publishes one message, to the subscriber for which it waited."""
     listener = start("echo", "drive_motor", "--json", "--count", 2, "--timeout", 5)

@@ -45,6 +45,7 @@ def _hooks() -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("hook", _hooks(), ids=lambda hook: hook["id"])
+@pytest.mark.slow
 def test_the_hooks_run_and_are_named_on_the_page(hook: dict[str, Any]) -> None:
     """What pre-commit would call passes on this repository; its pattern takes the files that matter."""
     assert f"`{hook['id']}`" in _PAGE.read_text(encoding="utf-8")

@@ -59,6 +59,7 @@ def test_names_are_unique() -> None:
     assert sorted(names) == sorted(set(names))
 
 
+@pytest.mark.slow
 def test_every_state_compiles(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """What is before and what is after an edit are both schemas for protoc."""
     states: dict[tuple[tuple[str, str], ...], str] = {}

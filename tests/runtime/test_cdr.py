@@ -145,7 +145,7 @@ def _round_trip(message: Message) -> None:
         assert cdr.encode(cdr.decode(type(message), data)) == expected
 
 
-@settings(max_examples=150)
+@settings(max_examples=75)
 @given(messages(Everything))
 def test_every_kind_of_field_both_ways(message: Everything) -> None:
     """Primitives, strings, sequences and arrays, bounded or not, nested or not, are as rosbags has them."""
