@@ -35,7 +35,7 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]
 @pytest.mark.parametrize(
     "middleware",
     [
-        "memory",
+        pytest.param("memory", marks=pytest.mark.slow),
         pytest.param(
             "dds",
             marks=pytest.mark.skipif(
@@ -80,6 +80,7 @@ def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixtur
     assert [name.strip() for name in missing.split(",")] == [handler.route.name for handler in REGISTRY.handlers]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("own_environment")
 def test_a_single_message_that_does_not_cross_is_exit_code_1(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
