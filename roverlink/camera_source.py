@@ -6,12 +6,16 @@ import argparse
 import re
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverlink.console import note, rate
 
 if TYPE_CHECKING:
     from vision.sources import FrameSource
+
+PARAMETERS = Path("charuco_camera_params.yml")
+"""Where a camera's parameters are written and looked for."""
 
 _CAMERA = "0"
 _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")

@@ -35,9 +35,6 @@ from runtime.errors import SetupError, nearest
 from vision.camera import CameraParameters, Floats
 from vision.files import write_whole
 
-PARAMETERS = Path("charuco_camera_params.yml")
-"""Where the parameters are if nothing else is said."""
-
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""
 _MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}

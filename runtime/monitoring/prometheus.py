@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator, Mapping
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from typing import Any
 
-from runtime.errors import SetupError
+from runtime.http_server import HttpServer
 from runtime.monitoring.histogram import BOUNDS_S, Latencies
 from runtime.monitoring.state import State
 
@@ -88,7 +87,7 @@ def _escaped(value: str) -> str:
     return value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
 
 
-class MetricsServer:
+class MetricsServer(HttpServer):
     """An HTTP server with one page, ``/metrics``. A context manager."""
 
     def __init__(self, address: str, port: int, state: Callable[[], State]) -> None:
@@ -107,18 +106,4 @@ class MetricsServer:
             def log_message(self, *_: object) -> None:
                 """Scrapes are no news."""
 
-        try:
-            self._server = ThreadingHTTPServer((address, port), Page)
-        except (OSError, OverflowError) as error:
-            raise SetupError(f"the metrics cannot be served on TCP port {port} of {address}: {error}") from error
-        self.port: int = self._server.server_address[1]
-        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="metrics", daemon=True)
-
-    def __enter__(self) -> MetricsServer:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._server.shutdown()
-        self._server.server_close()
-        self._thread.join()
+        super().__init__(address, port, "metrics", Page)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from roverlink.board_options import add_board
-from roverlink.camera_source import add_source
+from roverlink.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, command, count, port
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
@@ -34,7 +34,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--out",
         type=Path,
-        default=Path("charuco_camera_params.yml"),
+        default=PARAMETERS,
         metavar="FILE",
         help="where the parameters are written, and a report beside them as .html (default: %(default)s)",
     )

@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from roverlink.camera_source import add_source
+from roverlink.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_project, command, count, node_logger
 from runtime import ros_args
 from runtime.errors import SetupError
@@ -42,7 +42,7 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--parameters",
         type=Path,
-        default=Path("charuco_camera_params.yml"),
+        default=PARAMETERS,
         metavar="FILE",
         help="the camera's parameters, as `roverlink aruco calibrate` writes them (default: %(default)s)",
     )

@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs, urlsplit
 
-from runtime.errors import RoverlinkError, SetupError
+from runtime.errors import RoverlinkError
+from runtime.http_server import HttpServer
 
 _CONNECTIONS = 24
 """At a time; a browser opens six."""
@@ -68,7 +69,7 @@ class _Answer(NamedTuple):
     headers: Mapping[str, str] = {}
 
 
-class PageServer:
+class PageServer(HttpServer):
     """Serves the page from a desk. A context manager."""
 
     def __init__(self, address: str, port: int, desk: Desk) -> None:
@@ -77,22 +78,9 @@ class PageServer:
         class Handler(_Handler):
             shown = desk
 
-        try:
-            self._server = _Server((address, port), Handler)
-        except (OSError, OverflowError) as error:
-            raise SetupError(f"the page cannot be served on TCP port {port} of {address}: {error}") from error
-        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="page", daemon=True)
+        super().__init__(address, port, "page", Handler, _Server)
         host = _NAME if address in _EVERYWHERE else address
-        self.url = f"http://{host}:{self._server.server_address[1]}/"
-
-    def __enter__(self) -> PageServer:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._server.shutdown()
-        self._server.server_close()
-        self._thread.join()
+        self.url = f"http://{host}:{self.port}/"
 
 
 class _Server(ThreadingHTTPServer):
