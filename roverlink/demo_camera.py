@@ -18,7 +18,7 @@ from typing import IO, cast
 import numpy as np
 
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
-from roverlink.demo_field import RATE_HZ, SIDE, render_film, write_field
+from roverlink.demo_field import RATE_HZ, SIDE, landmarks, render_film, write_field
 from roverlink.tracking import ROVER, place_teller
 from runtime import Registry, SetupError
 from runtime.middleware import Middleware
@@ -77,8 +77,8 @@ class DemoCamera:
         self._child.wait(_PATIENCE_S)
         self._thread.join()
         return (
-            f"the camera found itself on the field in {self._frames} frames by 4 landmarks, never more than "
-            f"{1e3 * self._worst:.0f} mm from where it was"
+            f"the camera found itself on the field in {self._frames} frames by {len(landmarks().places)} landmarks, "
+            f"never more than {1e3 * self._worst:.0f} mm from where it was"
         )
 
     def __exit__(self, *_: object) -> None:

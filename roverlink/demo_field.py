@@ -33,26 +33,16 @@ _AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # a camera that looks 
 _LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (3.2, -1.0, 1.0)}
 
 
-@dataclass
+@dataclass(frozen=True, slots=True, eq=False)
 class Film:
-    """Frames of a drive in a circle, and where the camera is in each: a source as any recording is."""
+    """Frames of a drive in a circle, and where the camera is in each."""
 
     frames: tuple[Image, ...]
     truth: tuple[Pose, ...]
-    name: str = "rendered frames"
-    live: bool = False
-    rate: float = RATE_HZ
-    total: int | None = FRAMES
 
     def __iter__(self) -> Iterator[Frame]:
         for number, image in enumerate(self.frames):
-            yield Frame(image, round(number * 1e9 / self.rate), number)
-
-    def __enter__(self) -> Film:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
+            yield Frame(image, round(number * 1e9 / RATE_HZ), number)
 
 
 def landmarks() -> Landmarks:

@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.report import draw as draw_charts
 from bench.vision.accuracy import SIZES, measure
-from roverlink.demo_field import SIDE, Film, landmarks, parameters, render_film, write_field
+from roverlink.demo_field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_field
 from vision import Landmarks, MarkerSet, Tracker, localize
 from vision.camera import Floats
 from vision.detection import Detection, Detector, Image, Region
@@ -63,7 +63,7 @@ def main(words: list[str]) -> int:
 
 def write_recording(folder: Path, film: Film) -> None:
     """A film of a drive, the parameters of its camera, and where the landmarks are."""
-    with Writer(folder / "drive.mp4", film.rate) as writer:
+    with Writer(folder / "drive.mp4", RATE_HZ) as writer:
         for frame in film:
             writer.add(frame.image, frame.stamp)
     write_field(folder)
