@@ -17,6 +17,7 @@ from roverlink.simulation import payload_at
 from runtime import Registry
 from runtime.envelope import strip_trailing_zeros
 from runtime.registry import AnyHandler
+from runtime.wire_format import DELIMITED, VARINT
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,6 @@ def old_schema(stream: Stream, world: World) -> Stream:
 
 _OF_NO_ROW = 0.1
 _NEWER_FIELD = 1000
-_VARINT, _DELIMITED = 0, 2  # wire types
 
 
 def _of_other_protos(emission: Emission, world: World) -> bytes:
@@ -129,7 +129,7 @@ def _of_other_protos(emission: Emission, world: World) -> bytes:
     fields = handler.payload_type.DESCRIPTOR.fields
     if fields:
         payload.ClearField(fields[-1].name)
-    newer = _tag(_NEWER_FIELD, _VARINT) + b"\x2a"
+    newer = _tag(_NEWER_FIELD, VARINT) + b"\x2a"
     return _delimited(handler.route.number, payload.SerializeToString() + newer)
 
 
@@ -138,7 +138,7 @@ def _tag(number: int, wire_type: int) -> bytes:
 
 
 def _delimited(number: int, content: bytes) -> bytes:
-    return _tag(number, _DELIMITED) + _varint(len(content)) + content
+    return _tag(number, DELIMITED) + _varint(len(content)) + content
 
 
 def _varint(value: int) -> bytes:

@@ -6,10 +6,10 @@ import struct
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from runtime.wire_format import DELIMITED, FIXED32, FIXED64, GROUP_END, GROUP_START, VARINT, fields, varint
+
 if TYPE_CHECKING:
     from google.protobuf.descriptor import FieldDescriptor
-
-_VARINT, _FIXED64, _DELIMITED, _FIXED32 = 0, 1, 2, 5
 
 
 class WireLine(NamedTuple):
@@ -27,45 +27,37 @@ def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
 
     ``message`` is the descriptor.
     """
-    position = 0
-    while position < len(data):
-        start = position
-        tag, position = _varint(data, position)
-        field, kind = message.fields_by_number[tag >> 3], tag & 7
-        name = f"{field.name} = {field.number}"
-        if kind == _DELIMITED:
-            length, begin = _varint(data, position)
-            position = begin + length
-            content = data[begin:position]
-            if field.message_type is not None:
-                yield WireLine(
-                    depth, data[start:begin].hex(" "), f"{name}, {field.message_type.name} of {length} bytes"
-                )
-                yield from wire_lines(content, field.message_type, depth + 1)
-            else:
-                yield WireLine(depth, data[start:position].hex(" "), f"{name}: {_delimited(content, field)}")
+    start = 0
+    groups: list[Any] = []  # that have begun; their fields follow as if they stood outside
+    for number, kind, content, end in fields(data):
+        here = data[start:end].hex(" ")
+        if kind == GROUP_END:
+            yield WireLine(depth + len(groups) - 1, here, f"end of {groups.pop().name}")
         else:
-            value, position = _value(data, position, kind, field)
-            yield WireLine(depth, data[start:position].hex(" "), f"{name}: {value}")
+            field = (groups[-1].message_type if groups else message).fields_by_number[number]
+            below, name = depth + len(groups), f"{field.name} = {number}"
+            if kind == GROUP_START:
+                yield WireLine(below, here, f"{name}, {field.message_type.name} as a group")
+                groups.append(field)
+            elif kind == DELIMITED and field.message_type is not None:
+                size = f"{field.message_type.name} of {end - content} bytes"
+                yield WireLine(below, data[start:content].hex(" "), f"{name}, {size}")
+                yield from wire_lines(data[content:end], field.message_type, below + 1)
+            else:
+                yield WireLine(below, here, f"{name}: {_content(data[content:end], kind, field)}")
+        start = end
 
 
-def _varint(data: bytes, position: int) -> tuple[int, int]:
-    """A number of seven bits a byte, and where the next thing starts."""
-    value = shift = 0
-    while True:
-        byte = data[position]
-        value |= (byte & 0x7F) << shift
-        position, shift = position + 1, shift + 7
-        if byte < 0x80:
-            return value, position
+def _content(content: bytes, kind: int, field: FieldDescriptor) -> str:
+    return _delimited(content, field) if kind == DELIMITED else _value(content, 0, kind, field)[0]
 
 
 def _value(data: bytes, position: int, kind: int, field: FieldDescriptor) -> tuple[str, int]:
     """A value of a fixed size or of a varint, as text, and where the next thing starts."""
-    if kind == _VARINT:
-        raw, end = _varint(data, position)
+    if kind == VARINT:
+        raw, end = varint(data, position)
         return _of_varint(raw, field), end
-    size = 8 if kind == _FIXED64 else 4
+    size = 8 if kind == FIXED64 else 4
     return str(_fixed(data[position : position + size], field)), position + size
 
 
@@ -99,9 +91,9 @@ def _delimited(content: bytes, field: FieldDescriptor) -> str:
     if field.type == field.TYPE_BYTES:
         return f"{len(content)} bytes"
     values, position = [], 0
-    kinds = {field.TYPE_DOUBLE: _FIXED64, field.TYPE_FIXED64: _FIXED64, field.TYPE_SFIXED64: _FIXED64}
-    kinds |= {field.TYPE_FLOAT: _FIXED32, field.TYPE_FIXED32: _FIXED32, field.TYPE_SFIXED32: _FIXED32}
+    kinds = {field.TYPE_DOUBLE: FIXED64, field.TYPE_FIXED64: FIXED64, field.TYPE_SFIXED64: FIXED64}
+    kinds |= {field.TYPE_FLOAT: FIXED32, field.TYPE_FIXED32: FIXED32, field.TYPE_SFIXED32: FIXED32}
     while position < len(content):
-        value, position = _value(content, position, kinds.get(field.type, _VARINT), field)
+        value, position = _value(content, position, kinds.get(field.type, VARINT), field)
         values.append(value)
     return f"[{', '.join(values)}]"

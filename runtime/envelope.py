@@ -9,19 +9,7 @@ belongs to the last field, whose own length says how much is missing.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
-
-_VARINT, _FIXED64, _DELIMITED, _GROUP_START, _GROUP_END, _FIXED32 = range(6)
-_MAX_VARINT = 10
-
-
-class _Field(NamedTuple):
-    """A top-level field: its number, its wire type, and where it would end if nothing were missing."""
-
-    number: int
-    wire_type: int
-    end: int
+from runtime.wire_format import DELIMITED, fields
 
 
 def restore(datagram: bytes) -> bytes:
@@ -31,7 +19,7 @@ def restore(datagram: bytes) -> bytes:
     returned as far as it can be read; parsing it then fails.
     """
     end = 0
-    for field in _fields(datagram):
+    for field in fields(datagram):
         end = field.end
     if end > len(datagram):
         # A length that no datagram can carry is not restored but left for the parser to refuse.
@@ -49,43 +37,4 @@ def strip_trailing_zeros(datagram: bytes) -> bytes:
 
 def payload_numbers(datagram: bytes) -> list[int]:
     """The numbers of the length-delimited fields of an envelope, known to this program or not."""
-    return [field.number for field in _fields(datagram) if field.wire_type == _DELIMITED]
-
-
-def _fields(data: bytes) -> Iterator[_Field]:
-    """The top-level fields, up to the first byte that cannot start one.
-
-    The last one may end behind the end of the data, by the zeros that were stripped.
-    """
-    position = 0
-    while position < len(data) and data[position]:
-        tag, position = _varint(data, position)
-        number, wire_type = tag >> 3, tag & 7
-        if number == 0 or wire_type > _FIXED32:
-            return
-        position = _end(data, position, wire_type)
-        yield _Field(number, wire_type, position)
-
-
-def _end(data: bytes, position: int, wire_type: int) -> int:
-    if wire_type == _VARINT:
-        return _varint(data, position)[1]
-    if wire_type == _FIXED64:
-        return position + 8
-    if wire_type == _FIXED32:
-        return position + 4
-    if wire_type == _DELIMITED:
-        length, position = _varint(data, position)
-        return position + length
-    return position  # the fields of a group follow its tag as if they stood outside
-
-
-def _varint(data: bytes, position: int) -> tuple[int, int]:
-    """The varint at a position, and the position behind it; bytes behind the data count as the zeros stripped."""
-    value = 0
-    for index in range(_MAX_VARINT):
-        byte = data[position + index] if position + index < len(data) else 0
-        value |= (byte & 0x7F) << (7 * index)
-        if not byte & 0x80:
-            return value, position + index + 1
-    return value, position + _MAX_VARINT
+    return [field.number for field in fields(datagram) if field.wire_type == DELIMITED]

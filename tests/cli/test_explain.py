@@ -27,7 +27,7 @@ def project(tmp_path: Path) -> Path:
     for name in ("mapping.yaml", "mapping.lock"):
         shutil.copy(_ROOT / name, tmp_path)
     for name in ("proto", "generated"):
-        shutil.copytree(_ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(_ROOT / name, tmp_path / name)
     return tmp_path
 
 
@@ -113,6 +113,33 @@ def test_the_lines_are_all_of_the_bytes(handler: Any) -> None:
     envelope = REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 2.0)})
     data = envelope.SerializeToString()
     assert bytes.fromhex("".join(line.bytes for line in wire_lines(data, envelope.DESCRIPTOR))) == data
+
+
+def test_a_group_is_told_by_its_two_ends(project: Path, done: Start) -> None:
+    """Fields of a group stand deeper, between a line where it begins and one where it ends; groups may be in groups."""
+    (project / "proto/legacy.proto").write_text(
+        'syntax = "proto2";\nmessage Legacy {\n  repeated group Leg = 1 {\n    required int32 x = 1;\n'
+        "    optional group Foot = 2 { optional float z = 3; }\n  }\n}\n",
+        encoding="utf-8",
+    )
+    table = project / "mapping.yaml"
+    row = "  - {number: 40, name: legacy, proto: Legacy, topic: legacy, direction: hardware_to_ros}\n"
+    text = table.read_text(encoding="utf-8")
+    table.write_text(text.replace("messages:\n", f"messages:\n{row}", 1), encoding="utf-8")
+    assert done("generate", folder=project)[0] == 0
+    code, said, errors = done("explain", "legacy", "--json", folder=project)
+    assert (code, errors) == (0, "")
+    lines = json.loads(said)["example"]["lines"]
+    first = [(line["depth"], line["meaning"].partition(":")[0]) for line in lines[:6]]
+    assert first == [
+        (0, "legacy = 40, Legacy of 33 bytes"),
+        (1, "leg = 1, Leg as a group"),
+        (2, "x = 1"),
+        (2, "foot = 2, Foot as a group"),
+        (3, "z = 3"),
+        (2, "end of foot"),
+    ]
+    assert lines[6]["meaning"] == "end of leg"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import delimited, envelopes, payload_fields, payloads, unknown_fields, varint
 
 from generated.registry import REGISTRY
-from runtime import Translator, envelope
+from runtime import Translator, wire_format
 from runtime.envelope import payload_numbers, restore, strip_trailing_zeros
 
 _LARGEST_DATAGRAM = 65_507
@@ -125,14 +125,14 @@ _HOSTILE = {
 def test_restoring_reads_each_byte_a_bounded_number_of_times(pattern: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """However it is built, a datagram costs no more varints than it has bytes, and one pass at the end."""
     reads = 0
-    read = envelope._varint
+    read = wire_format.varint
 
     def counted(data: bytes, position: int) -> tuple[int, int]:
         nonlocal reads
         reads += 1
         return read(data, position)
 
-    monkeypatch.setattr(envelope, "_varint", counted)
+    monkeypatch.setattr(wire_format, "varint", counted)
     datagram = pattern * (_LARGEST_DATAGRAM // len(pattern))
     restore(datagram)
     assert 0 < reads <= len(datagram) + 1
@@ -152,7 +152,7 @@ def test_payload_numbers_are_those_of_the_delimited_fields(parts: list[tuple[boo
     for is_payload, data in parts:
         field = data.draw(payload_fields() if is_payload else unknown_fields(depth=0))
         datagram += field
-        tag, _ = envelope._varint(field, 0)
+        tag, _ = wire_format.varint(field, 0)
         if tag & 7 == 2:
             expected.append(tag >> 3)
     assert payload_numbers(datagram) == expected
