@@ -26,14 +26,16 @@ COARSE = 3
 """The first steps take every third pixel."""
 COARSE_STEPS = 3
 FINE_STEPS = 8
-"""The most steps with all pixels."""
-SETTLED, UNSETTLED = 0.05, 0.5
-"""Pixels that corners move in a step: when the next step moves them by next to nothing, and when they run away."""
+"""The most steps with every third pixel, and with all."""
+NEAR, SETTLED, UNSETTLED = 0.2, 0.05, 0.5
+"""Pixels that corners move in a step: from where on all pixels are taken, when the next step moves them by next to
+nothing, and when they run away."""
 OUTLIER = 4.0
 """Pixels are dropped whose residual is so many standard deviations."""
 FIRST_BLUR = 0.85
 """Standard deviation of a focused lens's blur in pixels, a pixel's area included."""
 BLURS = (0.4, 4.0)
+_LOG_BLURS = (math.log(BLURS[0]), math.log(BLURS[1]))
 _LARGEST_CHANGE = 0.5  # of the blur's logarithm in one step
 _UNKNOWNS = 15
 _FEWEST = 4 * _UNKNOWNS  # pixels
@@ -83,12 +85,30 @@ class _State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
+    """How K patterns fit before a step, and what the step leaves."""
+
     normal: Floats
     """(K, 15, 15)"""
-    variance: Floats
-    """(K,) of the residuals that are left."""
-    explained: Floats
     contrast: Floats
+    """(K,)"""
+    residuals: Floats
+    """(K, N) before the step."""
+    weights: Floats
+    """(K, N): 0 for pixels that stand out."""
+    left: Floats
+    """(K, N), the residuals after it; 0 of pixels that stand out."""
+
+    def variance(self) -> Floats:
+        """(K,) of the residuals that are left."""
+        variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - _UNKNOWNS, 1.0)
+        return variance
+
+    def explained(self, pixels: Pixels) -> Floats:
+        """(K,), the part of the pixels' variance."""
+        mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
+        spread = pixels.grey - mean[:, None] * pixels.real
+        explained: Floats = 1 - _squares(self.residuals) / np.maximum(_squares(spread), 1e-9)
+        return explained
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
@@ -105,16 +125,22 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
     with np.errstate(all="ignore"):  # of a guess that was wrong anything may come; it is left out below
         pixels = choose_pixels(image, camera, views, state.homography)
         coarse = pixels.every(COARSE)
+        pixel = views.scale * float(np.max(camera.focal))  # of scaled rays
         for _ in range(COARSE_STEPS):
-            state, _unused = _step(views, state, coarse)
+            before, (state, _unused) = state, _step(views, state, coarse)
+            if not (_shift(before, state) * pixel > NEAR)[visible].any():
+                break
         for _ in range(FINE_STEPS):
-            before = state
-            state, outcome = _step(views, before, pixels)
-            shift = _shift(before, state) * views.scale * float(np.max(camera.focal))
-            if not (shift[visible] > SETTLED).any():
+            before, (state, outcome) = state, _step(views, state, pixels)
+            shift = _shift(before, state) * pixel
+            if not (shift > SETTLED)[visible].any():
                 break
         visible &= (pixels.real.sum(axis=1) >= _FEWEST) & (shift < UNSETTLED)
-        return [_fit(views, state, outcome, k) if visible[k] else None for k in range(len(guesses))]
+        variance, explained = outcome.variance(), outcome.explained(pixels)
+    return [
+        _fit(views, state, outcome, k, float(variance[k]), float(explained[k])) if visible[k] else None
+        for k in range(len(guesses))
+    ]
 
 
 def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome]:
@@ -133,12 +159,8 @@ def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     log_blur = state.log_blur + np.clip(change[:, 8], -_LARGEST_CHANGE, _LARGEST_CHANGE)
-    moved = _State(homography, np.clip(log_blur, *np.log(BLURS)))
-    mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
-    spread = pixels.grey - mean[:, None] * pixels.real
-    explained = 1 - _squares(residuals) / np.maximum(_squares(spread), 1e-9)
-    variance = _squares(left) / np.maximum(weights.sum(axis=1) - _UNKNOWNS, 1.0)
-    return moved, _Outcome(normal, variance, explained, level[:, 3])
+    moved = _State(homography, np.clip(log_blur, *_LOG_BLURS))
+    return moved, _Outcome(normal, level[:, 3], residuals, weights, left)
 
 
 def _shift(before: _State, after: _State) -> Floats:
@@ -197,10 +219,10 @@ def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats
     return design, square
 
 
-def _fit(views: Views, state: _State, outcome: _Outcome, k: int) -> Fit | None:
+def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
     """What came out for one marker."""
     try:
-        covariance = outcome.variance[k] * np.linalg.inv(outcome.normal[k])[:8, :8]
+        covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
     except np.linalg.LinAlgError:
         return None
     corners, by_homography = _corners(state.homography[k])
@@ -210,9 +232,9 @@ def _fit(views: Views, state: _State, outcome: _Outcome, k: int) -> Fit | None:
     return Fit(
         rays=corners * scale + views.centre[k],
         covariance=by_homography @ covariance @ by_homography.T * scale**2,
-        noise=math.sqrt(outcome.variance[k]),
+        noise=math.sqrt(variance),
         contrast=float(outcome.contrast[k]),
-        explained=float(outcome.explained[k]),
+        explained=explained,
         blur=math.exp(state.log_blur[k]),
     )
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from vision.pose import Pose, Solution
+from vision.pnp import Solution
+from vision.pose import Pose
 
 FORGETTING_S = 0.3
 """After so long a misfit counts for a third."""

@@ -15,7 +15,8 @@ import numpy as np
 from vision.camera import Floats
 from vision.landmarks import Landmark, Landmarks
 from vision.markers import TargetId
-from vision.pose import Pose, chi2_limit, predict
+from vision.pnp import chi2_limit
+from vision.pose import Pose, predict
 from vision.tracking import Sighting
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)

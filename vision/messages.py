@@ -21,7 +21,8 @@ from vision.detection import Image
 from vision.localization import FieldPose
 from vision.markers import TargetId
 from vision.parameters import model_name
-from vision.pose import Pose, Solution, quaternion_of
+from vision.pnp import Solution
+from vision.pose import Pose, quaternion_of
 from vision.tracking import Sighting
 
 _QUALITY = 80  # of JPEG

@@ -1,31 +1,23 @@
-"""Where a marker or a board is, from its corners: both solutions, and how uncertain each is.
+"""Poses, and what they do to points.
 
-Corners are taken as rays, so that no lens enters here. A pose's error is (dx, dy, dz, rx, ry, rz): the true
-translation is t + d, the true rotation exp([r]x) R; both in the axes of the frame that the pose is given in, as in
-ROS 2's `PoseWithCovariance`.
+A pose's error is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation exp([r]x) R; both in the
+axes of the frame that the pose is given in, as in ROS 2's `PoseWithCovariance`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from vision._opencv import cv2
 from vision.camera import Floats
 
-STEPS = 30
-HOPELESS = 1000.0
-"""A start is not refined whose chi squared is so many times the best start's: IPPE's solutions are nearly minima."""
-_CONVERGED = 1e-3
-"""Change of chi squared, in parts of it, at which a refinement ends."""
-_SAME = np.radians(0.05)
-"""Solutions whose rotations differ less are one."""
-_MOST_DAMPED = 1e6
 _HALF_TURN = -0.99  # cosine
-_NORMAL_QUANTILE = 3.09  # 99.9 %
+_TINY = 1e-150  # half an angle that is next to none: its sine over it is 1
+_CROSS = np.zeros((3, 9))  # takes a vector to the matrix of its vector product, row by row
+_CROSS[0, [5, 7]], _CROSS[1, [2, 6]], _CROSS[2, [1, 3]] = (-1, 1), (1, -1), (-1, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,35 +48,19 @@ class Pose:
         return np.concatenate([other.translation - self.translation, angles_of(other.rotation @ self.rotation.T)])
 
     def angle_to(self, other: Pose) -> float:
-        """The angle in radians between both rotations."""
-        return float(np.linalg.norm(angles_of(other.rotation @ self.rotation.T)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Corners:
-    """What was seen of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
-
-    points: Floats
-    rays: Floats
-    covariance: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solution:
-    """A pose (landmark to camera) at which the corners fit best among the poses near it."""
-
-    pose: Pose
-    covariance: Floats
-    """(6, 6): x y z rotX rotY rotZ."""
-    chi2: float
-    """Squared residuals in standard deviations; about 2N - 6 where all is as assumed."""
-    error: float
-    """Root of the mean squared distance between corners and their projections, in the plane z = 1."""
+        """The angle in radians between both rotations: two that differ by it are sqrt(8) sin(angle / 2) apart."""
+        apart = (other.rotation - self.rotation).ravel()
+        return 2 * math.asin(min(math.sqrt(float(apart @ apart) / 8), 1.0))
 
 
 def rotation_of(angles: Floats) -> Floats:
-    """The rotation (3, 3) about an axis (3,) by its length in radians."""
-    rotation: Floats = cv2.Rodrigues(np.asarray(angles, dtype=float))[0]
+    """The rotations (..., 3, 3) about axes (..., 3) by their lengths in radians (Rodrigues's formula)."""
+    axes = np.asarray(angles, dtype=float)
+    half = np.maximum(np.sqrt((axes * axes).sum(axis=-1)) / 2, _TINY)[..., None, None]
+    cross = (axes @ _CROSS).reshape(*axes.shape, 3)
+    rotation: Floats = (
+        np.eye(3) + np.sin(2 * half) / (2 * half) * cross + (np.sin(half) / half) ** 2 / 2 * (cross @ cross)
+    )
     return rotation
 
 
@@ -104,136 +80,25 @@ def quaternion_of(rotation: Floats) -> Floats:
     """A rotation (3, 3) as the quaternion x y z w of length 1, w not negative."""
     angles = angles_of(rotation)
     half = float(np.linalg.norm(angles)) / 2
-    return np.append(angles / 2 * np.sinc(half / np.pi), math.cos(half))
-
-
-def square_poses(points: Floats, rays: Floats) -> list[Pose]:
-    """Both poses of one marker's corners (4, 3), a square anywhere in its landmark's frame, seen at rays (4, 2).
-
-    IPPE (Collins and Bartoli, 2014), by OpenCV.
-    """
-    right, up = points[1] - points[0], points[0] - points[3]
-    side = float(np.linalg.norm(right))
-    (a, b, c), (d, e, f) = right / side, up / side
-    own = np.array([[a, d, b * f - c * e], [b, e, c * d - a * f], [c, f, a * e - b * d]])
-    in_landmark = Pose(own, points.mean(axis=0))
-    h = side / 2
-    corners = np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
-    _, turns, shifts, _ = cv2.solvePnPGeneric(
-        corners, rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
-    )
-    poses = [Pose(rotation_of(turn), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
-    return [
-        pose @ in_landmark.inverse() for pose in poses if np.isfinite(pose.rotation).all() and pose.translation[2] > 0
-    ]
-
-
-def solve(corners: Corners, starts: Sequence[Pose]) -> list[Solution]:
-    """Refine each start; the different outcomes, best first."""
-    try:
-        whitening = np.linalg.inv(np.linalg.cholesky(corners.covariance))
-    except np.linalg.LinAlgError:
-        return []
-    solutions: list[Solution] = []
-    found = _refine_likely(corners, whitening, starts)
-    for solution in sorted((one for one in found if one), key=lambda one: one.chi2):
-        if all(solution.pose.angle_to(other.pose) > _SAME for other in solutions):
-            solutions.append(solution)
-    return solutions
+    return np.append(angles / 2 * np.sinc(half / np.pi), max(math.cos(half), 0.0))  # a half turn, rounded
 
 
 def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
     """The rays (N, 2) of points (N, 3), and their derivative (N, 2, 6) by the pose's change; nan behind the camera."""
-    turned = points @ pose.rotation.T
-    seen = turned + pose.translation
-    z = np.where(seen[:, 2] > 0, seen[:, 2], np.nan)
-    rays = seen[:, :2] / z[:, None]
-    (u, v), (x, y, depth) = rays.T, turned.T
-    derivative = np.zeros((len(points), 2, 6))
-    derivative[:, 0, 0] = derivative[:, 1, 1] = 1
-    derivative[:, :, 2] = -rays
+    return predict_all(pose.rotation, pose.translation, points)
+
+
+def predict_all(rotation: Floats, translation: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """As `predict`, for any number of poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
+    turned = points @ np.swapaxes(rotation, -1, -2)
+    seen = turned + translation[..., None, :]
+    z = np.where(seen[..., 2] > 0, seen[..., 2], np.nan)[..., None]
+    rays = seen[..., :2] / z
+    u, v, x, y, depth = rays[..., 0], rays[..., 1], turned[..., 0], turned[..., 1], turned[..., 2]
+    derivative = np.zeros((*rays.shape, 6))
+    derivative[..., 0, 0] = derivative[..., 1, 1] = 1
+    derivative[..., :, 2] = -rays
     # a turn r moves a point by r x turned
-    derivative[:, 0, 3], derivative[:, 0, 4], derivative[:, 0, 5] = -u * y, depth + u * x, -y
-    derivative[:, 1, 3], derivative[:, 1, 4], derivative[:, 1, 5] = -depth - v * y, v * x, x
-    return rays, derivative / z[:, None, None]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Place:
-    """How a pose fits: residuals (2N,) in standard deviations, the prediction's derivative (2N, 6), and chi squared."""
-
-    pose: Pose
-    residuals: Floats
-    derivative: Floats
-    chi2: float
-
-
-def _place(corners: Corners, whitening: Floats, pose: Pose) -> _Place:
-    rays, derivative = predict(pose, corners.points)
-    residuals = whitening @ (corners.rays - rays).ravel()
-    return _Place(pose, residuals, whitening @ derivative.reshape(-1, 6), float(residuals @ residuals))
-
-
-def _refine_likely(corners: Corners, whitening: Floats, starts: Sequence[Pose]) -> list[Solution | None]:
-    """Refine what may be true; what is far behind already stays as it is."""
-    places = [_place(corners, whitening, start) for start in starts]
-    least = min((place.chi2 for place in places), default=0.0)
-    return [
-        _solution(corners, _refine(corners, whitening, place) if place.chi2 < HOPELESS * (1 + least) else place)
-        for place in places
-    ]
-
-
-def _refine(corners: Corners, whitening: Floats, place: _Place) -> _Place:
-    """Levenberg and Marquardt's method."""
-    damping = 1e-4
-    for _ in range(STEPS):
-        normal = place.derivative.T @ place.derivative
-        if not math.isfinite(normal.sum()):
-            break
-        normal.flat[::7] *= 1 + damping
-        change = np.linalg.solve(normal, place.derivative.T @ place.residuals)
-        moved = _place(corners, whitening, place.pose.moved(change))
-        if not moved.chi2 <= place.chi2:  # nan, too
-            if damping > _MOST_DAMPED:
-                break
-            damping *= 10
-            continue
-        gain, place, damping = place.chi2 - moved.chi2, moved, damping / 10
-        if gain < _CONVERGED * (0.1 + place.chi2):
-            break
-    return place
-
-
-def _solution(corners: Corners, place: _Place) -> Solution | None:
-    """What a place is worth; None where the corners determine no pose there."""
-    try:
-        covariance = np.linalg.inv(place.derivative.T @ place.derivative)
-    except np.linalg.LinAlgError:
-        return None
-    if not covariance.diagonal().min() > 0:  # nan, too
-        return None
-    miss = corners.rays - predict(place.pose, corners.points)[0]
-    return Solution(
-        place.pose, (covariance + covariance.T) / 2, place.chi2, float(np.sqrt((miss**2).sum(axis=1).mean()))
-    )
-
-
-def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
-    """Both with larger covariances where the best chi squared is not chance.
-
-    Then the camera's parameters, the marker's side or its flatness are not what one thinks.
-    """
-    freedom = corners.rays.size - 6
-    chi2 = solutions[0].chi2
-    if chi2 <= chi2_limit(freedom):
-        return corners, list(solutions)
-    factor = chi2 / freedom
-    wider = [replace(one, covariance=one.covariance * factor, chi2=one.chi2 / factor) for one in solutions]
-    return replace(corners, covariance=corners.covariance * factor), wider
-
-
-def chi2_limit(freedom: int) -> float:
-    """What chi squared of so many degrees of freedom exceeds once in a thousand (Wilson and Hilferty, 1931)."""
-    part = 2 / (9 * freedom)
-    return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)
+    derivative[..., 0, 3], derivative[..., 0, 4], derivative[..., 0, 5] = -u * y, depth + u * x, -y
+    derivative[..., 1, 3], derivative[..., 1, 4], derivative[..., 1, 5] = -depth - v * y, v * x, x
+    return rays, derivative / z[..., None]

@@ -9,7 +9,7 @@ not matter to its pose.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,8 @@ from vision.detection import Detection, Detector, Image, Region, to_grey
 from vision.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from vision.flips import Flips
 from vision.markers import MarkerSet, TargetId
-from vision.pose import Corners, Pose, Solution, doubted, solve, square_poses
+from vision.pnp import Corners, Solution, doubted, solve, square_poses
+from vision.pose import Pose
 
 SCAN_EVERY = 6
 """Frames from one scan of the whole frame to the next."""
@@ -111,8 +112,14 @@ class Tracker:
         self._stamp = stamp
         self._forget(stamp)
         fits = self._find(grey, stamp)
-        sightings = [self._sight(target, numbers, fits, stamp) for target, numbers in self._by_target(fits).items()]
-        return tuple(sighting for sighting in sightings if sighting)
+        targets = self._by_target(fits)
+        seen = [self._seen(numbers, fits) for numbers in targets.values()]
+        found = solve(seen, self._starts(targets.values(), fits))
+        return tuple(
+            self._sight(target, numbers, corners, solutions, stamp)
+            for (target, numbers), corners, solutions in zip(targets.items(), seen, found)
+            if solutions
+        )
 
     def _grey(self, image: Image) -> Image:
         height, width = image.shape[:2]
@@ -174,11 +181,14 @@ class Tracker:
         """Fit each; those that were only `expected` have to be near where they were."""
         fits = {}
         guesses = [self._guess(detection) for detection in found.values()]
-        for number, fit in zip(found, fit_edges(grey, self._camera, guesses)):
-            if fit and fit.explained > EXPLAINED and fit.contrast > CONTRAST:
-                corners = self._camera.distort(fit.rays)
-                if number in expected and np.abs(corners - found[number].corners).max() > NEAR:
-                    continue
+        fitted = {
+            number: fit
+            for number, fit in zip(found, fit_edges(grey, self._camera, guesses))
+            if fit and fit.explained > EXPLAINED and fit.contrast > CONTRAST
+        }
+        all_rays = np.array([fit.rays for fit in fitted.values()]).reshape(-1, 4, 2)
+        for (number, fit), corners in zip(fitted.items(), self._camera.distort(all_rays)):
+            if number not in expected or np.abs(corners - found[number].corners).max() <= NEAR:
                 fits[number] = fit
                 self._tracks[number] = _followed(self._tracks.get(number), corners, stamp, fit.blur)
         return fits
@@ -194,24 +204,33 @@ class Tracker:
             targets.setdefault(self._markers.target(number), []).append(number)
         return targets
 
-    def _sight(self, target: TargetId, numbers: list[int], fits: Mapping[int, Fit], stamp: int) -> Sighting | None:
+    def _seen(self, numbers: list[int], fits: Mapping[int, Fit]) -> Corners:
+        """What was seen of a landmark."""
         points = [self._markers.points(number) for number in numbers]
         covariance = np.zeros((8 * len(numbers), 8 * len(numbers)))
         for place, number in enumerate(numbers):
             covariance[8 * place : 8 * place + 8, 8 * place : 8 * place + 8] = fits[number].covariance
-        seen = Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
-        starts = [pose for corners, number in zip(points, numbers) for pose in square_poses(corners, fits[number].rays)]
-        solutions = solve(seen, starts)[:2]
-        if not solutions:
-            return None
-        seen, solutions = doubted(seen, solutions)
+        return Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
+
+    def _starts(self, landmarks: Iterable[list[int]], fits: Mapping[int, Fit]) -> list[list[Pose]]:
+        """The poses of each landmark, given by its markers' numbers, that one of its markers has alone."""
+        if not fits:
+            return []
+        points = np.stack([self._markers.points(number) for number in fits])
+        poses = dict(zip(fits, square_poses(points, np.stack([fit.rays for fit in fits.values()]))))
+        return [[pose for number in numbers for pose in poses[number]] for numbers in landmarks]
+
+    def _sight(
+        self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
+    ) -> Sighting:
+        seen, solutions = doubted(seen, solutions[:2])
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
         return Sighting(
             id=target,
             stamp=stamp,
-            corners=self._camera.distort(seen.rays),
+            corners=np.concatenate([self._tracks[number].corners for number in numbers]),
             pose=best.pose,
             covariance=best.covariance,
             ambiguity=other / max(best.error, 1e-12),

@@ -9,7 +9,8 @@ import numpy as np
 
 from vision import Pose, Sighting, TargetId
 from vision.markers import square
-from vision.pose import Corners, predict, rotation_of, solve, square_poses
+from vision.pnp import Corners, solve, square_poses
+from vision.pose import predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
 NOISE = 2e-5
@@ -21,7 +22,7 @@ def sighting(number: int, to_camera: Pose, rng: np.random.Generator, side: float
     points = square(side)
     rays, _ = predict(to_camera, points)
     seen = Corners(points, rays + rng.normal(0, NOISE, rays.shape), np.eye(8) * NOISE**2)
-    solutions = solve(seen, square_poses(points, seen.rays))
+    (solutions,) = solve([seen], square_poses(points[None], seen.rays[None]))
     best = solutions[0]
     return Sighting(number, 0, seen.rays, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions))
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vision.flips import Flips
-from vision.pose import Pose, Solution, rotation_of
+from vision.pnp import Solution
+from vision.pose import Pose, rotation_of
 
 FRAME = 33_000_000
 NAMES = ("left", "right")

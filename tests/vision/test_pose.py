@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from vision.markers import square
-from vision.pose import Corners, Pose, chi2_limit, doubted, predict, rotation_of, solve, square_poses
+from vision.pnp import Corners, Solution, chi2_limit, doubted, solve, square_poses
+from vision.pose import Pose, predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
@@ -28,6 +29,12 @@ def seen_at(pose: Pose, points: np.ndarray, noise: float, rng: np.random.Generat
     """Corners with noise in the plane z = 1."""
     rays, _ = predict(pose, points)
     return Corners(points, rays + rng.normal(0, noise, rays.shape), np.eye(rays.size) * noise**2)
+
+
+def solved(seen: Corners) -> list[Solution]:
+    """The solutions of one marker."""
+    (solutions,) = solve([seen], square_poses(seen.points[None], seen.rays[None]))
+    return solutions
 
 
 @settings(deadline=None, max_examples=40)
@@ -61,7 +68,7 @@ def test_the_prediction_s_derivative_is_its_derivative(pose: Pose) -> None:
 def test_the_covariance_is_symmetric_and_positive(pose: Pose, seed: int) -> None:
     """Whatever is seen, the covariance is one."""
     seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(seed))
-    for solution in solve(seen, square_poses(seen.points, seen.rays)):
+    for solution in solved(seen):
         assert (solution.covariance == solution.covariance.T).all()
         assert np.linalg.eigvalsh(solution.covariance).min() > 0
 
@@ -73,7 +80,7 @@ def test_a_marker_anywhere_on_a_board_gives_the_board_s_pose(marker: Pose, turn:
     on_board = Pose(rotation_of(turn), shift)
     points, board = on_board.apply(square(0.05)), marker @ on_board.inverse()
     seen = seen_at(board, points, 1e-7, np.random.default_rng(0))
-    found = solve(seen, square_poses(points, seen.rays))
+    found = solved(seen)
     assert min(np.abs(one.pose.change_to(board)).max() for one in found) < 1e-2
 
 
@@ -81,7 +88,7 @@ def test_both_solutions_are_kept_best_first() -> None:
     """A small tilted marker has two; the true one fits better where the noise is small."""
     pose = Pose(rotation_of(np.array([0.6, 0.2, 0])) @ FACING, np.array([0.1, 0.05, 1.5]))
     seen = seen_at(pose, square(0.05), 2e-5, np.random.default_rng(3))
-    best, other = solve(seen, square_poses(seen.points, seen.rays))
+    best, other = solved(seen)
     assert best.chi2 < other.chi2
     assert best.error < other.error
     assert best.pose.angle_to(pose) < 0.05 < other.pose.angle_to(pose)
@@ -94,7 +101,7 @@ def test_the_covariance_is_honest() -> None:
         tilt = rng.uniform(0.3, 1.0) * np.array([np.cos(a := rng.uniform(0, 6.3)), np.sin(a), 0])
         pose = Pose(rotation_of(tilt) @ FACING, np.append(rng.uniform(-0.3, 0.3, 2), 1) * 0.8)
         seen = seen_at(pose, square(0.05), 2e-5, rng)
-        solution = min(solve(seen, square_poses(seen.points, seen.rays)), key=lambda one: one.pose.angle_to(pose))
+        solution = min(solved(seen), key=lambda one: one.pose.angle_to(pose))
         error = solution.pose.change_to(pose)
         nees.append(error @ np.linalg.solve(solution.covariance, error))
     assert np.mean(nees) == pytest.approx(6, abs=4 * (12 / 400) ** 0.5)
@@ -105,7 +112,7 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
     pose = Pose(rotation_of(np.array([0.6, 0.2, 0])) @ FACING, np.array([0.1, 0.05, 0.8]))
     seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(0))
     seen.rays[0] += 2e-3
-    solutions = solve(seen, square_poses(seen.points, seen.rays))
+    solutions = solved(seen)
     wider, doubtful = doubted(seen, solutions)
     assert doubtful[0].covariance.trace() > 10 * solutions[0].covariance.trace()
     assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]

@@ -51,7 +51,7 @@ def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tup
     _, turns, shifts, _ = cv2.solvePnPGeneric(
         board.points[view.ids[met]], rays[met, None], np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
     )
-    poses = [Pose(rotation_of(turn), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
+    poses = [Pose(rotation_of(np.ravel(turn)), np.ravel(shift)) for turn, shift in zip(turns, shifts)]
     misses = [np.linalg.norm(residuals(view, board, camera, pose), axis=1) for pose in poses]
     medians = [float(np.median(np.nan_to_num(miss, nan=math.inf))) for miss in misses]
     best = int(np.argmin(medians))
