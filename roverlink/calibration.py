@@ -14,7 +14,8 @@ from roverlink.board_options import board_of
 from roverlink.calibration_page import serve_page
 from roverlink.calibration_text import CalibrationText, JsonText, PlainText
 from roverlink.camera_source import open_source
-from roverlink.console import FINDINGS, OK, installed_version
+from roverlink.console import FINDINGS, OK
+from roverlink.packages import installed_version
 from roverlink.progress import progress
 from runtime.errors import SetupError
 from vision.calibration import BoardDetector, Calibration, CharucoBoard, Collection, Model, PoorViewsError, View

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.console import installed_version
+from roverlink.packages import installed_version
 from runtime import Registry, RoverlinkError, load_registry, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
 from runtime.parameters import Parameters

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib.metadata
 import json
 import logging
 import math
@@ -120,14 +119,6 @@ def project_folder(given: Path | None) -> Path | None:
         if (folder / TABLE).is_file() or (folder / "generated" / "registry.py").is_file():
             return folder
     return None
-
-
-def installed_version(package: str) -> str | None:
-    """The version of an installed package; None where it is not."""
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return None
 
 
 def keep_to_ourselves() -> None:

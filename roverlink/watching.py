@@ -21,7 +21,6 @@ from runtime.middleware import Middleware
 from runtime.monitoring import diagnostics
 from runtime.monitoring.histogram import LatencyProbe
 from runtime.monitoring.monitor import Monitor
-from runtime.monitoring.prometheus import MetricsServer
 from runtime.monitoring.state import Recording
 from runtime.parameters import Parameters
 from runtime.recording import COMPRESSIONS
@@ -98,6 +97,8 @@ class Watching:
             except MiddlewareError as error:
                 self._logger.warning("nothing is published on %s: %s", topic, error)
         if self._arguments.metrics is not None:
+            from runtime.monitoring.prometheus import MetricsServer  # with an HTTP server: slow to import
+
             address = self._settings.listen_address
             server = watch.enter_context(MetricsServer(address, self._arguments.metrics, monitor.state))
             self._logger.info("metrics are at http://%s:%d/metrics", address, server.port)
