@@ -14,7 +14,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from runtime import feeding, udp
 from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
@@ -22,24 +22,16 @@ from runtime.admission import Admission
 from runtime.destination import Destination
 from runtime.errors import DatagramError, Reason
 from runtime.inlet import Inlet, PacedInlet
-from runtime.interfaces import Time
 from runtime.middleware import Middleware, Publisher
 from runtime.outlet import Outlet, PublisherWatch, Send
 from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.sources import restrict
 from runtime.timekeeper import Tended, Timekeeper
-from runtime.translator import Fed, Translator
+from runtime.translator import Translator
 
 NODE = "udp_forwarder"
 """The bridge's name on the ROS 2 graph, where nobody gives it another."""
-
-
-class _Lane(NamedTuple):
-    """Where an inbound row's messages and datagrams go."""
-
-    inlet: Inlet
-    forward: tuple[Destination, ...]
 
 
 Handle = Callable[[udp.Batch], None]
@@ -77,11 +69,12 @@ class Bridge:
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
         self._receiver = self._receiver_of(parameters)
-        self._lanes: dict[str, _Lane] = {}
+        self._inlets: dict[str, Inlet] = {}
         self._outlets: list[Outlet] = []
         self._paced: list[PacedInlet] = []
         self._feeding = feeding.Feeding(self.account, self._warnings)
         self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
+        self._forwards = {} if self._to_all else self._forwards_of_rows()
         self._next_look = 0.0
         self._failure: BaseException | None = None
         self._counting = threading.Lock()
@@ -99,7 +92,7 @@ class Bridge:
     def __enter__(self) -> Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
-            self._lanes[handler.route.name] = _Lane(self._inlet(handler), self._forward_of(handler))
+            self._inlets[handler.route.name] = self._inlet(handler)
         for feed in self._registry.feeds:
             if feed.route.inbound:
                 self._feeding.open(feed, self._publisher(feed).publish)
@@ -180,34 +173,23 @@ class Bridge:
             self._count_lost()
 
     def _bridge(self, batch: udp.Batch, translator: Translator) -> None:
-        messages, fed, forwards = self._translated(self._without_oversized(batch), translator, feeding.now())
-        for name, run in messages.items():
-            self._lanes[name].inlet.take(run)
-        if fed:
-            self._feeding.publish(fed)
-        for destination, datagrams in forwards.items():
-            if sent := self._send(datagrams, destination):
-                self.account.forwarded[destination.peer] += sent
+        fitting = self._without_oversized(batch)
+        translation = translator.receive_all(fitting, feeding.now())
+        for refusal in translation.refusals:
+            self._drop(refusal)
+        for name, messages in translation.messages.items():
+            self._inlets[name].take(messages)
+        if translation.fed:
+            self._feeding.publish(translation.fed)
+        for destination, rows in self._forwards.items():
+            self._forward([datagram for datagram, name in zip(fitting, translation.names) if name in rows], destination)
+        for destination in self._to_all:
+            self._forward(fitting, destination)
 
-    def _translated(
-        self, batch: udp.Batch, translator: Translator, stamp: Time
-    ) -> tuple[dict[str, list[bytes]], list[Fed], dict[Destination, list[bytes]]]:
-        """The messages to publish, by the name of the payload; those of feeds; the datagrams to hand on as they are."""
-        messages: defaultdict[str, list[bytes]] = defaultdict(list)
-        forwards = dict.fromkeys(self._to_all, batch)
-        fed: list[Fed] = []
-        receive, lanes = translator.receive_all, self._lanes
-        for datagram in batch:
-            try:
-                name, message, further = receive(datagram, stamp)
-            except DatagramError as error:
-                self._drop(error)
-                continue
-            messages[name].append(message)
-            fed += further
-            for destination in lanes[name].forward:
-                forwards.setdefault(destination, []).append(datagram)
-        return messages, fed, forwards
+    def _forward(self, datagrams: Sequence[bytes], destination: Destination) -> None:
+        """Hand datagrams on as they are."""
+        if sent := self._send(datagrams, destination):
+            self.account.forwarded[destination.peer] += sent
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
@@ -260,9 +242,13 @@ class Bridge:
         self._paced.append(PacedInlet(route, publisher, self.account, self._drop, route.max_rate))
         return self._paced[-1]
 
-    def _forward_of(self, handler: AnyHandler) -> tuple[Destination, ...]:
-        """The peers that get the raw datagrams of a row; where all get all, none is left."""
-        return () if self._to_all else tuple(self._destinations[peer] for peer in handler.route.forward)
+    def _forwards_of_rows(self) -> dict[Destination, set[str]]:
+        """The rows whose datagrams each peer gets raw, as the table says."""
+        rows: defaultdict[Destination, set[str]] = defaultdict(set)
+        for handler in self._registry.handlers:
+            for peer in handler.route.forward if handler.route.inbound else ():
+                rows[self._destinations[peer]].add(handler.route.name)
+        return rows
 
     def _outlet(self, handler: AnyHandler) -> Outlet:
         destination = self._destinations[handler.route.peer]

@@ -7,14 +7,13 @@ the message. It has no clock of its own.
 from __future__ import annotations
 
 import math
-import struct
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from runtime import cdr
 from runtime.errors import ConversionError
-from runtime.handler import UNSTAMPED, Handler, M, P
+from runtime.handler import MISFITS, UNSTAMPED, Handler, M, P
 from runtime.interfaces import Duration, Time
 
 __all__ = ["Counterparts", "Feed", "UNSTAMPED", "nanoseconds", "single"]
@@ -22,7 +21,6 @@ __all__ = ["Counterparts", "Feed", "UNSTAMPED", "nanoseconds", "single"]
 K = TypeVar("K")
 V = TypeVar("V")
 
-_MISFITS = (struct.error, ConversionError, ValueError, TypeError, OverflowError)
 _TOO_LARGE = 2.0**128 - 2.0**103
 """From here on, a number is nearer to what no float of 32 bits holds than to the largest one."""
 
@@ -47,18 +45,21 @@ class Feed(Handler[P, M]):
         """The serialized message of a payload; `ConversionError` names row, topic and what does not fit."""
         try:
             return self.pack(payload, stamp)
-        except _MISFITS:
+        except MISFITS:
             pass
         try:
             return cdr.encode(self.to_ros(payload, stamp))
-        except _MISFITS as error:
+        except MISFITS as error:
             raise self._named(error) from error
+
+    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:
+        return [self.pack(payload, stamp) for payload in payloads]
 
     def from_cdr(self, data: bytes) -> P:
         """The payload of a serialized message; `ConversionError` names row, topic and what does not fit."""
         try:
             return self.from_ros(cdr.decode(self.message_type, data))
-        except _MISFITS as error:
+        except MISFITS as error:
             raise self._named(error) from error
 
     def _named(self, error: Exception) -> ConversionError:

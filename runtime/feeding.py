@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from runtime.account import Account, ThrottledWarnings
+from runtime.handler import Serialized
 from runtime.interfaces import Time
 from runtime.registry import AnyFeed
-from runtime.translator import Fed
 
 
 def now() -> Time:
@@ -28,19 +27,15 @@ class Feeding:
         """Publish what a feed makes by a function that says how many it took."""
         self._publish[feed] = publish
 
-    def publish(self, fed: Sequence[Fed]) -> None:
+    def publish(self, fed: Iterable[tuple[AnyFeed, Serialized]]) -> None:
         """Publish a batch, each topic's messages in one run."""
-        runs: defaultdict[AnyFeed, list[bytes]] = defaultdict(list)
-        for feed, message in fed:
-            if isinstance(message, bytes):
-                runs[feed].append(message)
-            else:
-                self._missed(feed, 1, str(message))
-        for feed, run in runs.items():
-            accepted = self._publish[feed](run)
+        for feed, (messages, misfits) in fed:
+            for error in misfits.values():
+                self._missed(feed, 1, str(error))
+            accepted = self._publish[feed](messages) if messages else 0
             self._account.fed[feed.route.topic] += accepted
-            if accepted < len(run):
-                self._missed(feed, len(run) - accepted, f"{feed.route.topic}: its subscribers are too slow")
+            if accepted < len(messages):
+                self._missed(feed, len(messages) - accepted, f"{feed.route.topic}: its subscribers are too slow")
 
     def _missed(self, feed: AnyFeed, count: int, why: str) -> None:
         self._account.unfed[feed.route.topic] += count

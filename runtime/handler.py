@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from runtime import cdr
 from runtime.errors import ConversionError
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 UNSTAMPED = Time()
 """The time of a payload that came from nowhere."""
+
+MISFITS = (struct.error, ConversionError, ValueError, TypeError, OverflowError)
+"""What converting and packing a value that does not fit may raise."""
 
 P = TypeVar("P", bound="ProtoMessage")
 M = TypeVar("M", bound=Message)
@@ -83,8 +86,21 @@ class Route:
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
 
+class Serialized(NamedTuple):
+    """What became of several payloads."""
+
+    messages: list[bytes]
+    """The serialized messages of those that fit, in order."""
+    misfits: Mapping[int, ConversionError]
+    """The others, by their places among the payloads."""
+
+
 class Handler(ABC, Generic[P, M]):
-    """One row's conversion between its protobuf payload and its ROS 2 message."""
+    """One row's conversion between its protobuf payload and its ROS 2 message.
+
+    Of a payload that is nothing but numbers, it reads these fields and asks for nothing else: the bridge hands it what
+    `runtime.shapes` has read.
+    """
 
     route: ClassVar[Route]
     payload_type: type[P]
@@ -117,6 +133,26 @@ class Handler(ABC, Generic[P, M]):
             return self.pack(payload)
         except (struct.error, ConversionError, ValueError):
             return self._explained(payload)
+
+    def all_to_cdr(self, payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
+        """As `to_cdr` of each of several payloads, at the price of `pack`; nothing is raised for those that misfit."""
+        try:
+            return Serialized(self._pack_all(payloads, stamp), {})
+        except MISFITS:
+            return self._one_by_one(payloads, stamp)
+
+    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # feeds need it
+        return list(map(self.pack, payloads))
+
+    def _one_by_one(self, payloads: Sequence[P], stamp: Time) -> Serialized:
+        messages: list[bytes] = []
+        misfits: dict[int, ConversionError] = {}
+        for index, payload in enumerate(payloads):
+            try:
+                messages.append(self.to_cdr(payload, stamp))
+            except ConversionError as error:
+                misfits[index] = error
+        return Serialized(messages, misfits)
 
     def _explained(self, payload: P) -> bytes:
         try:

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from google.protobuf.message import DecodeError, EncodeError
 
 from runtime import envelope
 from runtime.errors import ConversionError, DatagramError, Reason
-from runtime.feed import UNSTAMPED
+from runtime.handler import UNSTAMPED, Serialized
 from runtime.interfaces import Time
 from runtime.registry import AnyFeed, AnyHandler, Registry
+from runtime.shapes import Shapes
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 
-Fed = tuple[AnyFeed, "bytes | ConversionError"]
-"""What a further topic gets; a value that does not fit keeps neither the row's own topic nor the others waiting."""
+@dataclass(slots=True)
+class Translation:
+    """What became of a batch of datagrams."""
+
+    names: list[str | None]
+    """The payload of each datagram; None where it was refused."""
+    messages: dict[str, list[bytes]] = field(default_factory=dict)
+    """The serialized messages of each row, by the name of its payload."""
+    fed: list[tuple[AnyFeed, Serialized]] = field(default_factory=list)
+    """What the rows' further topics get; a value that does not fit one of them keeps no other topic waiting."""
+    refusals: list[DatagramError] = field(default_factory=list)
 
 
 class Translator:
@@ -32,6 +44,7 @@ class Translator:
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
         self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
         self._feeds = {name: tuple(f for f in registry.feeds if f.route.name == name) for name in self._inbound}
+        self._shapes = Shapes({name: handler.payload_type.DESCRIPTOR for name, handler in self._inbound.items()})
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
@@ -39,25 +52,64 @@ class Translator:
         ``stamp`` is when it was received. Raises `DatagramError` with the reason, and number and name of the payload
         where they are known.
         """
-        return self.receive_all(datagram, stamp)[:2]
+        translation = self.receive_all([datagram], stamp)
+        for refusal in translation.refusals:
+            raise refusal
+        ((name, (message,)),) = translation.messages.items()
+        return name, message
 
-    def receive_all(self, datagram: bytes, stamp: Time) -> tuple[str, bytes, Sequence[Fed]]:
-        """As `receive`, with what the row's further topics get."""
-        try:  # as `parse`, whose call would be felt here
-            message = self._parse(datagram)
-        except DecodeError:
-            message = self._parse_restored(datagram)
+    def receive_all(self, datagrams: Sequence[bytes], stamp: Time) -> Translation:
+        """As `receive`, of datagrams that were received together.
+
+        Those with the same payload are converted in one go: what is done once a batch is not done for each of them.
+        """
+        translation = Translation([])
+        payloads = self._sort(datagrams, translation)
+        for name, run in payloads.items():
+            messages, misfits = self._inbound[name].all_to_cdr(run, stamp)
+            if misfits:
+                self._refuse(name, misfits, translation)
+                run = [payload for index, payload in enumerate(run) if index not in misfits]
+            if run:
+                translation.messages[name] = messages
+                translation.fed += [(feed, feed.all_to_cdr(run, stamp)) for feed in self._feeds[name]]
+        return translation
+
+    def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[Any]]:
+        """The payloads that are bridged, by their names; the names and the refusals go into the translation."""
+        read = self._shapes.read
+        payloads: defaultdict[str, list[Any]] = defaultdict(list)
+        names = translation.names
+        for datagram in datagrams:
+            try:
+                name, payload = read(datagram) or self._parsed(datagram)
+            except DatagramError as error:
+                translation.refusals.append(error)
+                names.append(None)
+            else:
+                payloads[name].append(payload)
+                names.append(name)
+        return payloads
+
+    def _parsed(self, datagram: bytes) -> tuple[str, ProtoMessage]:
+        """The name of a payload that is bridged, and the payload. Raises `DatagramError` for any other."""
+        message = self.parse(datagram)
         name = self._which(message, self._oneof)  # looked up on a message, it would be sought among its fields first
-        handler = self._inbound.get(name)
-        if handler is None:
+        if name not in self._inbound:
             raise self._refusal(name, datagram)
-        try:
-            payload = getattr(message, name)
-            serialized = handler.to_cdr(payload, stamp)
-        except ConversionError as error:
-            raise DatagramError(Reason.CONVERSION, f"payload {handler.route.number}: {error}", name) from error
-        feeds = self._feeds[name]
-        return name, serialized, [_fed(feed, payload, stamp) for feed in feeds] if feeds else ()
+        payload = getattr(message, name)
+        self._shapes.learn(datagram, name, payload)
+        return name, payload
+
+    def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
+        """Take note of payloads that cannot be converted, by their places among those of their name."""
+        places = [place for place, other in enumerate(translation.names) if other == name]
+        number = self._inbound[name].route.number
+        for index, error in misfits.items():
+            translation.names[places[index]] = None
+            refusal = DatagramError(Reason.CONVERSION, f"payload {number}: {error}", name)
+            refusal.__cause__ = error
+            translation.refusals.append(refusal)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
         """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
@@ -124,10 +176,3 @@ class Translator:
         return DatagramError(
             Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer", name
         )
-
-
-def _fed(feed: AnyFeed, payload: ProtoMessage, stamp: Time) -> Fed:
-    try:
-        return feed, feed.to_cdr(payload, stamp)
-    except ConversionError as error:
-        return feed, error

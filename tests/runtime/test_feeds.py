@@ -145,10 +145,13 @@ def test_a_number_too_large_for_the_payload_is_refused() -> None:
 def test_a_feed_that_fails_leaves_the_others_alone() -> None:
     """The row's own message is translated, and what the feed refuses stands beside it as an error."""
     datagram = REGISTRY.envelope(gps_info={"fix_quality": 9, "speed": 2.0}).SerializeToString()
-    name, message, fed = Translator(REGISTRY).receive_all(datagram, Time(5, 6))
+    translation = Translator(REGISTRY).receive_all([datagram], Time(5, 6))
+    ((name, (message,)),) = translation.messages.items()
     assert cdr.decode(REGISTRY.by_name["gps_info"].message_type, message).speed == 2.0
     assert name == "gps_info"
-    assert [(feed.route.topic, type(outcome)) for feed, outcome in fed] == [("gps/fix", ConversionError)]
+    ((feed, serialized),) = translation.fed
+    assert (feed.route.topic, serialized.messages) == ("gps/fix", [])
+    assert {place: type(misfit) for place, misfit in serialized.misfits.items()} == {0: ConversionError}
 
 
 def test_the_template_is_what_the_codec_writes() -> None:
