@@ -237,7 +237,7 @@ def _same(left: Any, right: Any) -> bool:
     return bool(left == right) or (isinstance(left, float) and math.isnan(left) and math.isnan(right))
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=100)
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=40)
 @given(_MESSAGES)
 def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None:
     """Whatever a message holds, YAML reads it back equal in value and type, with its fields in order."""

@@ -241,7 +241,7 @@ def _waits(command: str) -> bool:
 
 def _copy(source: Path, target: Path) -> None:
     if source.is_dir():
-        shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(source, target)
     elif source.exists():
         shutil.copy(source, target)
 

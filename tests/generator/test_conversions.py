@@ -19,7 +19,8 @@ _ABOUT_OTHER_THINGS = {
 _LESS_LIKELY_TO_BREAK = {
     *("empty_messages", "long_constructs", "long_names", "names_of_python", "one_message_in_two_rows", "packages"),
     *("dialects", "nested", "optional", "proto2_and_editions", "renamed_and_ignored", "standard_absences"),
-    *("cpp_handlers", "standard_lists", "standard_of_one_distribution", "standard_times"),
+    *("cpp_handlers", "standard_lists", "standard_of_one_distribution", "standard_times", "standard_units"),
+    *("any_of", "maps", "awkward_constructs", "standard_axes", "standard_enums"),
 }
 _CASES = [
     pytest.param(case, marks=[pytest.mark.slow] if case.folder.name in _LESS_LIKELY_TO_BREAK else [])

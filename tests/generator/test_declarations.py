@@ -469,6 +469,7 @@ _ENDLESS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["", "message A {\n", "enum A {"], ids=repr)
 def test_the_time_is_in_proportion(start: str) -> None:
     """Five times the text takes about five times the steps, of whatever the text is made to keep the reader busy."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import pint
 import pytest
@@ -13,7 +14,6 @@ from generator import units
 from generator.units import known
 from generator.units.unit import BASES, Unit
 
-_PINT = pint.UnitRegistry()
 _THEIRS = {
     "1": "dimensionless",
     "%": "percent",
@@ -58,13 +58,20 @@ _PREFIXES |= {"k": "kilo", "M": "mega", "G": "giga", "m": "milli", "n": "nano"}
 _DIMENSIONS = dict(zip(BASES, ("meter", "kilogram", "second", "ampere", "kelvin", "mole", "candela", "radian")))
 
 
+@cache
+def _pint() -> pint.UnitRegistry[float]:
+    """Pint's registry, which takes a second to make: made where it is needed, not where tests are collected."""
+    return pint.UnitRegistry()
+
+
 def _agree(ours: Unit, theirs: str, number: float = 12.5) -> None:
     """A number in our unit is the same in SI units as one in theirs, and of the same dimension but for angles."""
-    quantity = _PINT.Quantity(number, theirs).to_base_units()
-    dimension = _PINT.Unit("dimensionless")
+    registry = _pint()
+    quantity = registry.Quantity(number, theirs).to_base_units()
+    dimension = registry.Unit("dimensionless")
     for base, exponent in zip(BASES, ours.dimension):
         if exponent:
-            dimension *= _PINT.Unit(_DIMENSIONS[base]) ** exponent
+            dimension *= registry.Unit(_DIMENSIONS[base]) ** exponent
     assert quantity.check((1 * dimension).dimensionality)
     assert quantity.to(dimension).magnitude == pytest.approx(
         float(number * ours.factor) * math.pi**ours.pi + float(ours.offset), rel=1e-12

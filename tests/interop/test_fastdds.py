@@ -308,7 +308,9 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
     assert REGISTRY.envelope.FromString(datagram) == REGISTRY.envelope(drive_motor=values)
 
 
-@pytest.mark.parametrize(("distribution", "gid_size"), [("humble", 24), ("jazzy", 16)])
+@pytest.mark.parametrize(
+    ("distribution", "gid_size"), [("humble", 24), pytest.param("jazzy", 16, marks=pytest.mark.slow)]
+)
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
     """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, and /diagnostics."""
     endpoints: dict[str, tuple[str, str]] = {}
@@ -342,7 +344,10 @@ TOPICS = pytest.mark.parametrize(
     "topic",
     [
         Topic("drive_motor", MOTOR, {"distance_to_go": 1.5, "turning_radius": -2.25}),
-        Topic("chatter", STRING, {"data": "Grüße"}, ("--type", STRING)),
+        pytest.param(
+            Topic("chatter", STRING, {"data": "Grüße"}, ("--type", STRING)),
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["of a row", "of a standard type"],
 )
