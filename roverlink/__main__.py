@@ -14,7 +14,7 @@ from roverlink.console import OK, UNABLE, complain
 from runtime import ros_args
 from runtime.errors import RoverlinkError
 
-_COMMANDS = (
+COMMANDS = (
     "init",
     "generate",
     "add",
@@ -38,6 +38,7 @@ _COMMANDS = (
     "aruco",
     "demo",
 )
+"""In the order of the help."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -69,6 +70,16 @@ def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
 
+class _Version(argparse.Action):
+    """Prints the version, which is looked up only here: that is slow."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from roverlink.packages import installed_version
+
+        print(f"roverlink {installed_version('roverlink')}")
+        parser.exit()
+
+
 class _AnyOrderParser(argparse.ArgumentParser):
     """Takes options among the positional arguments too, as `ros2 topic pub` does."""
 
@@ -96,10 +107,11 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         description="One table from protobuf over UDP to ROS 2 topics.",
         epilog="example: roverlink generate && roverlink run",
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
     parser.set_defaults(takes_ros_args=False)
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
-    called = [name for name in _COMMANDS if name in arguments[:1]]
-    for name in called or _COMMANDS:
+    called = [name for name in COMMANDS if name in arguments[:1]]
+    for name in called or COMMANDS:
         importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)
     return parser
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from roverlink.__main__ import main
+from roverlink.__main__ import COMMANDS, main
 from roverlink.console import node_logger, project_folder
 
-_COMMANDS = ["init", "generate", "add", "explain", "run", "send", "listen", "echo", "pub", "aruco", "demo"]
-_SUBCOMMANDS = ["aruco track"]
+_SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board"]
+
+_ROOT = Path(__file__).parents[2]
 
 Start = Callable[..., Any]
 
@@ -26,7 +28,7 @@ def _exits(*arguments: str) -> int:
     return code
 
 
-@pytest.mark.parametrize("command", [*_COMMANDS, *_SUBCOMMANDS])
+@pytest.mark.parametrize("command", [*COMMANDS, *_SUBCOMMANDS])
 def test_every_help_has_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`--help` says what the command does, and shows one way to call it."""
     assert _exits(*command.split(), "--help") == 0
@@ -40,18 +42,29 @@ def test_the_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> Non
     assert _exits("--help") == 0
     text = capsys.readouterr().out
     assert "example: " in text
-    for command in _COMMANDS:
+    for command in COMMANDS:
         assert f"\n    {command} " in text
 
 
-def test_the_example_of_each_help_is_understood(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:
+    """`roverlink --version` prints the version that pyproject.toml gives, for reports of faults."""
+    assert _exits("--version") == 0
+    declared = re.search(r'^version = "(.+)"$', (_ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    assert declared
+    assert capsys.readouterr().out == f"roverlink {declared[1]}\n"
+
+
+def test_the_example_of_each_help_is_understood(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What a help shows is a line that the command takes."""
     import shlex
 
     from roverlink.__main__ import _parser
     from runtime import ros_args
 
-    for command in (*_COMMANDS, *_SUBCOMMANDS):
+    monkeypatch.chdir(_ROOT / "generated" / "ros" / "comms" / "config")  # where udp.yaml is
+    for command in (*COMMANDS, *_SUBCOMMANDS):
         _exits(*command.split(), "--help")
         example = capsys.readouterr().out.rpartition("example: roverlink ")[2].strip()
         own, ros = ros_args.split(shlex.split(example))
@@ -114,7 +127,7 @@ def test_a_project_without_generated_code_is_told(
 
 def test_commands_work_from_any_folder_of_a_project(done: Start) -> None:
     """The project is found from a folder below it."""
-    code, output, _ = done("send", "--list", folder=Path(__file__).parents[2] / "proto" / "components")
+    code, output, _ = done("send", "--list", folder=_ROOT / "proto" / "components")
     assert code == 0
     assert "imu_info" in output
 
