@@ -2,7 +2,8 @@
 // ROS_LOCALHOST_ONLY=1. Samples are bytes: what was received is printed as it came, what is sent is written as given.
 //
 //   fastdds_peer DOMAIN subscribe TOPIC TYPE COUNT    prints COUNT samples, each as a line of hexadecimal
-//   fastdds_peer DOMAIN publish TOPIC TYPE HEX COUNT  once a reader matches, writes the sample COUNT times, 20 a second
+//   fastdds_peer DOMAIN publish TOPIC TYPE HEX COUNT  once a reader matches, writes the sample COUNT times, each of them
+//                                                     when the one before was acknowledged, at most 20 a second
 //   fastdds_peer DOMAIN graph GID_SIZE                prints endpoints and nodes as they appear, as lines of JSON
 //
 // TOPIC and TYPE are ROS 2's names: /imu_data, comms/msg/ImuSensorInformation.
@@ -232,12 +233,14 @@ void publish(int domain, const std::string& topic, const std::string& type, Byte
     writer->get_publication_matched_status(status);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  // The reader may match us later than we match it, and gets nothing that was written before; but only then does it
+  // acknowledge the first sample, so whatever follows arrives.
   for (int i = 0; i < count; ++i) {
     if (i > 0) std::this_thread::sleep_for(publish_interval);
     if (!writer->write(&sample)) throw std::runtime_error("Fast DDS did not take a sample");
-  }
-  if (writer->wait_for_acknowledgments({acknowledge_s, 0}) != ReturnCode::RETCODE_OK) {
-    throw std::runtime_error("a sample was not acknowledged");
+    if (writer->wait_for_acknowledgments({acknowledge_s, 0}) != ReturnCode::RETCODE_OK) {
+      throw std::runtime_error("a sample was not acknowledged");
+    }
   }
 }
 
