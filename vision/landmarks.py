@@ -17,10 +17,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from runtime.errors import SetupError
 from vision.markers import TargetId
 from vision.pose import Pose
-from vision.reading import POSE, mapping, pose, read_yaml
+from vision.pose_entries import POSE, pose
+from vision.yaml_file import Item, read_file
 
 FRAME = "field"
 SURVEY_POSITION = 0.01
@@ -47,35 +47,47 @@ class Landmarks:
 
 
 def read_landmarks(path: Path) -> Landmarks:
-    """Read a file of landmarks. Raises `SetupError` for what is missing or cannot be."""
-    top = read_yaml(path, "landmarks", {"frame", "survey", "landmarks"})
-    sigmas = _survey(top.get("survey", {}), f"{path}: survey", (SURVEY_POSITION, SURVEY_ROTATION))
-    places = top.get("landmarks")
-    if not isinstance(places, dict) or not places:
-        raise SetupError(f"{path} has no landmarks; see the example in the documentation")
-    landmarks = {_name(key, path): _landmark(value, f"{path}: landmark {key}", sigmas) for key, value in places.items()}
-    return Landmarks(str(top.get("frame", FRAME)), landmarks)
+    """Read a file of landmarks. Raises `SetupError`, with the place, for what is missing or cannot be."""
+    whole = read_file(path, "landmarks")
+    top = whole.known_entries({"frame", "survey", "landmarks"})
+    frame = _frame(top["frame"]) if "frame" in top else FRAME
+    sigmas = _survey(top.get("survey"), (SURVEY_POSITION, SURVEY_ROTATION))
+    places = top["landmarks"].entries("landmark") if "landmarks" in top else {}
+    if not places:
+        raise whole.error("there are no landmarks; see the example in the documentation")
+    landmarks = {_name(key, item): _landmark(item, sigmas) for key, item in places.items()}
+    return Landmarks(frame, landmarks)
 
 
-def _name(key: object, path: Path) -> TargetId:
+def _frame(item: Item) -> str:
+    if not isinstance(item.value, str) or not item.value:
+        raise item.error(f"the field's frame is {item.value!r}; it is a name, in quotes where it is a number")
+    return item.value
+
+
+def _name(key: object, item: Item) -> TargetId:
     if isinstance(key, bool) or not isinstance(key, int | str):
-        raise SetupError(f"{path}: a landmark is named {key!r}; it is a marker's number or a board's name")
+        raise item.error(f"a landmark is named {key!r}; it is a marker's number or a board's name")
     return key
 
 
-def _landmark(value: object, where: str, sigmas: tuple[float, float]) -> Landmark:
-    given = mapping(value, where, {*POSE, "survey"})
-    return Landmark(pose(given, where), *_survey(given.get("survey", {}), f"{where}: survey", sigmas))
+def _landmark(item: Item, sigmas: tuple[float, float]) -> Landmark:
+    entries = item.known_entries({*POSE, "survey"})
+    return Landmark(pose(item, entries), *_survey(entries.get("survey"), sigmas))
 
 
-def _survey(value: object, where: str, default: tuple[float, float]) -> tuple[float, float]:
+def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, float]:
     """The standard deviations in metres and radians."""
-    given = mapping(value, where, {"position", "rotation"})
-    position = given.get("position", default[0])
-    rotation = given.get("rotation", math.degrees(default[1]))
-    for sigma in (position, rotation):
-        if isinstance(sigma, bool) or not isinstance(sigma, int | float) or not 0 <= sigma < math.inf:
-            raise SetupError(
-                f"{where} is {sigma!r}; it is a standard deviation: metres for position, degrees for rotation"
-            )
-    return float(position), math.radians(rotation)
+    given = item.known_entries({"position", "rotation"}) if item else {}
+    position = _sigma(given["position"]) if "position" in given else default[0]
+    rotation = math.radians(_sigma(given["rotation"])) if "rotation" in given else default[1]
+    return position, rotation
+
+
+def _sigma(item: Item) -> float:
+    sigma = item.value
+    if isinstance(sigma, bool) or not isinstance(sigma, int | float) or not 0 <= sigma < math.inf:
+        raise item.error(
+            f"{item.name} is {sigma!r}; it is a standard deviation: metres for position, degrees for rotation"
+        )
+    return float(sigma)

@@ -29,11 +29,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from runtime.errors import SetupError, nearest
 from vision.camera import CameraParameters, Floats
 from vision.files import write_whole
+from vision.yaml_file import Item, parse
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""
@@ -125,77 +125,68 @@ class _Entries:
         self._path = path
         if text.startswith("%YAML"):  # OpenCV's first line is none of YAML's, and must not move the others
             text = "#" + text
-        try:
-            root = yaml.compose(text, yaml.SafeLoader)
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            where = f"{path}:{mark.line + 1}:{mark.column + 1}" if mark else str(path)
-            raise SetupError(f"{where}: no YAML: {getattr(error, 'problem', None) or error}") from error
-        if not isinstance(root, yaml.MappingNode) or not root.value:
+        whole = parse(path, text)
+        self._items = whole.entries() if whole.is_mapping else {}
+        if not self._items:
             raise SetupError(f"{path}: no camera parameters, for it has no keys such as camera_matrix")
-        self._nodes = _children(root)
 
     def matrix(self, key: str) -> Floats:
         """A matrix under a key: of OpenCV, or as ROS writes it, without a tag."""
-        node = self._nodes.get(key)
-        if node is None:
-            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, self._nodes)}")
-        parts = _children(node) if isinstance(node, yaml.MappingNode) else {}
-        data = parts.get("data")
-        if not isinstance(data, yaml.SequenceNode) or not {"rows", "cols"} <= parts.keys():
-            raise self._error(node, f"{key} is no matrix of rows, cols and data")
-        rows, columns = (self._whole(parts[name], name) for name in ("rows", "cols"))
-        numbers = [self._number(item, f"a number of {key}") for item in data.value]
+        item = self._items.get(key)
+        if item is None:
+            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, self._items)}")
+        parts = item.entries() if item.is_mapping else {}
+        data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
+        if data is None:
+            raise item.error(f"{key} is no matrix of rows, cols and data")
+        rows, columns = (_whole(parts[name], name) for name in ("rows", "cols"))
+        numbers = [_number(number) for number in data]
         if len(numbers) != rows * columns:
-            raise self._error(data, f"{key} is {rows}x{columns}, and has {len(numbers)} numbers")
+            raise parts["data"].error(f"{key} is {rows}x{columns}, and has {len(numbers)} numbers")
         return np.array(numbers).reshape(rows, columns)
 
     def size(self) -> tuple[int, int] | None:
         """The images' width and height, where the file says them."""
         keys = ("image_width", "image_height")
-        given = [key for key in keys if key in self._nodes]
+        given = [key for key in keys if key in self._items]
         if not given:
             return None
         if len(given) == 1:
-            raise self._error(self._nodes[given[0]], f"there is {given[0]} alone; width and height go together")
-        width, height = (self._whole(self._nodes[key], key) for key in keys)
+            raise self._items[given[0]].error(f"there is {given[0]} alone; width and height go together")
+        width, height = (_whole(self._items[key], key) for key in keys)
         return width, height
 
     def model(self, coefficients: int) -> str:
         """The distortion's model: what the file says, else what so many coefficients mean."""
-        node = self._nodes.get("distortion_model")
-        if node is None:
+        item = self._items.get("distortion_model")
+        if item is None:
             return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
-        name = str(node.value)
+        name = item.text or ""
         if name not in _MODELS:
-            raise self._error(node, f"no distortion model {name!r}; {nearest(name, _MODELS)}")
+            raise item.error(f"no distortion model {name!r}; {nearest(name, _MODELS)}")
         if coefficients not in _MODELS[name]:
             wanted = " or ".join(map(str, _MODELS[name]))
-            raise self._error(node, f"{name} has {wanted} coefficients, and there are {coefficients}")
+            raise item.error(f"{name} has {wanted} coefficients, and there are {coefficients}")
         return name
 
-    def _whole(self, node: yaml.Node, what: str) -> int:
-        if not isinstance(node, yaml.ScalarNode) or not node.value.isdecimal() or int(node.value) == 0:
-            raise self._error(node, f"{what} is {_said(node)}; it is a whole number above 0")
-        return int(node.value)
 
-    def _number(self, node: yaml.Node, what: str) -> float:
-        try:
-            number = float(node.value) if isinstance(node, yaml.ScalarNode) else math.nan
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise self._error(node, f"{what} is {_said(node)}; it is a finite number")
-        return number
-
-    def _error(self, node: yaml.Node, message: str) -> SetupError:
-        mark = node.start_mark
-        return SetupError(f"{self._path}:{mark.line + 1}:{mark.column + 1}: {message}")
+def _whole(item: Item, what: str) -> int:
+    text = item.text or ""
+    if not text.isdecimal() or int(text) == 0:
+        raise item.error(f"{what} is {_said(item)}; it is a whole number above 0")
+    return int(text)
 
 
-def _children(node: yaml.MappingNode) -> dict[str, yaml.Node]:
-    return {str(key.value): value for key, value in node.value}
+def _number(item: Item) -> float:
+    """A number as OpenCV writes it, some of which YAML takes for text."""
+    try:
+        number = float(item.text or "")
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise item.error(f"{item.name} is {_said(item)}; it is a finite number")
+    return number
 
 
-def _said(node: yaml.Node) -> str:
-    return repr(node.value) if isinstance(node, yaml.ScalarNode) else "no number"
+def _said(item: Item) -> str:
+    return "no number" if item.text is None else repr(item.text)

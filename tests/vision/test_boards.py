@@ -39,15 +39,19 @@ def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("boards: {}", "has no boards"),
+        ("boards: {}", "there are no boards"),
         ("gates: {}", "unknown key 'gates'; did you mean|unknown key 'gates'; there are boards"),
         ("boards: {7: {}}", "board 7: a board's name is no number"),
-        ("boards: {gate: {markers: 3}}", "board gate has no markers"),
+        ("boards: {gate: {}}", r":1:16: board gate has no markers"),
+        ("boards: {gate: {markers: {}}}", "board gate has no markers"),
+        ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is no mapping"),
         ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is no marker's number"),
-        (_GATE.replace("    side: 0.1\n", ""), "board gate: 20: the side is None"),
-        (_GATE.replace("side: 0.2", "side: -1"), "board gate: 21: the side is -1"),
-        (_GATE.replace("position: [0.2, 0, 0], ", ""), "board gate: 21 has no position"),
-        ("[", "cannot read the boards"),
+        (_GATE.replace("21:", "20:"), r":6:7: board gate: markers has the key 20 twice"),
+        (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and neither has the board"),
+        (_GATE.replace("side: 0.1", "side: big"), r":3:11: board gate: side is 'big'"),
+        (_GATE.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
+        (_GATE.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),
+        ("[", r":1:2: no YAML"),
     ],
 )
 def test_a_board_that_cannot_be_is_told(tmp_path: Path, text: str, expected: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from runtime.errors import SetupError
-from vision import read_landmarks
+from vision import Landmarks, read_landmarks
 
 EXAMPLE = """
 frame: arena
@@ -19,7 +19,7 @@ landmarks:
 """
 
 
-def read(folder: Path, text: str) -> object:
+def read(folder: Path, text: str) -> Landmarks:
     path = folder / "landmarks.yaml"
     path.write_text(text, encoding="utf-8")
     return read_landmarks(path)
@@ -42,25 +42,44 @@ def test_landmarks_have_poses_and_sigmas(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("landmarks: [", "cannot read"),
-        ("- 1", "no mapping"),
-        ("frame: field", "no landmarks"),
-        ("landmarks: {}", "no landmarks"),
-        ("landmark: {}", "did you mean landmarks"),
+        ("landmarks: [", r":1:13: no YAML"),
+        ("", r":1:1: the file is no mapping"),
+        ("- 1", r":1:1: the file is no mapping"),
+        ("[" * 3000, "nested too deeply"),
+        ("frame: field", "there are no landmarks"),
+        ("landmarks: {}", "there are no landmarks"),
+        ("landmarks: [7]", r":1:12: the file: landmarks is no mapping"),
+        ("frame: a\nlandmark: {}", r":2:1: the file has an unknown key .*did you mean landmarks"),
+        ("frame: 3\nlandmarks: {7: {}}", r":1:8: .* is 3; it is a name"),
+        ("frame: 2026-02-30\nlandmarks: {7: {}}", r":1:8: the file: frame cannot be read: day is out of range"),
+        ("frame: !!python/none\nlandmarks: {7: {}}", r":1:8: the file: frame cannot be read"),
+        ("frame: [3]\nlandmarks: {7: {}}", r":1:8: .* is \[3\]; it is a name"),
         ("landmarks: {1.5: {position: [0, 0, 0], rpy: [0, 0, 0]}}", "1.5"),
-        ("landmarks: {7: {rpy: [0, 0, 0]}}", "landmark 7 has no position"),
+        ("landmarks: {[7]: {position: [0, 0, 0], rpy: [0, 0, 0]}}", r":1:13: a key of .* is no name and no number"),
+        ("landmarks:\n  7: {}\n  8: {}\n  7: {}", r":4:3: .* has the key 7 twice"),
+        ("landmarks:\n  7: {}\nlandmarks: {}", r":3:1: the file has the key 'landmarks' twice"),
+        ("landmarks: {<<: 3}", r":1:12: .* merges by << what is no mapping"),
+        ("landmarks: {7: {<<: {side: 1}}}", r":1:22: landmark 7 has an unknown key 'side'"),
+        ("landmarks: {7: {rpy: [0, 0, 0]}}", r":1:16: landmark 7 has no position"),
         ("landmarks: {7: {position: [0, 0, 0]}}", "either rpy or orientation"),
         ("landmarks: {7: {position: [0, 0, 0], rpy: [0, 0, 0], orientation: [0, 0, 0, 1]}}", "either"),
-        ("landmarks: {7: {position: [0, 0], rpy: [0, 0, 0]}}", "list of 3 numbers"),
+        ("landmarks: {7: {position: [0, 0], rpy: [0, 0, 0]}}", r":1:27: landmark 7: position is .* list of 3 numbers"),
         ("landmarks: {7: {position: [0, 0, .nan], rpy: [0, 0, 0]}}", "finite"),
         ("landmarks: {7: {position: [0, 0, 0], orientation: [0, 0, 1, 1]}}", "length"),
         ("landmarks: {7: {position: [0, 0, 0], rpy: [0, 0, 0], survey: {position: -1}}}", "standard deviation"),
     ],
 )
 def test_mistakes_are_named(tmp_path: Path, text: str, words: str) -> None:
-    """The message says where and what."""
+    """The message says where and what; nothing is taken for something else or left out in silence."""
     with pytest.raises(SetupError, match=words):
         read(tmp_path, text)
+
+
+def test_what_landmarks_have_in_common_is_merged(tmp_path: Path) -> None:
+    """YAML's `<<` gives what a landmark does not say itself."""
+    text = "landmarks:\n  7: &first {position: [1, 2, 3], rpy: [0, 0, 0]}\n  8: {<<: *first, position: [4, 5, 6]}\n"
+    places = read(tmp_path, text).places
+    assert [place.pose.translation.tolist() for place in places.values()] == [[1, 2, 3], [4, 5, 6]]
 
 
 def test_a_missing_file_is_a_setup_error(tmp_path: Path) -> None:

@@ -137,6 +137,7 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         ("data: [", "data: [[", r"yml:\d+:\d+: no YAML"),
         ("distortion_coefficients: ", "image_width: 3\ndistortion_coefficients: ", r"yml:9:14: .* go together"),
         (OLD, "", r"no camera parameters"),
+        ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: .*camera_matrix has the key 'dt' twice"),
         ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: no distortion model 'fishy'"),
         ("distortion_coef", "distortion_model: equidistant\ndistortion_coef", r"equidistant has 4 coefficients"),
     ],
