@@ -44,6 +44,9 @@ class FieldSettings:
         for row, paths in rows:
             for path, value in paths.items():
                 span = row.at(f"{group}.{path}")
+                if row.feed:
+                    self._report(WITHOUT_EFFECT.at(span, *without_effect_on_standard(group, row)))
+                    continue
                 found = self._field(row, group, path)
                 if found is None:
                     continue
@@ -104,6 +107,11 @@ class FieldSettings:
         if held is not None and held.map_entry:
             field = held.fields[1]
         return "" if field.type_name == well_known.ANY else "is no google.protobuf.Any"
+
+
+def without_effect_on_standard(key: str, row: Row) -> tuple[str, str]:
+    """What is wrong with a key that shapes messages of our own in a row with a standard one, and what to do."""
+    return f"`{key}` shapes messages of our own, and {row.ros} is a standard message", "take it out"
 
 
 def _field_of(message: ProtoMessage | None, name: str) -> ProtoField | None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from generator import ir, naming, ros_enums, well_known
 from generator.deprecation import commented
-from generator.field_settings import WITHOUT_EFFECT, FieldSettings
+from generator.field_settings import WITHOUT_EFFECT, FieldSettings, without_effect_on_standard
 from generator.findings import Finding, Rule, Severity, Span, nearest
 from generator.oneofs import NONE, smallest
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Schema
@@ -48,13 +48,17 @@ class RosMessages:
     def route(self, row: Row) -> ir.Route:
         """A row, with the conversion of its payload to a message of the package, where it becomes one."""
         conversion = None if row.feed else self._conversion(self.schema.messages[row.proto], 1)
-        if conversion is not None and row.recursion is not None:
-            self._check_size(row, conversion)
+        if row.recursion is not None:
+            self._check_recursion(row, conversion)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward)
         return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
 
-    def _check_size(self, row: Row, conversion: ir.Conversion) -> None:
+    def _check_recursion(self, row: Row, conversion: ir.Conversion | None) -> None:
         span = row.at("recursion")
+        if conversion is None:
+            if row.feed:
+                self.report(WITHOUT_EFFECT.at(span, *without_effect_on_standard("recursion", row)))
+            return
         if row in self.levels.rows_without_effect:
             self.report(WITHOUT_EFFECT.at(span, f"{row.proto} holds no message that holds itself", "remove it"))
         count = self._count(conversion.ros, self.conversions)
