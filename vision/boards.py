@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from runtime.errors import SetupError
 from vision.camera import Floats
 from vision.markers import Board, square
 from vision.pose_entries import POSE, pose
@@ -39,7 +40,11 @@ def _board(name: object, item: Item) -> Board:
     if not markers:
         raise item.error(f"{item.name} has no markers")
     side = entries.get("side")
-    return Board(name, {_number(key, marker, item.name): _corners(marker, side) for key, marker in markers.items()})
+    corners = {_number(key, marker, item.name): _corners(marker, side) for key, marker in markers.items()}
+    try:
+        return Board(name, corners)
+    except SetupError as error:
+        raise item.error(str(error)) from error
 
 
 def _number(key: object, marker: Item, board: str) -> int:
@@ -58,7 +63,7 @@ def _corners(marker: Item, side: Item | None) -> Floats:
 
 
 def _metres(side: Item) -> float:
-    metres = side.value
-    if isinstance(metres, bool) or not isinstance(metres, int | float) or not 0 < metres < math.inf:
-        raise side.error(f"{side.name} is {metres!r}; it is a number of metres above 0")
-    return float(metres)
+    metres = side.number
+    if not 0 < metres < math.inf:  # nan, too
+        raise side.error(f"{side.name} is {side.said}; it is a number of metres above 0")
+    return metres

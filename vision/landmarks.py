@@ -60,9 +60,10 @@ def read_landmarks(path: Path) -> Landmarks:
 
 
 def _frame(item: Item) -> str:
-    if not isinstance(item.value, str) or not item.value:
-        raise item.error(f"the field's frame is {item.value!r}; it is a name, in quotes where it is a number")
-    return item.value
+    frame = item.value
+    if not isinstance(frame, str) or not frame:
+        raise item.error(f"the field's frame is {item.said}; it is a name, in quotes where it looks like a number")
+    return frame
 
 
 def _name(key: object, item: Item) -> TargetId:
@@ -85,9 +86,9 @@ def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, flo
 
 
 def _sigma(item: Item) -> float:
-    sigma = item.value
-    if isinstance(sigma, bool) or not isinstance(sigma, int | float) or not 0 <= sigma < math.inf:
+    sigma = item.number
+    if not 0 <= sigma < math.inf:  # nan, too
         raise item.error(
-            f"{item.name} is {sigma!r}; it is a standard deviation: metres for position, degrees for rotation"
+            f"{item.name} is {item.said}; it is a standard deviation: metres for position, degrees for rotation"
         )
-    return float(sigma)
+    return sigma

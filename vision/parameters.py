@@ -68,9 +68,9 @@ def read_parameters(path: Path) -> CameraParameters:
         raise SetupError(f"{path}: cannot be read: {error}") from error
     entries = _Entries(path, text)
     matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
-    fisheye = entries.model(distortion.size) == EQUIDISTANT
+    size, fisheye = entries.size(), entries.model(distortion.size) == EQUIDISTANT
     try:
-        return CameraParameters(matrix, distortion, entries.size(), fisheye)
+        return CameraParameters(matrix, distortion, size, fisheye)
     except SetupError as error:
         raise SetupError(f"{path}: {error}") from error
 
@@ -134,7 +134,7 @@ class _Entries:
         """A matrix under a key: of OpenCV, or as ROS writes it, without a tag."""
         item = self._items.get(key)
         if item is None:
-            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, self._items)}")
+            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, map(str, self._items))}")
         parts = item.entries() if item.is_mapping else {}
         data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
         if data is None:
@@ -171,10 +171,10 @@ class _Entries:
 
 
 def _whole(item: Item, what: str) -> int:
-    text = item.text or ""
-    if not text.isdecimal() or int(text) == 0:
-        raise item.error(f"{what} is {_said(item)}; it is a whole number above 0")
-    return int(text)
+    number = item.value
+    if isinstance(number, bool) or not isinstance(number, int) or number <= 0:
+        raise item.error(f"{what} is {item.said}; it is a whole number above 0")
+    return number
 
 
 def _number(item: Item) -> float:
@@ -184,9 +184,5 @@ def _number(item: Item) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise item.error(f"{item.name} is {_said(item)}; it is a finite number")
+        raise item.error(f"{item.name} is {item.said}; it is a finite number")
     return number
-
-
-def _said(item: Item) -> str:
-    return "no number" if item.text is None else repr(item.text)

@@ -46,11 +46,19 @@ def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
         ("boards: {gate: {markers: {}}}", "board gate has no markers"),
         ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is no mapping"),
         ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is no marker's number"),
-        (_GATE.replace("21:", "20:"), r":6:7: board gate: markers has the key 20 twice"),
+        (_GATE.replace("21:", "20:"), r":6:7: the key 20 stands twice"),
         (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and neither has the board"),
-        (_GATE.replace("side: 0.1", "side: big"), r":3:11: board gate: side is 'big'"),
+        (_GATE.replace("side: 0.1", "side: big"), r":3:11: board gate: side is big"),
         (_GATE.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
         (_GATE.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),
+        (
+            _GATE.replace("[-0.2, 0, 0]", "[1.0e+18, 0, 0]"),
+            r":3:5: board 'gate': the corners of marker 20 are no square",
+        ),
+        (
+            _GATE.replace("side: 0.2", f"side: {'9' * 400}"),
+            r":6:58: board gate: marker 21: side is 9+\.\.\., .* too large",
+        ),
         ("[", r":1:2: no YAML"),
     ],
 )

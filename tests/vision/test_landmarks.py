@@ -51,20 +51,38 @@ def test_landmarks_have_poses_and_sigmas(tmp_path: Path) -> None:
         ("landmarks: [7]", r":1:12: the file: landmarks is no mapping"),
         ("frame: a\nlandmark: {}", r":2:1: the file has an unknown key .*did you mean landmarks"),
         ("frame: 3\nlandmarks: {7: {}}", r":1:8: .* is 3; it is a name"),
-        ("frame: 2026-02-30\nlandmarks: {7: {}}", r":1:8: the file: frame cannot be read: day is out of range"),
-        ("frame: !!python/none\nlandmarks: {7: {}}", r":1:8: the file: frame cannot be read"),
-        ("frame: [3]\nlandmarks: {7: {}}", r":1:8: .* is \[3\]; it is a name"),
+        ("frame: 2026-02-30\nlandmarks: {7: {}}", r":1:8: the file: frame is 2026-02-30, of which YAML makes nothing"),
+        ("frame: !!python/none\nlandmarks: {7: {}}", r":1:8: the file: frame is nothing, of which"),
+        ("frame: !!bool maybe\nlandmarks: {7: {}}", r":1:8: the file: frame is maybe, of which YAML makes nothing"),
+        ("frame: !!int ''\nlandmarks: {7: {}}", r":1:8: the file: frame is '', of which YAML makes nothing"),
+        ("frame: !!timestamp x\nlandmarks: {7: {}}", r":1:8: the file: frame is x, of which YAML makes nothing"),
+        ("landmarks: {!!bool x: {}}", r":1:13: a key is x, of which YAML makes nothing"),
+        ("frame: [3]\nlandmarks: {7: {}}", r":1:8: .* is a list of 1; it is a name"),
         ("landmarks: {1.5: {position: [0, 0, 0], rpy: [0, 0, 0]}}", "1.5"),
-        ("landmarks: {[7]: {position: [0, 0, 0], rpy: [0, 0, 0]}}", r":1:13: a key of .* is no name and no number"),
-        ("landmarks:\n  7: {}\n  8: {}\n  7: {}", r":4:3: .* has the key 7 twice"),
-        ("landmarks:\n  7: {}\nlandmarks: {}", r":3:1: the file has the key 'landmarks' twice"),
-        ("landmarks: {<<: 3}", r":1:12: .* merges by << what is no mapping"),
+        (
+            "landmarks: {[7]: {position: [0, 0, 0], rpy: [0, 0, 0]}}",
+            r":1:13: a key is a list of 1, and no name",
+        ),
+        ("landmarks:\n  7: {}\n  8: {}\n  7: {}", r":4:3: the key 7 stands twice"),
+        ("landmarks:\n  7: {}\nlandmarks: {}", r":3:1: the key landmarks stands twice"),
+        ("landmarks: {<<: 3}", r":1:17: no YAML: expected a mapping"),
+        ("landmarks: {7: {<<: {rpy: [0, 0, 0]}, <<: {rpy: [0, 0, 9]}}}", r":1:39: the key << stands twice"),
+        ("landmarks: {7: {<<: {rpy: [0, 0, 0], rpy: [0, 0, 9]}}}", r":1:38: the key rpy stands twice"),
         ("landmarks: {7: {<<: {side: 1}}}", r":1:22: landmark 7 has an unknown key 'side'"),
         ("landmarks: {7: {rpy: [0, 0, 0]}}", r":1:16: landmark 7 has no position"),
         ("landmarks: {7: {position: [0, 0, 0]}}", "either rpy or orientation"),
         ("landmarks: {7: {position: [0, 0, 0], rpy: [0, 0, 0], orientation: [0, 0, 0, 1]}}", "either"),
         ("landmarks: {7: {position: [0, 0], rpy: [0, 0, 0]}}", r":1:27: landmark 7: position is .* list of 3 numbers"),
-        ("landmarks: {7: {position: [0, 0, .nan], rpy: [0, 0, 0]}}", "finite"),
+        (
+            "landmarks: {7: {position: [0, 0, .nan], rpy: [0, 0, 0]}}",
+            r":1:34: .* is .nan; it is a finite number",
+        ),
+        (f"landmarks: {{7: {{position: [0, 0, {'9' * 400}], rpy: [0, 0, 0]}}}}", r":1:34: .* which is too large"),
+        (
+            f"survey: {{position: -0x{'f' * 5000}}}\nlandmarks: {{7: {{}}}}",
+            r":1:20: .* is -0xf+\.\.\., which is too",
+        ),
+        (f"landmarks: {{{'9' * 400}: {{}}}}", r":1:13: a key is 9+\.\.\., which is too large"),
         ("landmarks: {7: {position: [0, 0, 0], orientation: [0, 0, 1, 1]}}", "length"),
         ("landmarks: {7: {position: [0, 0, 0], rpy: [0, 0, 0], survey: {position: -1}}}", "standard deviation"),
     ],
@@ -76,10 +94,19 @@ def test_mistakes_are_named(tmp_path: Path, text: str, words: str) -> None:
 
 
 def test_what_landmarks_have_in_common_is_merged(tmp_path: Path) -> None:
-    """YAML's `<<` gives what a landmark does not say itself."""
-    text = "landmarks:\n  7: &first {position: [1, 2, 3], rpy: [0, 0, 0]}\n  8: {<<: *first, position: [4, 5, 6]}\n"
-    places = read(tmp_path, text).places
-    assert [place.pose.translation.tolist() for place in places.values()] == [[1, 2, 3], [4, 5, 6]]
+    """YAML's `<<` gives what a landmark does not say itself, also of what is merged itself, or used again after it."""
+    text = """
+landmarks:
+  7: &seven {position: [1, 2, 3], rpy: [0, 0, 0], survey: &good {position: 0.01, rotation: 1}}
+  8: {<<: *seven, position: [4, 5, 6], survey: &better {<<: *good, position: 0.005}}
+  9: {<<: *seven, survey: {<<: *better, rotation: 2}}
+  10: {<<: *seven, survey: *better}
+"""
+    assert read(tmp_path, text).places.keys() == {7, 8, 9, 10}
+    places = read(tmp_path, text).places.values()
+    assert [place.pose.translation.tolist() for place in places] == [[1, 2, 3], [4, 5, 6], [1, 2, 3], [1, 2, 3]]
+    assert [place.position_sigma for place in places] == [0.01, 0.005, 0.005, 0.005]
+    assert [round(np.degrees(place.rotation_sigma), 9) for place in places] == [1, 1, 2, 1]
 
 
 def test_a_missing_file_is_a_setup_error(tmp_path: Path) -> None:

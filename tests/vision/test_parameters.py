@@ -130,14 +130,29 @@ def test_a_camera_without_distortion_is_written_as_zeros(tmp_path: Path) -> None
         ("camera_matrix:", "camera_matrx:", r"there is no camera_matrix; did you mean camera_matrx\?"),
         ("   rows: 3\n", "", r"yml:3:16: camera_matrix is no matrix"),
         ("rows: 3", "rows: 2", r"yml:7:10: camera_matrix is 2x3, and has 9 numbers"),
-        ("rows: 3", "rows: three", r"yml:4:10: rows is 'three'"),
-        (" 0.,\n", " zero,\n", r"yml:7:64: a number of camera_matrix is 'zero'"),
+        ("rows: 3", "rows: three", r"yml:4:10: rows is three"),
+        (" 0.,\n", " zero,\n", r"yml:7:64: a number of camera_matrix is zero"),
         (" 0.,\n", " .Nan,\n", r"finite number"),
         ("1.1633", "-1.1633", r"yml: the camera matrix .* positive focal"),
         ("data: [", "data: [[", r"yml:\d+:\d+: no YAML"),
         ("distortion_coefficients: ", "image_width: 3\ndistortion_coefficients: ", r"yml:9:14: .* go together"),
         (OLD, "", r"no camera parameters"),
-        ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: .*camera_matrix has the key 'dt' twice"),
+        (
+            "camera_matrix:",
+            "2: x\non: x\ncamera_matrx:",
+            r"camera.yml: there is no camera_matrix; did you mean camera_matrx",
+        ),
+        (
+            "distortion_coef",
+            f"image_width: {'9' * 5000}\nimage_height: 3\ndistortion_coef",
+            r"9:14: .*image_width is 9+\.",
+        ),
+        (
+            "distortion_coef",
+            "image_width: 3\nimage_height: 0x\ndistortion_coef",
+            r"yml:10:15: image_height is 0x;",
+        ),
+        ("   dt: d\n", "   dt: d\n   dt: f\n", r"yml:7:4: the key dt stands twice"),
         ("distortion_coef", "distortion_model: fishy\ndistortion_coef", r"yml:9:19: no distortion model 'fishy'"),
         ("distortion_coef", "distortion_model: equidistant\ndistortion_coef", r"equidistant has 4 coefficients"),
     ],
@@ -148,7 +163,7 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, old: str, new: str, 
     path.write_text(OLD.replace(old, new, 1))
     with pytest.raises(SetupError, match=words) as raised:
         read_parameters(path)
-    assert str(raised.value).startswith(str(path))
+    assert str(raised.value).count(str(path)) == 1
 
 
 def test_missing_parameters_say_how_to_make_them(tmp_path: Path) -> None:
