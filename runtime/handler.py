@@ -131,7 +131,7 @@ class Handler(ABC, Generic[P, M]):
         """
         try:
             return self.pack(payload)
-        except (struct.error, ConversionError, ValueError):
+        except MISFITS:
             return self._explained(payload)
 
     def all_to_cdr(self, payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
@@ -157,14 +157,14 @@ class Handler(ABC, Generic[P, M]):
     def _explained(self, payload: P) -> bytes:
         try:
             return cdr.encode(self.to_ros(payload))
-        except (ConversionError, ValueError) as error:  # the latter of numbers that are held as bytes
+        except MISFITS as error:
             raise self._named(error) from error
 
     def from_cdr(self, data: bytes) -> P:
         """The payload of a serialized ROS 2 message; `ConversionError` names route and what does not fit."""
         try:
             return self.from_ros(cdr.decode(self.message_type, data))
-        except (ConversionError, ValueError, TypeError) as error:
+        except MISFITS as error:
             raise self._named(error) from error
 
     def _named(self, error: Exception) -> ConversionError:

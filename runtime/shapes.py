@@ -2,8 +2,12 @@
 
 A board's datagrams look alike: the same fields in the same order, most of them numbers of a fixed size. Their *shape*
 is what stays the same, tags and lengths; what varies are values, at known places. A shape is learned from a datagram
-that protobuf has read, and kept where it reads the same there. Anything else is left to protobuf: payloads with parts
-or with presence, varints of several bytes, fields that are unknown or come twice.
+that protobuf has read, and kept where it reads the same there. Anything else is left to protobuf: payloads of which one
+field is a part, has presence, is `sint32` or `sint64`, or is named as no attribute can be; varints of several bytes,
+fields that are unknown or come twice.
+
+Who may send can make the bridge learn shapes that nobody needs, in the place of others. Then it costs what protobuf
+costs, and no more memory than `MOST` shapes a row.
 """
 
 from __future__ import annotations
@@ -17,14 +21,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.descriptor import FieldDescriptor
 
-from runtime.wire_format import FIXED32, FIXED64, VARINT, fields
+from runtime.wire_format import FIXED32, FIXED64, VARINT, Field, fields, varint_size
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor
     from google.protobuf.message import Message as ProtoMessage
 
 TRIES = 8
-"""So many datagrams of one row and one length are learned from."""
+"""So many datagrams of one row and one length are learned from, whether anything can be learned or not."""
+MOST = 64
+"""So many shapes of one row are kept."""
+_START = 3
+"""So many bytes at the start are the same in all datagrams of a shape: of the envelope's tag and length, and of a tag
+in the payload. They tell one row from another, and mostly one length from another."""
 
 
 class _Value(NamedTuple):
@@ -59,22 +68,23 @@ class Shapes:
         """``payload_types`` are those of the rows, by the name of the payload."""
         values = {name: _values(payload_type) for name, payload_type in payload_types.items()}
         self._values = {name: known for name, known in values.items() if known is not None}
-        self._by_length: dict[int, list[_Shape]] = {}
+        self._by_start: dict[bytes, list[_Shape]] = {}
         self._tries: Counter[tuple[str, int]] = Counter()
+        self._kept: Counter[str] = Counter()
 
     def read(self, datagram: bytes) -> tuple[str, Any] | None:
         """The name of the payload, and its fields as attributes; None where protobuf has to read it."""
-        if shapes := self._by_length.get(len(datagram)):
+        if shapes := self._by_start.get(datagram[:_START]):
             bits = int.from_bytes(datagram, "little")
             for shape in shapes:
-                if bits | shape.varying == shape.filled:
+                if bits | shape.varying == shape.filled and len(datagram) == shape.size:
                     return shape.name, shape.payload(shape.unpack(datagram) + shape.absent)
         return None
 
     def learn(self, datagram: bytes, name: str, payload: ProtoMessage) -> None:
         """Learn where a datagram has the values that protobuf has found in it."""
         attempt = name, len(datagram)
-        if name not in self._values or self._tries[attempt] >= TRIES:
+        if name not in self._values or self._tries[attempt] >= TRIES or self._kept[name] >= MOST:
             return
         self._tries[attempt] += 1
         places = _places(datagram, self._values[name])
@@ -84,7 +94,8 @@ class Shapes:
         read = shape.payload(shape.unpack(datagram) + shape.absent)._asdict()
         # as texts, so that nan is nan, and neither -0.0 nor False is 0
         if all(repr(value) == repr(getattr(payload, field)) for field, value in read.items()):
-            self._by_length.setdefault(len(datagram), []).append(shape)
+            self._by_start.setdefault(datagram[:_START], []).append(shape)
+            self._kept[name] += 1
 
 
 class _Shape:
@@ -93,6 +104,7 @@ class _Shape:
     def __init__(self, name: str, datagram: bytes, places: Sequence[tuple[int, _Value]], payload: ProtoMessage) -> None:
         """``places`` tells where which value begins; fields that are not there have the value that ``payload`` says."""
         self.name = name
+        self.size = len(datagram)
         layout, varying, end = "<", bytearray(len(datagram)), 0
         for place, value in places:
             layout += f"{place - end}x{value.format}"
@@ -116,7 +128,7 @@ class _Shape:
 
 
 def _values(payload_type: Descriptor) -> dict[int, _Value] | None:
-    """How a payload's fields are read, by their numbers; None where one of them is more than a number."""
+    """How a payload's fields are read, by their numbers; None where one of them is no plain number."""
     if not all(_is_plain(field) for field in payload_type.fields):
         return None
     return {field.number: _Value(field.name, *_FORMATS[field.type]) for field in payload_type.fields}
@@ -129,16 +141,28 @@ def _is_plain(field: FieldDescriptor) -> bool:
 
 
 def _places(datagram: bytes, values: Mapping[int, _Value]) -> list[tuple[int, _Value]] | None:
-    """Where the values of a datagram's payload begin; None where it holds more than that, or a value that is longer."""
+    """Where the values of a datagram's payload begin.
+
+    None where it holds more than that, a value that is longer, or a tag or length that is longer than it need be: of
+    those there is no end.
+    """
     whole = next(fields(datagram))
-    if whole.end != len(datagram):
-        return None
     begin = whole.content
+    if whole.end != len(datagram) or begin != _tag_size(whole) + varint_size(whole.end - begin):
+        return None
     places: dict[int, tuple[int, _Value]] = {}
+    start = 0
     for field in fields(datagram[begin:]):
         value = values.get(field.number)
         is_long = field.wire_type == VARINT and field.end - field.content > 1
         if value is None or value.wire_type != field.wire_type or is_long or field.number in places:
             return None
+        if field.content - start != _tag_size(field):
+            return None
         places[field.number] = begin + field.content, value
+        start = field.end
     return list(places.values())
+
+
+def _tag_size(field: Field) -> int:
+    return varint_size(field.number << 3)

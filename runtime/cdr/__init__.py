@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from runtime.cdr.codec import LITTLE_ENDIAN, Codec
 from runtime.cdr.fixed import fixed_codec, fixed_layout, layout, leaves_of
-from runtime.cdr.misfit import MISFITS, misfit, type_name
+from runtime.cdr.misfit import UNWRITABLE, misfit, type_name
 from runtime.cdr.template import Template
 from runtime.cdr.template import template as template_of
 from runtime.cdr.variable import variable_codec
@@ -38,7 +38,7 @@ def encode(message: Message) -> bytes:
     codec = _codec(type(message), "<")
     try:
         return codec.encode(message)
-    except MISFITS as error:
+    except UNWRITABLE as error:
         raise misfit(message) or ConversionError(str(error)) from error
 
 

@@ -10,7 +10,7 @@ from runtime.cdr.variable import part_of
 from runtime.errors import ConversionError
 from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 
-MISFITS = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
+UNWRITABLE = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
 """What writing a value that does not fit its type raises."""
 
 
@@ -33,7 +33,7 @@ def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionErr
                 return found
     try:
         part_of(field_type, "<").write(bytearray(), value)
-    except MISFITS as error:
+    except UNWRITABLE as error:
         return ConversionError(f"{reprlib.repr(value)} does not fit {type_name(field_type)} ({error})", path)
     return None
 

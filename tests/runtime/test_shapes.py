@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Collection
+from itertools import combinations
 from typing import Any
 
 import pytest
@@ -10,12 +12,12 @@ from datagrams import hostile
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from strategies import delimited, payloads, varint
+from strategies import delimited, varint
 
 from generated.registry import REGISTRY
 from runtime import DatagramError, Translator
 from runtime.registry import AnyHandler
-from runtime.shapes import TRIES, Shapes
+from runtime.shapes import MOST, TRIES, Shapes
 
 _FLAT = ("imu_info", "ph_info", "pressure_info", "load_cell_info", "gps_info", "arm_pos", "rock_measure_request")
 """Rows whose payload is nothing but numbers."""
@@ -41,25 +43,41 @@ def _without_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Shapes, "read", lambda *_: None)
 
 
+def _alike(handler: AnyHandler, fields: Collection[str]) -> st.SearchStrategy[Any]:
+    """Payloads with something in just these fields, and in their integers what a varint of one byte holds."""
+    values = {}
+    for field in handler.payload_type.DESCRIPTOR.fields:
+        if field.name not in fields:
+            continue
+        if field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
+            width = 32 if field.cpp_type == field.CPPTYPE_FLOAT else 64
+            values[field.name] = st.floats(width=width).filter(lambda number: repr(number) != "0.0")  # type: ignore[call-overload]
+        else:
+            values[field.name] = st.just(True) if field.cpp_type == field.CPPTYPE_BOOL else st.integers(1, 127)
+    return st.fixed_dictionaries(values).map(lambda given: handler.payload_type(**given))
+
+
+def _values(handler: AnyHandler, payload: Any) -> dict[str, str]:
+    """As texts, which tell -0.0 from 0.0, True from 1, and are the same of any nan."""
+    return {field.name: repr(getattr(payload, field.name)) for field in handler.payload_type.DESCRIPTOR.fields}
+
+
 @pytest.mark.parametrize("name", _FLAT)
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_what_is_read_by_a_shape_is_what_protobuf_reads(name: str, data: st.DataObject) -> None:
     """Every field has protobuf's value and type, whether it is in the datagram or not, for values not seen before."""
     handler = REGISTRY.by_name[name]
     shapes = _shapes(handler)
-    for payload in data.draw(st.lists(payloads(handler.payload_type), min_size=1, max_size=6)):
-        datagram = _datagram(handler, payload)
-        if (read := shapes.read(datagram)) is None:
-            shapes.learn(datagram, name, payload)
-            read = shapes.read(datagram)
-        if read is not None:
-            assert read[0] == name
-            fields = [field.name for field in handler.payload_type.DESCRIPTOR.fields]
-            values = {field: getattr(payload, field) for field in fields}
-            assert {field: repr(getattr(read[1], field)) for field in fields} == {
-                field: repr(value) for field, value in values.items()
-            }
+    names = [field.name for field in handler.payload_type.DESCRIPTOR.fields]
+    alike = _alike(handler, data.draw(st.sets(st.sampled_from(names))))
+    first = data.draw(alike)
+    shapes.learn(_datagram(handler, first), name, first)
+    for payload in data.draw(st.lists(alike, min_size=1, max_size=6)):
+        read = shapes.read(_datagram(handler, payload))
+        assert read is not None
+        assert read[0] == name
+        assert _values(handler, read[1]) == _values(handler, payload)
 
 
 def test_a_shape_is_learned_from_one_datagram_and_read_ever_after() -> None:
@@ -101,6 +119,9 @@ _CONTENT = _PLAIN.SerializeToString()
         delimited(13, _CONTENT) + b"\x70\x00",
         delimited(13, _IMU.payload_type(error_code=128).SerializeToString()),
         delimited(13, b"\x70\x85\x00"),
+        delimited(13, b"\x8d\x00" + struct.pack("<f", 2.5)),
+        b"\xea\x00" + varint(len(_CONTENT)) + _CONTENT,
+        b"\x6a" + bytes([len(_CONTENT) | 0x80, 0]) + _CONTENT,
     ],
     ids=[
         "padded",
@@ -111,6 +132,9 @@ _CONTENT = _PLAIN.SerializeToString()
         "a number of the payload's beside it",
         "long varint",
         "overlong varint",
+        "overlong tag",
+        "overlong tag of the payload",
+        "overlong length",
     ],
 )
 def test_what_a_shape_cannot_say_is_left_to_protobuf(datagram: bytes) -> None:
@@ -167,11 +191,30 @@ def test_fields_that_are_no_plain_number_are_left_to_protobuf(field: dict[str, A
     assert shapes.read(delimited(13, b"")) is None
 
 
-def test_no_more_is_learned_than_is_worth_it() -> None:
-    """Datagrams of one length whose fields are always others do not fill the memory; each is read by protobuf then."""
-    shapes, names = _shapes(_IMU), [f"{kind}_{axis}" for kind in ("accel", "gyro", "mag") for axis in "xyz"]
-    for name in names:
-        payload = _IMU.payload_type(**{name: 1.0})
+_AXES = [f"{kind}_{axis}" for kind in ("accel", "gyro", "mag") for axis in "xyz"]
+
+
+def test_no_more_is_tried_than_is_worth_it() -> None:
+    """Datagrams of one length whose fields are always others are learned from a few times, then read by protobuf."""
+    shapes = _shapes(_IMU)
+    for axis in _AXES:
+        payload = _IMU.payload_type(**{axis: 1.0})
         shapes.learn(_datagram(_IMU, payload), "imu_info", payload)
-    known = [shapes.read(_datagram(_IMU, _IMU.payload_type(**{name: 2.0}))) is not None for name in names]
+    known = [shapes.read(_datagram(_IMU, _IMU.payload_type(**{axis: 2.0}))) is not None for axis in _AXES]
     assert known == [True] * TRIES + [False]
+
+
+def test_shapes_need_bounded_memory() -> None:
+    """However many datagrams differ in length and fields, of each row so many shapes are kept; others have theirs."""
+    pressure = REGISTRY.by_name["pressure_info"]
+    shapes = _shapes(_IMU, pressure)
+    for count in range(len(_AXES)):
+        for axes in combinations(_AXES, count):
+            for more in ({}, {"error_code": 1}, {"is_calibrated": True}):
+                payload = _IMU.payload_type(**dict.fromkeys(axes, 1.0), **more)
+                shapes.learn(_datagram(_IMU, payload), "imu_info", payload)
+    assert sum(map(len, shapes._by_start.values())) == MOST
+    assert shapes._tries.total() <= MOST + len(shapes._tries)
+    payload = pressure.payload_type(pressure_kpa=2.5)
+    shapes.learn(_datagram(pressure, payload), "pressure_info", payload)
+    assert shapes.read(_datagram(pressure, payload)) is not None

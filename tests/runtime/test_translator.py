@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import struct
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -193,6 +194,28 @@ def test_a_batch_becomes_what_its_datagrams_become_alone(seed: int, count: int) 
     assert batch.messages == messages
     refusals = [f"{error.reason} {error.row}: {error}" for error in batch.refusals]
     assert sorted(refusals) == sorted(one for one in alone if isinstance(one, str))
+
+
+@pytest.mark.parametrize("error", [struct.error, OverflowError, TypeError, ValueError, ConversionError])
+def test_however_a_payload_misfits_it_alone_is_told(error: type[Exception]) -> None:
+    """Whatever converting raises for a value, a batch comes back with what fits, and with places for the rest."""
+    handler_type = type(REGISTRY.by_name["imu_info"])
+
+    class Particular(handler_type):  # type: ignore[misc,valid-type]  # its class is generated
+        @staticmethod
+        def pack(payload: Any) -> bytes:
+            return bytes(cdr.encode(Particular.to_ros(payload)))
+
+        @staticmethod
+        def to_ros(payload: Any) -> Any:
+            if payload.error_code == 7:
+                raise error("not this one")
+            return handler_type.to_ros(payload)
+
+    payloads = [handler_type.payload_type(error_code=code) for code in (1, 7, 2, 7)]
+    messages, misfits = Particular().all_to_cdr(payloads)
+    assert messages == [REGISTRY.by_name["imu_info"].to_cdr(payload) for payload in payloads[::2]]
+    assert {place: str(misfit) for place, misfit in misfits.items()} == dict.fromkeys((1, 3), "imu_info: not this one")
 
 
 def test_a_payload_that_misfits_leaves_those_around_it_alone(translator: Translator) -> None:
