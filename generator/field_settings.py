@@ -111,7 +111,8 @@ class FieldSettings:
 
 def without_effect_on_standard(key: str, row: Row) -> tuple[str, str]:
     """What is wrong with a key that shapes messages of our own in a row with a standard one, and what to do."""
-    return f"`{key}` shapes messages of our own, and {row.ros} is a standard message", "take it out"
+    message = f"`{key}` shapes messages of our own, and {row.ros} is a standard message"
+    return message, "take it out, or put it into a row that has a message of our own"
 
 
 def _field_of(message: ProtoMessage | None, name: str) -> ProtoField | None:

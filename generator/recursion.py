@@ -33,7 +33,7 @@ class Levels:
         self._bounds: dict[frozenset[str], tuple[int, Row]] = {}
         self.rows_without_effect: list[Row] = []
         for row in table.rows:
-            if row.recursion is not None:
+            if row.recursion is not None and row.feed is None:
                 self._bound(row, row.recursion, report)
 
     def _explore(self, root: str, holds: Callable[[str], Iterable[str]]) -> None:
