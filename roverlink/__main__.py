@@ -76,7 +76,7 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from roverlink.packages import installed_version
 
-        print(f"roverlink {installed_version('roverlink')}")
+        print(f"roverlink {installed_version('roverlink') or '(not installed, but run from its files)'}")
         parser.exit()
 
 

@@ -25,11 +25,15 @@ from vision.samples import LIFTED, SQUARE, Pixels, Views, apply, choose_pixels, 
 COARSE = 3
 """The first steps take every third pixel."""
 COARSE_STEPS = 3
+"""The most steps with every third pixel."""
 FINE_STEPS = 8
-"""The most steps with every third pixel, and with all."""
-NEAR, SETTLED, UNSETTLED = 0.2, 0.05, 0.5
-"""Pixels that corners move in a step: from where on all pixels are taken, when the next step moves them by next to
-nothing, and when they run away."""
+"""The most steps with all pixels."""
+NEAR = 0.2
+"""Pixels that corners move in a step: from here on all pixels are taken."""
+SETTLED = 0.05
+"""Pixels that corners move in a step: the next one moves them by next to nothing."""
+UNSETTLED = 0.5
+"""Pixels that corners still move after the last step of those that run away."""
 OUTLIER = 4.0
 """Pixels are dropped whose residual is so many standard deviations."""
 FIRST_BLUR = 0.85
@@ -90,9 +94,9 @@ class _Outcome:
     normal: Floats
     """(K, 15, 15)"""
     contrast: Floats
-    """(K,)"""
+    """(K,) in grey levels, as in `Fit`."""
     residuals: Floats
-    """(K, N) before the step."""
+    """(K, N) in grey levels, before the step."""
     weights: Floats
     """(K, N): 0 for pixels that stand out."""
     left: Floats

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -82,6 +84,33 @@ def test_a_marker_anywhere_on_a_board_gives_the_board_s_pose(marker: Pose, turn:
     seen = seen_at(board, points, 1e-7, np.random.default_rng(0))
     found = solved(seen)
     assert min(np.abs(one.pose.change_to(board)).max() for one in found) < 1e-2
+
+
+def test_landmarks_are_solved_together_as_each_alone() -> None:
+    """Whatever their numbers of corners, beside one without a start, without a covariance, or behind the camera."""
+    rng = np.random.default_rng(5)
+    seen, starts = [], []
+    for number in range(12):
+        pose = Pose(rotation_of(rng.normal(0, 0.3, 3)) @ FACING, rng.uniform((-0.3, -0.3, 0.6), (0.3, 0.3, 2)))
+        squares = [square(0.1) + np.array([0.2 * place, 0, 0]) for place in range(1 + number % 3)]
+        corners = seen_at(pose, np.concatenate(squares), 3e-4, rng)
+        rays = corners.rays.reshape(-1, 4, 2)
+        own = [pose for poses in square_poses(np.stack(squares), rays) for pose in poses]
+        seen.append(corners)
+        starts.append(own)
+    starts[3] = []
+    starts[4] = [Pose(FACING, np.array([0, 0, -1.0])), *starts[4]]
+    seen[5] = replace(seen[5], covariance=np.zeros_like(seen[5].covariance))
+    together = solve(seen, starts)
+    assert (together[3], together[5]) == ([], [])
+    assert all(solutions for number, solutions in enumerate(together) if number not in (3, 5))
+    for solutions, corners, own in zip(together, seen, starts):
+        (alone,) = solve([corners], [own])
+        assert len(alone) == len(solutions)
+        for one, other in zip(alone, solutions):
+            assert one.pose.change_to(other.pose) == pytest.approx(np.zeros(6), abs=1e-9)
+            assert one.chi2 == pytest.approx(other.chi2, rel=1e-6)
+    assert solve([], []) == square_poses(np.empty((0, 4, 3)), np.empty((0, 4, 2))) == []
 
 
 def test_both_solutions_are_kept_best_first() -> None:
