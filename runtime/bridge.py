@@ -194,7 +194,7 @@ class Bridge:
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
         fitting = [datagram for datagram in batch if len(datagram) <= longest]
-        for _ in batch[len(fitting) :]:
+        for _ in range(len(batch) - len(fitting)):
             self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
         return fitting
 

@@ -73,7 +73,7 @@ def test_a_camera_is_calibrated_by_clicking(start: Start, webcam: Webcam, tmp_pa
     with visiting() as visitor:
         visitor.open(page.url)
         visitor.until(lambda: visitor.count("#views li") >= 2)
-        assert visitor.run("return document.getElementById('picture').naturalWidth") == 640
+        visitor.until(lambda: visitor.run("return document.getElementById('picture').naturalWidth") == 640)
         visitor.click("#calibrate")
         visitor.until(lambda: "10 are needed" in visitor.text("#refused"))
 
