@@ -96,7 +96,9 @@ def _compiled(
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
     schema = compilation.schema if compilation else None
-    changes = subject.since_last_generate(published, schema) if schema else ()
+    # an envelope that lacks a row for a mistake in it has lost nothing
+    lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
+    changes = subject.since_last_generate(published, schema, lacking) if schema else ()
     findings += lint(subject.Subject(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from generator.declarations import Claim, File, Message
@@ -33,9 +33,16 @@ class Change:
     """nanopb's bounds as they were; None where they are not known."""
 
 
-def since_last_generate(published: Ledger, schema: Schema) -> tuple[Change, ...]:
-    """What became of the wire schema that the ledger has; nothing where there is no ledger yet."""
-    return (Change(as_schema(published), schema, LEDGER, of_ledger=True),) if published.entries else ()
+def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[Change, ...]:
+    """What became of the wire schema that the ledger has; nothing where there is no ledger yet.
+
+    ``incomplete`` names a message that `schema` does not have as it will be, of which nothing can be said.
+    """
+    if not published.entries:
+        return ()
+    before = as_schema(published)
+    known = {name: message for name, message in before.messages.items() if name != incomplete}
+    return (Change(replace(before, messages=known), schema, LEDGER, of_ledger=True),)
 
 
 @dataclass(frozen=True, slots=True)

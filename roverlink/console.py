@@ -20,6 +20,7 @@ FINDINGS = 1
 UNABLE = 2
 
 TABLE = "mapping.yaml"
+_A_YEAR_S = 366 * 24 * 3600
 Subparsers = Any  # argparse names its type only in private
 
 
@@ -74,7 +75,7 @@ def table_file(given: Path | None) -> Path:
     """The table: what was given, else the nearest; where there is none, the one that this folder should have."""
     here = Path.cwd()
     near = (folder / TABLE for folder in (here, *here.parents))
-    found = given or next((path for path in near if path.is_file()), here / TABLE)
+    found = given or next((path for path in near if os.path.lexists(path)), here / TABLE)
     return Path(os.path.relpath(found))
 
 
@@ -89,13 +90,15 @@ def count(text: str) -> int:
 
 
 def rate(text: str) -> float:
-    """How many a second, on the command line."""
-    return _number(text, float, lambda number: 0 < number < math.inf, "a number above 0")
+    """How many a second, on the command line; less than one a year is none."""
+    return _number(
+        text, float, lambda number: 1 / _A_YEAR_S < number < math.inf, "a number above 0, one a year at least"
+    )
 
 
 def seconds(text: str) -> float:
-    """A time on the command line."""
-    return _number(text, float, lambda number: 0 <= number < math.inf, "a number of seconds")
+    """A time on the command line, of a year at most: the system's clocks end somewhere."""
+    return _number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a number of seconds")
 
 
 def megabytes(text: str) -> int:
@@ -116,7 +119,7 @@ def project_folder(given: Path | None) -> Path | None:
         return given
     here = Path.cwd()
     for folder in (here, *here.parents):
-        if (folder / TABLE).is_file() or (folder / "generated" / "registry.py").is_file():
+        if os.path.lexists(folder / TABLE) or (folder / "generated" / "registry.py").is_file():
             return folder
     return None
 

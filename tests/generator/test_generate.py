@@ -80,6 +80,16 @@ def test_the_nearest_table_above_is_compiled(project: Path) -> None:
     assert (outcome.code, outcome.stdout) == (0, "everything is what ../../mapping.yaml says\n")
 
 
+def test_a_table_that_cannot_be_read_is_not_passed_over(project: Path) -> None:
+    """Where mapping.yaml is a folder, or a link to nothing, the table of a project further up is not meant."""
+    below = project / "proto" / "deep"
+    (below / "mapping.yaml").mkdir(parents=True)
+    assert generate(below).code == 2
+    (below / "mapping.yaml").rmdir()
+    (below / "mapping.yaml").symlink_to("nowhere")
+    assert generate(below).code == 2
+
+
 def test_no_machine_path_in_the_output(project: Path) -> None:
     """Where the project stands is in none of its files."""
     assert [path for path, data in snapshot(project).items() if str(project.parent).encode() in data] == []
@@ -107,6 +117,19 @@ def test_a_changed_row_rewrites_what_it_changes(project: Path) -> None:
         " changed mapping.lock",
     ]
     assert said[-1].startswith("4 ")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("number: 1", "number: 1.0"), ("direction: board_to_ros", "direction: sideways"), ("proto: ", "proto: Not")],
+)
+def test_a_mistake_in_a_row_is_not_the_end_of_its_payload(project: Path, old: str, new: str) -> None:
+    """Of a row that cannot be taken as it stands, nobody is told to put its number back, or to reserve it."""
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text().replace(old, new, 1))
+    outcome = generate(project)
+    assert outcome.code == 1
+    assert [line for line in outcome.stderr.splitlines() if "error[" in line and "[WIR" in line] == []
 
 
 # --- files that go, and files that are not ours -----------------------------------------------------------------
