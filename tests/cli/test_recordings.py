@@ -218,6 +218,19 @@ def test_what_cannot_be_is_told(
     assert expected in errors[-1]
 
 
+def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path) -> None:
+    """The file of the evening before is not lost for a topic that is misspelt, and nothing else is left behind."""
+    kept = tmp_path / "kept.csv"
+    kept.write_text("precious")
+    before = set(tmp_path.iterdir())
+    assert main(["export", str(run), "--topic", "imu_dat", "--out", str(kept)]) == 2
+    assert kept.read_text() == "precious"
+    assert set(tmp_path.iterdir()) == before
+    assert main(["export", str(run), "--topic", "imu_data", "--out", str(kept)]) == 0
+    assert kept.read_text().startswith("time_ns,")
+    assert set(tmp_path.iterdir()) == before
+
+
 def test_a_missing_package_is_told_with_the_command_that_installs_it(run: Path, done: Start, tmp_path: Path) -> None:
     """Without mcap, or without pyarrow, what needs it says what to install."""
     for package, arguments, extra in (
