@@ -49,12 +49,12 @@ def board_of(arguments: argparse.Namespace) -> CharucoBoard:
 
 
 def metres(text: str) -> float:
-    """A length on the command line."""
+    """A length on the command line, such as markers have: a thousandth of a millimetre to ten kilometres."""
     try:
         found = float(text)
     except ValueError:
         found = math.nan
-    if not 0 < found < math.inf:
+    if not 1e-6 <= found <= 1e4:  # nan, too
         raise argparse.ArgumentTypeError(f"{text!r} is not a length in metres, such as 0.024")
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from runtime import load_registry
 from runtime.errors import RoverlinkError
 
 _EXAMPLE_S = 1.0  # the simulated board's clock
+_NUMBER = re.compile("[0-9]{1,9}")  # protobuf's have no more digits
 
 
 class Project:
@@ -42,7 +44,7 @@ class Project:
 
     def taken(self, word: str) -> str:
         """Why a number without a row is not free; empty for one that is, and for what is no number."""
-        occupied = self.subject.occupied(int(word)) if word.isdecimal() else iter(())
+        occupied = self.subject.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
         return next((why for _, _, why in occupied), "")
 
     def known(self) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 from google.protobuf.descriptor import FieldDescriptor
 
+from runtime import yaml_text
 from runtime.errors import ConversionError, nearest
 from runtime.schema import scalar_name
 
@@ -127,9 +128,9 @@ def _number_value(field: Any, value: Any, path: str) -> Any:
 def _scalar(text: str) -> Any:
     """What YAML reads in a text; a number such as 1e-3 too, for which YAML wants a point."""
     try:
-        read = yaml.safe_load(text)
+        read = yaml_text.load(text)
         return float(text) if read == text else read
-    except (yaml.YAMLError, ValueError):
+    except ValueError:  # of the former, too
         return text
 
 
@@ -151,5 +152,5 @@ def _yaml(text: str, path: str) -> Any:
     """Lists and mappings of texts, which their fields read."""
     try:
         return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # it makes nothing but lists, mappings and texts
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, RecursionError) as error:
         raise ConversionError(f"{text!r} cannot be read", path) from error

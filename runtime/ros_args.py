@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from runtime import yaml_text
 from runtime.errors import SetupError
 from runtime.middleware import NodeIdentity
 
@@ -151,9 +150,9 @@ def _set_parameter(parsed: RosArguments, text: str) -> None:
     if node not in ("", parsed.node.name):
         return
     try:
-        parsed.parameters[name] = yaml.safe_load(value)
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that is none
-        raise SetupError(f"the value of parameter {text!r} is not YAML") from error
+        parsed.parameters[name] = yaml_text.load(value)
+    except yaml_text.YamlTextError as error:
+        raise SetupError(f"the value of the parameter {name}: {error}") from error
 
 
 def _add_remap(parsed: RosArguments, text: str) -> None:
@@ -178,11 +177,11 @@ def _log_level(text: str) -> str:
 def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
     """The parameters that a file has for a node: under its name, its full name, or a wildcard."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = yaml_text.load(path.read_text(encoding="utf-8"))
+    except yaml_text.YamlTextError as error:
+        raise SetupError(f"{path}:{error.place}: {error}" if error.place else f"{path}: {error}") from error
     except (OSError, UnicodeError) as error:
         raise SetupError(f"{path}: cannot be read: {error}") from error
-    except (yaml.YAMLError, ValueError) as error:
-        raise SetupError(f"{path}: not YAML: {error}") from error
     if not isinstance(content, Mapping):
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
     parameters: dict[str, Any] = {}

@@ -33,7 +33,7 @@ import numpy as np
 from runtime.errors import SetupError, nearest
 from vision.camera import CameraParameters, Floats
 from vision.files import write_whole
-from vision.yaml_file import Item, parse
+from vision.yaml_file import LARGEST, Item, parse
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""
@@ -183,6 +183,6 @@ def _number(item: Item) -> float:
         number = float(item.text or "")
     except ValueError:
         number = math.nan
-    if not math.isfinite(number):
-        raise item.error(f"{item.name} is {item.said}; it is a finite number")
+    if not abs(number) <= LARGEST:  # nan, too
+        raise item.error(f"{item.name} is {item.said}; it is a finite number, and not larger than {LARGEST:g}")
     return number

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +12,11 @@ import numpy as np
 import yaml
 
 from runtime.errors import SetupError, nearest
+from runtime.yaml_text import YamlTextError, compose, construct, said
 from vision.camera import Floats
 
-_MERGE = "tag:yaml.org,2002:merge"
-_NULL = "tag:yaml.org,2002:null"
-_LARGEST = 2**64  # of whole numbers: nothing here counts so far, and larger ones fit no float or no message
-_SHOWN = 40  # characters of a value in a message
+LARGEST = 1e9
+"""No length in metres, angle in degrees or parameter of a camera is as large."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,26 +36,15 @@ class Item:
     @property
     def said(self) -> str:
         """What stands there, for messages: as it is written, or what kind of thing it is."""
-        if isinstance(self.node, yaml.MappingNode):
-            return "a mapping"
-        if isinstance(self.node, yaml.SequenceNode):
-            return f"a list of {len(self.node.value)}"
-        text = str(self.node.value)
-        shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
-        is_quoted = isinstance(self.node, yaml.ScalarNode) and self.node.style is not None
-        return repr(shown) if is_quoted else shown or "nothing"
+        return said(self.node)
 
     @property
     def value(self) -> Any:
         """What YAML makes of it. Raises `SetupError` where that is nothing, such as the 30th of February."""
         try:
-            value = yaml.constructor.SafeConstructor().construct_document(self.node)
-        # PyYAML looks up, matches and converts what a tag promises, and lets through how that fails
-        except (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError) as error:
-            raise self.error(f"{self.name} is {self.said}, of which YAML makes nothing") from error
-        if isinstance(value, int) and abs(value) > _LARGEST:
-            raise self.error(f"{self.name} is {self.said}, which is too large")
-        return value
+            return construct(self.node)
+        except YamlTextError as error:
+            raise self.error(f"{self.name}: {error}") from error
 
     @property
     def text(self) -> str | None:
@@ -66,9 +53,12 @@ class Item:
 
     @property
     def number(self) -> float:
-        """The number that stands there; nan where none does."""
+        """The number that stands there; nan where none does. Raises `SetupError` for one that nothing here can be."""
         value = self.value
-        return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+        number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+        if LARGEST < abs(number) < math.inf:
+            raise self.error(f"{self.name} is {self.said}, which is too large")
+        return number
 
     @property
     def is_mapping(self) -> bool:
@@ -110,7 +100,7 @@ class Item:
             raise self.error(f"{self.name} is {self.said}; it is a list of {count} numbers")
         for item in items:
             if not math.isfinite(item.number):
-                raise item.error(f"{item.name} is {item.said}; it is a finite number")
+                raise item.error(f"{item.name} is {item.said}; it is a finite number, such as 0.5 or 1.0e-3")
         return np.array([item.number for item in items])
 
 
@@ -124,53 +114,8 @@ def read_file(path: Path, what: str) -> Item:
 
 
 def parse(path: Path, text: str) -> Item:
-    """The whole of a file's text; what `<<` merges stands in each mapping before what is its own.
-
-    Raises `SetupError` for what is no YAML, and for a key that stands twice in a mapping.
-    """
+    """The whole of a file's text. Raises `SetupError` for what is no YAML, and for a key that stands twice."""
     try:
-        root = yaml.compose(text, yaml.SafeLoader)
-        if root is None:
-            start = yaml.Mark(str(path), 0, 0, 0, None, 0)
-            root = yaml.ScalarNode(_NULL, "", start, start)
-        mappings = list(_mappings(root))
-        for mapping in mappings:
-            _check_keys(Item(path, mapping, "the file"))
-        for mapping in mappings:
-            yaml.constructor.SafeConstructor().flatten_mapping(mapping)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"{path}:{mark.line + 1}:{mark.column + 1}" if mark else str(path)
-        raise SetupError(f"{where}: no YAML: {getattr(error, 'problem', None) or error}") from error
-    except RecursionError as error:
-        raise SetupError(f"{path}: nested too deeply") from error
-    return Item(path, root, "the file")
-
-
-def _mappings(root: yaml.Node) -> Iterator[yaml.MappingNode]:
-    """Each mapping once, however many aliases it has."""
-    seen: set[int] = set()
-    waiting = deque([root])
-    while waiting:
-        node = waiting.popleft()
-        if id(node) in seen or isinstance(node, yaml.ScalarNode):
-            continue
-        seen.add(id(node))
-        if isinstance(node, yaml.MappingNode):
-            yield node
-            waiting.extend(part for pair in node.value for part in pair)
-        else:
-            waiting.extend(node.value)
-
-
-def _check_keys(mapping: Item) -> None:
-    """Raise `SetupError` for a key that stands there twice, or is neither a name nor a number."""
-    keys: set[Any] = set()
-    for node, _ in mapping.node.value:
-        key = Item(mapping.path, node, "a key")
-        if not isinstance(node, yaml.ScalarNode):
-            raise key.error(f"a key is {key.said}, and no name and no number")
-        value = node.value if node.tag == _MERGE else key.value
-        if value in keys:
-            raise key.error(f"the key {key.said} stands twice in one mapping; keep one of them")
-        keys.add(value)
+        return Item(path, compose(text), "the file")
+    except YamlTextError as error:
+        raise SetupError(f"{path}:{error.place}: {error}" if error.place else f"{path}: {error}") from error

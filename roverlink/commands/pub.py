@@ -6,11 +6,9 @@ import argparse
 import sys
 import time
 
-import yaml
-
 from roverlink import topics
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
-from runtime import SetupError, cdr, load_registry
+from runtime import SetupError, cdr, load_registry, yaml_text
 from runtime.middleware import NAMES, Publisher, open_middleware
 from runtime.values import message_from_values
 
@@ -62,9 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _values(text: str) -> object:
     try:
-        return yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that is none
-        raise SetupError(f"the message {text!r} is not YAML") from error
+        return yaml_text.load(text)
+    except yaml_text.YamlTextError as error:
+        raise SetupError(f"the message: {error}") from error
 
 
 def _wait_for_subscriber(publisher: Publisher, topic: str, seconds: float) -> None:

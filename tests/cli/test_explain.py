@@ -99,6 +99,12 @@ def test_rules_need_no_table(tmp_path: Path, done: Start) -> None:
     assert (code, "there is no mapping.yaml" in errors) == (2, True)
 
 
+def test_what_no_number_can_be_is_told(project: Path, done: Start) -> None:
+    """Nobody waits for a number of a thousand digits to be read."""
+    code, _, errors = done("explain", "9" * 5000, folder=project)
+    assert (code, "Traceback" in errors) == (2, False)
+
+
 def test_without_generated_code_the_rest_is_told(project: Path, done: Start) -> None:
     """The example needs the generated code; the rest does not."""
     shutil.rmtree(project / "generated")

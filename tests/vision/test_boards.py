@@ -52,12 +52,12 @@ def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
         (_GATE.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
         (_GATE.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),
         (
-            _GATE.replace("[-0.2, 0, 0]", "[1.0e+18, 0, 0]"),
+            _GATE.replace("side: 0.1", "side: 1.0e-200"),
             r":3:5: board 'gate': the corners of marker 20 are no square",
         ),
         (
             _GATE.replace("side: 0.2", f"side: {'9' * 400}"),
-            r":6:58: board gate: marker 21: side is 9+\.\.\., .* too large",
+            r":6:58: board gate: marker 21: side: 9+\.\.\. is too large",
         ),
         ("[", r":1:2: no YAML"),
     ],

@@ -96,6 +96,7 @@ def test_what_is_no_recording_is_told(tmp_path: Path, name: str, contents: bytes
         ("frames/run1", "no file or folder 'frames/run1'"),
         ("", "the number of a camera, or a URL"),
         ("ftp://rover/film", "not by ftp"),
+        ("http://[::", "http://\\[::: no URL: Invalid IPv6"),
         ("99", "camera 99 cannot be opened"),
         ("/dev/video98", "camera 98 cannot be opened"),
         ("rtsp://127.0.0.1:1/live", "rtsp://127.0.0.1:1/live cannot be opened"),

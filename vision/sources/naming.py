@@ -45,7 +45,10 @@ def open_source(
 
 def _urls(text: str) -> tuple[str, ...]:
     """A URL, and where else its stream may be."""
-    parts = urlsplit(text)
+    try:
+        parts = urlsplit(text)
+    except ValueError as error:
+        raise SetupError(f"{text}: no URL: {error}") from error
     if parts.scheme.lower() not in SCHEMES:
         raise SetupError(f"{text}: frames come by {', '.join(SCHEMES)}, not by {parts.scheme}")
     if parts.scheme.lower() == "rtsp" or parts.path.endswith(_WEBCAM):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
+from roverlink.board_options import metres
 from roverlink.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_project, command, count, node_logger
 from runtime import ros_args
@@ -97,11 +97,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _side(text: str) -> tuple[int | None, float]:
     """`0.15` for all markers, `7=0.1` for one."""
-    number, _, side = text.rpartition("=")
+    number, separator, side = text.rpartition("=")
     try:
-        found = (int(number) if number else None), float(side)
-    except ValueError:
-        found = None, math.nan
-    if not 0 < found[1] < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither metres above 0 nor ID=METRES")
-    return found
+        return (int(number) if separator else None), metres(side)
+    except (ValueError, argparse.ArgumentTypeError) as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither metres above 0 nor ID=METRES") from error
