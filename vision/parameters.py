@@ -31,8 +31,8 @@ from pathlib import Path
 import numpy as np
 
 from runtime.errors import SetupError, nearest
+from runtime.files import write_whole
 from vision.camera import CameraParameters, Floats
-from vision.files import write_whole
 from vision.yaml_file import LARGEST, Item, parse
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import os
-from collections.abc import Callable
 from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, Subparsers, command
 from runtime import SetupError
+from runtime.files import replacing
 from runtime.recording import EXPORTS
 
 
@@ -37,22 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
     named = arguments.topic.strip("/").replace("/", ".")
     out = arguments.out or arguments.recording.with_suffix(f".{named}.{arguments.to}")
     try:
-        written = _whole(out, lambda path: WRITERS[arguments.to](rows, path))
+        with replacing(out) as part:
+            written = WRITERS[arguments.to](rows, part)
     except OSError as error:
         raise SetupError(f"{out}: cannot be written: {error.strerror or error}") from error
     print(f"{written} messages of {arguments.topic} to {out}")
     return OK if written else FINDINGS
-
-
-def _whole(out: Path, write: Callable[[Path], int]) -> int:
-    """Write a file whole, or leave what is there as it was; a device or a pipe is written to as it is."""
-    if out.exists() and not out.is_file():
-        return write(out)
-    place = out.resolve()  # a link stays a link
-    part = place.with_name(f".{place.name}.{os.getpid()}.part")
-    try:
-        written = write(part)
-        part.replace(place)
-    finally:
-        part.unlink(missing_ok=True)
-    return written

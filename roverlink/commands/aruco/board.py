@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from roverlink.board_options import add_board, board_of, metres
 from roverlink.console import OK, Subparsers, command, counted
 from runtime.errors import SetupError
+from runtime.files import write_whole
 
 if TYPE_CHECKING:
     from vision.printing import Sheet
@@ -55,7 +56,6 @@ def run(arguments: argparse.Namespace) -> int:
     if out.suffix.lower() not in _FORMATS:
         raise SetupError(f"{out}: a sheet is written as {' or '.join(_FORMATS)}")
     from vision import printing  # only here, so that the help needs no OpenCV
-    from vision.files import write_whole
 
     sheets = _sheets(arguments)
     if out.suffix.lower() == ".pdf":
