@@ -55,11 +55,13 @@ class RosMessages:
 
     def _check_recursion(self, row: Row, conversion: ir.Conversion | None) -> None:
         span = row.at("recursion")
-        if row.feed:
+        if conversion is None:
             self.report(WITHOUT_EFFECT.at(span, *without_effect_on_standard("recursion", row)))
+            return
         if row in self.levels.rows_without_effect:
             self.report(WITHOUT_EFFECT.at(span, f"{row.proto} holds no message that holds itself", "remove it"))
-        if conversion is not None and (count := self._count(conversion.ros, self.conversions)) > _LARGEST:
+        count = self._count(conversion.ros, self.conversions)
+        if count > _LARGEST:
             message = f"each {conversion.ros} would hold {count - 1} messages, whether they are set or not"
             self.report(CANNOT_CONVERT.at(span, message, "state a smaller recursion, or make the field repeated"))
 

@@ -55,13 +55,6 @@ class Feed(Handler[P, M]):
     def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:
         return [self.pack(payload, stamp) for payload in payloads]
 
-    def from_cdr(self, data: bytes) -> P:
-        """The payload of a serialized message; `ConversionError` names row, topic and what does not fit."""
-        try:
-            return self.from_ros(cdr.decode(self.message_type, data))
-        except MISFITS as error:
-            raise self._named(error) from error
-
     def _named(self, error: Exception) -> ConversionError:
         return ConversionError(f"{self.route.name} on {self.route.topic}: {error}")
 

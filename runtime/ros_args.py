@@ -179,7 +179,7 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
     try:
         content = yaml_text.load(path.read_text(encoding="utf-8"))
     except yaml_text.YamlTextError as error:
-        raise SetupError(f"{path}:{error.place}: {error}" if error.place else f"{path}: {error}") from error
+        raise SetupError(error.in_file(path)) from error
     except (OSError, UnicodeError) as error:
         raise SetupError(f"{path}: cannot be read: {error}") from error
     if not isinstance(content, Mapping):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -23,8 +24,11 @@ class YamlTextError(ValueError):
 
     def __init__(self, problem: str, mark: yaml.Mark | None = None) -> None:
         super().__init__(problem)
-        self.place = f"{mark.line + 1}:{mark.column + 1}" if mark else ""
-        """Line and column; empty where that is the whole."""
+        self._place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+
+    def in_file(self, path: Path) -> str:
+        """The same of a file's text: path, line and column, and what is wrong there."""
+        return f"{path}{self._place}: {self}"
 
 
 def load(text: str) -> Any:

@@ -98,10 +98,13 @@ class Item:
         items = self.items(f"a number of {self.name}")
         if items is None or len(items) != count:
             raise self.error(f"{self.name} is {self.said}; it is a list of {count} numbers")
+        numbers = []
         for item in items:
-            if not math.isfinite(item.number):
+            number = item.number
+            if not math.isfinite(number):
                 raise item.error(f"{item.name} is {item.said}; it is a finite number, such as 0.5 or 1.0e-3")
-        return np.array([item.number for item in items])
+            numbers.append(number)
+        return np.array(numbers)
 
 
 def read_file(path: Path, what: str) -> Item:
@@ -118,4 +121,4 @@ def parse(path: Path, text: str) -> Item:
     try:
         return Item(path, compose(text), "the file")
     except YamlTextError as error:
-        raise SetupError(f"{path}:{error.place}: {error}" if error.place else f"{path}: {error}") from error
+        raise SetupError(error.in_file(path)) from error
