@@ -9,10 +9,8 @@ from google.protobuf.descriptor_pb2 import (
     EnumDescriptorProto,
     EnumValueDescriptorProto,
     FieldDescriptorProto,
-    FieldOptions,
     FileDescriptorProto,
     FileDescriptorSet,
-    MessageOptions,
 )
 
 from generator.features import Features, features_of_file, label_of, overridden, syntax_of_file
@@ -21,7 +19,6 @@ from generator.places import Path, Places
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema
 
 _SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
-_PACKABLE = frozenset(_SCALARS.values()) - {"string", "bytes", "message", "group"}
 
 _FILE_MESSAGE, _FILE_ENUM, _FILE_EXTENSION = 4, 5, 7
 _MESSAGE_FIELD, _MESSAGE_NESTED, _MESSAGE_ENUM, _MESSAGE_EXTENSION = 2, 3, 4, 6
@@ -39,9 +36,6 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
         file_options={file.name: file.options.SerializeToString() for file in compiled.file},
         packages={file.name: file.package for file in compiled.file},
         syntaxes={file.name: syntax_of_file(file) for file in compiled.file},
-        public_imports={
-            file.name: tuple(file.dependency[index] for index in file.public_dependency) for file in compiled.file
-        },
     )
 
 
@@ -58,7 +52,7 @@ class _FileReader:
         for index, message in enumerate(file.message_type):
             self._message(message, prefix, (_FILE_MESSAGE, index), features)
         for index, enum in enumerate(file.enum_type):
-            self._enum(enum, prefix, (_FILE_ENUM, index), features)
+            self._enum(enum, prefix, (_FILE_ENUM, index))
         self._extensions(file.extension, "", (_FILE_EXTENSION,), features)
 
     def _message(
@@ -73,7 +67,7 @@ class _FileReader:
             of_map = maps.get(f"{full_name}.{nested.name}") if nested.options.map_entry else None
             self._message(nested, f"{full_name}.", (*path, _MESSAGE_NESTED, index), features, of_map)
         for index, enum in enumerate(message.enum_type):
-            self._enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index), features)
+            self._enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index))
         self._extensions(message.extension, full_name, (*path, _MESSAGE_EXTENSION), features)
 
     def _itself(
@@ -97,7 +91,7 @@ class _FileReader:
             extension_ranges=tuple((range.start, range.end - 1) for range in message.extension_range),
             reserved=tuple((range.start, range.end - 1) for range in message.reserved_range),
             reserved_names=tuple(message.reserved_name),
-            facets=_facets_of_message(message.options, features),
+            facets=_facets(message_set_wire_format=message.options.message_set_wire_format),
         )
 
     def _extensions(self, fields: Iterable[FieldDescriptorProto], scope: str, path: Path, inherited: Features) -> None:
@@ -133,8 +127,7 @@ class _FileReader:
             facets=_facets_of_field(field, message, features),
         )
 
-    def _enum(self, enum: EnumDescriptorProto, prefix: str, path: Path, inherited: Features) -> None:
-        features = overridden(inherited, enum.options.features)
+    def _enum(self, enum: EnumDescriptorProto, prefix: str, path: Path) -> None:
         reserved = tuple((range.start, range.end) for range in enum.reserved_range)  # here, both ends are included
         self.enums.append(
             ProtoEnum(
@@ -147,7 +140,6 @@ class _FileReader:
                 values=tuple(self._value(value, (*path, _ENUM_VALUE, index)) for index, value in enumerate(enum.value)),
                 reserved=reserved,
                 reserved_names=tuple(enum.reserved_name),
-                facets=_facets(enum_type=features["enum_type"], json_format=features["json_format"]),
             )
         )
 
@@ -167,32 +159,11 @@ def _in_oneof(field: FieldDescriptorProto) -> bool:
     return field.HasField("oneof_index") and not field.proto3_optional
 
 
-def _facets_of_message(options: MessageOptions, features: Features) -> dict[str, str]:
-    return _facets(
-        message_set_wire_format=options.message_set_wire_format,
-        no_standard_descriptor_accessor=options.no_standard_descriptor_accessor,
-        json_format=features["json_format"],
-    )
-
-
 def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, features: Features) -> dict[str, str]:
-    is_text = field.type == FieldDescriptorProto.TYPE_STRING
     return _facets(
         default=field.default_value,
-        packed=_packed(field, features),
         delimited=features["message_encoding"] == "DELIMITED" and _may_be_delimited(field, message),
-        utf8_validation=features["utf8_validation"] if is_text else "",
-        java_utf8_validation=_java_utf8_validation(features) if is_text else "",
-        cpp_string_type=_cpp_string_type(field, features),
-        ctype=_ctype(field.options),
-        jstype=_jstype(field.options),
     )
-
-
-def _packed(field: FieldDescriptorProto, features: Features) -> bool:
-    if field.label != FieldDescriptorProto.LABEL_REPEATED or _SCALARS[field.type] not in _PACKABLE:
-        return False
-    return field.options.packed if field.options.HasField("packed") else features["repeated_field_encoding"] == "PACKED"
 
 
 def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:
@@ -202,25 +173,6 @@ def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> 
         for nested in message.nested_type
     )
     return field.type == FieldDescriptorProto.TYPE_MESSAGE and not of_map and not message.options.map_entry
-
-
-def _java_utf8_validation(features: Features) -> str:
-    own = features["java_utf8_validation"]
-    return features["utf8_validation"] if own == "DEFAULT" else own
-
-
-def _cpp_string_type(field: FieldDescriptorProto, features: Features) -> str:
-    if field.type not in (FieldDescriptorProto.TYPE_STRING, FieldDescriptorProto.TYPE_BYTES):
-        return ""
-    return _ctype(field.options) or features["cpp_string_type"]
-
-
-def _ctype(options: FieldOptions) -> str:
-    return FieldOptions.CType.Name(options.ctype) if options.HasField("ctype") else ""
-
-
-def _jstype(options: FieldOptions) -> str:
-    return FieldOptions.JSType.Name(options.jstype) if options.HasField("jstype") else ""
 
 
 def _facets(**given: str | bool) -> dict[str, str]:

@@ -47,7 +47,7 @@ class ProtoField(Declared):
     json_name: str
     """Its name in JSON; empty where that is not known."""
     facets: Mapping[str, str] = field(hash=False)
-    """What else changes the code that is generated for it, or its bytes: ``default``, ``packed``, ``jstype``..."""
+    """What else changes how its bytes are read: ``default``; ``delimited`` if it is framed as a group is."""
 
     @property
     def repeated(self) -> bool:
@@ -85,7 +85,7 @@ class ProtoMessage(Declared):
     reserved: Ranges
     reserved_names: tuple[str, ...]
     facets: Mapping[str, str] = field(hash=False)
-    """Options that change its bytes or its JSON."""
+    """Options that change its bytes: ``message_set_wire_format``."""
 
     @property
     def extendable(self) -> bool:
@@ -121,8 +121,6 @@ class ProtoEnum(Declared):
     values: tuple[ProtoEnumValue, ...]
     reserved: Ranges
     reserved_names: tuple[str, ...]
-    facets: Mapping[str, str] = field(hash=False)
-    """Whether it is open or closed, and its JSON."""
 
     def on_the_wire(self) -> ir.WireEnum:
         """What of it is visible in bytes."""
@@ -183,22 +181,10 @@ class Schema:
     packages: Mapping[str, str] = field(default_factory=dict)
     """The package of each file; empty for one without."""
     syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
-    public_imports: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """What each file hands on to those that import it."""
 
     def syntax_of(self, file: str) -> Syntax:
         """How a file is written, as far as that is known."""
         return self.syntaxes.get(file, Syntax(""))
-
-    def hands_on(self, file: str, other: str) -> bool:
-        """Whether who imports a file has what another one declares as well."""
-        waiting, seen = [file], set[str]()
-        while waiting:
-            one = waiting.pop()
-            if one not in seen:
-                seen.add(one)
-                waiting += self.public_imports.get(one, ())
-        return other in seen
 
     def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
         """The messages and the enums that can travel inside messages, those themselves included."""

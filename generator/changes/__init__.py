@@ -4,7 +4,6 @@ Messages and enums are paired by their full names, wherever they stand; fields a
 by the message that they extend and their number. That is how bytes find them.
 """
 
-from generator.changes.breaks import Breaks
 from generator.changes.pairing import (
     EnumPair,
     FieldPair,
@@ -20,7 +19,6 @@ from generator.changes.pairing import (
 from generator.changes.reporting import each_once, earlier
 
 __all__ = [
-    "Breaks",
     "EnumPair",
     "FieldPair",
     "MessagePair",

@@ -1,21 +1,18 @@
-"""How many values a field holds, and what it breaks that it holds another number of them.
+"""How many values a field holds, and whether bytes are misread if it holds another number of them.
 
 After protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"): singular and repeated are
 not safe to exchange, since a packed list of numbers is no number, and of several values only one survives. A map is a
-repeated message on the wire, and an object rather than an array in JSON. Whether absence can be told from zero is
-visible in generated code alone.
+repeated message on the wire.
 """
 
 from __future__ import annotations
 
-from generator.changes.breaks import Breaks
 from generator.changes.pairing import FieldPair
 from generator.protos import ProtoField, ProtoMessage, Schema
 
 IMPLICIT, EXPLICIT, REQUIRED = "singular without presence", "singular with presence", "required"
 REPEATED, MAP = "repeated", "a map"
 
-_IN_JSON = {IMPLICIT: EXPLICIT}
 _ON_THE_WIRE = {IMPLICIT: EXPLICIT, MAP: REPEATED}
 
 
@@ -43,13 +40,9 @@ def is_map_entry(message: ProtoMessage) -> bool:
     return message.full_name.endswith("Entry") and sorted((one.number, one.name) for one in message.fields) == form
 
 
-def broken_by_cardinality(old: str, new: str) -> Breaks:
-    """What it breaks to have one cardinality in place of another."""
-    if old == new:
-        return Breaks.NOTHING
-    if _ON_THE_WIRE.get(old, old) != _ON_THE_WIRE.get(new, new):
-        return Breaks.WIRE
-    return Breaks.JSON if _IN_JSON.get(old, old) != _IN_JSON.get(new, new) else Breaks.CODE
+def broken_by_cardinality(old: str, new: str) -> bool:
+    """Tell whether bytes are misread with one cardinality in place of another."""
+    return _ON_THE_WIRE.get(old, old) != _ON_THE_WIRE.get(new, new)
 
 
 def only_required(old: str, new: str) -> bool:

@@ -115,12 +115,3 @@ def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str
     held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]
     found = moved + [f"what reserves {' and '.join(held)}"] * bool(held)
     return f" in place of {', and '.join(found)}" if found else ""
-
-
-def type_feature(pair: MessagePair | EnumPair, feature: str, value: str) -> str:
-    """How to give a message or an enum a feature that it had, where that can be written, or else by its syntax."""
-    of_map = isinstance(pair, MessagePair) and pair.new.map_entry
-    owner = pair.new.full_name.rpartition(".")[0] if of_map else pair.new.full_name
-    if pair.syntax.is_edition:
-        return f"write `option features.{feature} = {value};` in {owner}"
-    return f"put back `{pair.change.before.syntax_of(pair.old.file).statement}`"

@@ -1,4 +1,4 @@
-"""What it breaks that a field stands in another oneof.
+"""Whether bytes are misread if a field stands in another oneof.
 
 A receiver that sees two members of a oneof keeps the last and drops the other. So what counts on the wire is with which
 fields a field shares a oneof, among those that both sides know (protobuf.dev/programming-guides/proto3, "Updating A
@@ -7,25 +7,17 @@ Message Type" and "Backwards-compatibility issues" of oneofs). The oneof's name 
 
 from __future__ import annotations
 
-from generator.changes.breaks import Breaks
 from generator.changes.pairing import FieldPair
 from generator.protos import ProtoField, ProtoMessage
 
 
-def broken_by_oneof(pair: FieldPair) -> Breaks:
-    """What it breaks that a field is in the oneof that it is in now, or in none."""
+def broken_by_oneof(pair: FieldPair) -> bool:
+    """Tell whether bytes are misread because a field is in the oneof that it is in now, or in none."""
     if pair.messages is None or pair.old.oneof == pair.new.oneof:
-        return Breaks.NOTHING
+        return False
     old, new = pair.messages.old, pair.messages.new
     shared = {field.number for field in old.fields} & {field.number for field in new.fields}
-    alike = partners(old, pair.old) & shared == partners(new, pair.new) & shared
-    return Breaks.CODE if alike else Breaks.WIRE
-
-
-def said_of_the_oneof(pair: FieldPair) -> bool:
-    """Whether the oneof that a field was in is gone, which is said once for all of its fields, and nothing else is."""
-    gone = pair.messages is not None and pair.old.oneof not in ("", *pair.messages.new.oneofs)
-    return gone and broken_by_oneof(pair) is Breaks.CODE
+    return partners(old, pair.old) & shared != partners(new, pair.new) & shared
 
 
 def partners(message: ProtoMessage, field: ProtoField) -> set[int]:

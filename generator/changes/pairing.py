@@ -51,8 +51,6 @@ class FieldPair:
     """The messages that it is declared in; None for an extension."""
     files: tuple[str, str]
     """Where it was and is declared."""
-    moved: bool = False
-    """Whether it is an extension that is declared in another scope than before, which is part of its name."""
 
     @property
     def old_syntax(self) -> Syntax:
@@ -100,8 +98,7 @@ def fields(change: Change) -> Iterator[FieldPair]:
     for key, new in extensions_by_number(change.after).items():
         if key in before:
             old = before[key]
-            files, moved = (old.file, new.file), old.scope != new.scope
-            yield FieldPair(change, new.extendee, old.field, new.field, None, files, moved)
+            yield FieldPair(change, new.extendee, old.field, new.field, None, (old.file, new.file))
 
 
 def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes.breaks import Breaks
 from generator.changes.cardinality import broken_by_cardinality, cardinalities, only_required
 from generator.changes.numbers import next_field_number
 from generator.changes.oneofs import broken_by_oneof
@@ -54,9 +53,9 @@ def _misplaced(pair: MessagePair) -> Iterator[ProtoField]:
 def _is_another(pair: FieldPair) -> bool:
     cardinality = cardinalities(pair)
     return (
-        broken_by_type(pair) in (Breaks.WIRE, Breaks.JSON)
-        or (broken_by_cardinality(*cardinality) is Breaks.WIRE and not only_required(*cardinality))
-        or broken_by_oneof(pair) is Breaks.WIRE
+        broken_by_type(pair)
+        or (broken_by_cardinality(*cardinality) and not only_required(*cardinality))
+        or broken_by_oneof(pair)
         or rename(pair) in (Rename.MEANING, Rename.UNIT)
     )
 

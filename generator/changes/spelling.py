@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import defaults
-from generator.changes.breaks import Breaks
 from generator.changes.cardinality import is_map
 from generator.changes.pairing import FieldPair, MessagePair, written
 from generator.changes.types import kind
@@ -15,14 +14,12 @@ from generator.protos import ProtoEnum, ProtoField, Schema, Syntax
 _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}
 
 
-def declaration(
-    field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None, json_name: str = ""
-) -> str:
-    """A field as it is declared in a message, in a file of a syntax, with the number and JSON's name that are given."""
+def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None) -> str:
+    """A field as it is declared in a message, in a file of a syntax, with the number that is given."""
     is_group = field.type == "group" and not syntax.is_edition
     name = field.type_name.rpartition(".")[2] if is_group else field.name
     type = "group" if is_group else type_of(field, schema, owner)
-    options = ", ".join(_options(field, schema, syntax, json_name))
+    options = ", ".join(_options(field, schema, syntax))
     options = f" [{options}]" if options else ""
     end = " { ... }" if is_group else ";"
     return f"{_label(field, schema, syntax)}{type} {name} = {number or field.number}{options}{end}"
@@ -46,11 +43,9 @@ def _label(field: ProtoField, schema: Schema, syntax: Syntax) -> str:
     return "optional " if field.optional or syntax.name == "proto2" else ""
 
 
-def _options(field: ProtoField, schema: Schema, syntax: Syntax, json_name: str) -> Iterator[str]:
+def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]:
     if "default" in field.facets and syntax.name != "proto3":
         yield f"default = {defaults.shown(field, schema)}"
-    if json_name:
-        yield f'json_name = "{json_name}"'
     if not syntax.is_edition:
         return
     holds_message = field.type in ("message", "group")
@@ -81,7 +76,7 @@ def value_place(enum: ProtoEnum, number: int) -> Span:
     return next((value.span for value in enum.values if value.number == number), enum.span)
 
 
-def retyping(pair: FieldPair, breaks: Breaks) -> str:
+def retyping(pair: FieldPair) -> str:
     """That a field has another type, and what happens to values between two sides of which each has one of them."""
     old, new = pair.old, pair.new
     old_type = type_text(old, pair.change.before, pair.owner)
@@ -93,7 +88,7 @@ def retyping(pair: FieldPair, breaks: Breaks) -> str:
         of_map = written(pair).new
         what = f"the {new.name} of the map {of_map.name} = {of_map.number}"
     comma = "," if kind(old) == "group" else ""
-    return f"{what} was {old_type}{comma} and is {new_type} now: {consequence(old, new, breaks)}"
+    return f"{what} was {old_type}{comma} and is {new_type} now: {_misreading(kind(old), kind(new))}"
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
@@ -120,22 +115,6 @@ _WIRE_TYPES = {
     **dict.fromkeys(("string", "bytes", "message"), "length and bytes"),
     "group": "group",
 }
-
-
-def consequence(old: ProtoField, new: ProtoField, breaks: Breaks) -> str:
-    """What happens to values between two sides of which each has one of the types."""
-    old_kind, new_kind = kind(old), kind(new)
-    if breaks is Breaks.WIRE:
-        return _misreading(old_kind, new_kind)
-    if breaks is Breaks.JSON and "enum" in (old_kind, new_kind) and old_kind != new_kind:
-        return "the bytes are the same, but JSON has an enum's names"
-    if breaks is Breaks.JSON and (old_kind, new_kind) == ("string", "bytes"):
-        return "the bytes are the same, but JSON has bytes in base64"
-    if breaks is Breaks.JSON and old_kind != new_kind:
-        return "numbers that do not fit are cut off in silence, and JSON has another form"
-    if old_kind != new_kind:
-        return "negative numbers are read as large ones, and large ones as negative"
-    return "the bytes are the same" + (", but JSON is not" if breaks is Breaks.JSON else "")
 
 
 def _misreading(old: str, new: str) -> str:

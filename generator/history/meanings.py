@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection
 from functools import lru_cache
 
-from generator.changes import Breaks
 from generator.changes.types import broken_by_kind
 from generator.changes.words import share_a_word, words
 from generator.declarations import SCALARS
@@ -33,7 +32,7 @@ def _types_agree(old: Fact, new: Fact) -> bool:
     """Whether types are one as far as they can be told from what is written."""
     scalars = [fact.type in SCALARS for fact in (old, new)]
     if all(scalars):
-        return broken_by_kind(old.type, new.type) is not Breaks.WIRE
+        return not broken_by_kind(old.type, new.type)
     if any(scalars):  # the other may be an enum
         return old.name == new.name and (old.type if scalars[0] else new.type) in _ENUM_LIKE
     return old.name == new.name or simple(old.type) == simple(new.type)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations, groupby
 
-from generator.changes import Breaks
 from generator.changes.types import broken_by_kind
 from generator.declarations import SCALARS
 from generator.history.lives import Lived
@@ -63,7 +62,7 @@ class Reuses:
             return self._reuse(kind, earlier, later, None, None)
         contents = self._content(earlier, before), self._content(later, after)
         if old.type in SCALARS and new.type in SCALARS:
-            wire = broken_by_kind(old.type, new.type) is Breaks.WIRE
+            wire = broken_by_kind(old.type, new.type)
             return self._reuse(Kind.RETYPED if wire else _by_name(old, new), earlier, later, *contents)
         if old.type in SCALARS or new.type in SCALARS:
             return self._reuse(self._scalar_or_not(old, new, contents), earlier, later, *contents)
@@ -74,7 +73,7 @@ class Reuses:
         content = contents[0] or contents[1]
         enum = content is not None and content.enum
         kinds = [fact.type if fact.type in SCALARS else "enum" if enum else "message" for fact in (old, new)]
-        return Kind.RETYPED if broken_by_kind(kinds[0], kinds[1]) is Breaks.WIRE else _by_name(old, new)
+        return Kind.RETYPED if broken_by_kind(kinds[0], kinds[1]) else _by_name(old, new)
 
     def _by_content(
         self, earlier: Lived, later: Lived, before: int, after: int, contents: tuple[Content | None, Content | None]

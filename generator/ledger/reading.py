@@ -157,7 +157,6 @@ def _add(owner: Owner, match: re.Match[str], span: Span) -> None:
         owner.numbers.append(Number(_fact(owner, found), found["gone"] is not None, span))
     elif found["name"]:
         owner.reserved_names.append(found["name"])
-        owner.places[f"reserved {found['name']}"] = span
     else:
         first = int(found["first"])
         owner.reserved.append((first, int(found["last"] or first)))

@@ -74,5 +74,4 @@ def _enum(name: str, owner: Owner) -> ProtoEnum:
         ),
         reserved=tuple(owner.reserved),
         reserved_names=tuple(owner.reserved_names),
-        facets={},
     )

@@ -19,7 +19,7 @@ from generator.subject import Subject
 from generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
-_OF_CHANGES = ("WIR", "JSN", "SRC")
+_OF_CHANGES = "WIR"
 
 
 class RuleModule(Protocol):
@@ -51,7 +51,7 @@ def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Fi
     """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
-    told = {*payloads, None} if payloads else payloads  # None: a reserved name, which is that of such a payload
+    told = {*payloads, None} if payloads else payloads  # None: reserved numbers, which are those of such payloads
     for one in found:
         if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
             yield one

@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator import ir
-from generator.changes import Breaks
 from generator.changes.cures import reserve
 from generator.changes.numbers import next_field_number
 from generator.changes.spelling import declaration
@@ -52,7 +51,7 @@ def _is_the_same(number: Number, field: ProtoField) -> bool:
     fact = number.fact
     if not isinstance(fact, ir.WireField) or fact.name != field.name:
         return False
-    return fact.type == field.wire_type or broken_by_kind(fact.type, field.wire_type) is not Breaks.WIRE
+    return fact.type == field.wire_type or not broken_by_kind(fact.type, field.wire_type)
 
 
 def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, number: Number, free: int | None) -> Finding:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, MessagePair, each_once, earlier, fields_of_messages, messages
+from generator.changes import MessagePair, each_once, earlier, fields_of_messages, messages
 from generator.changes.renames import Rename, rename
 from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule
@@ -52,7 +52,7 @@ def _counts(pair: MessagePair) -> tuple[int, int]:
     same = 0
     pairs = list(fields_of_messages(pair))
     for one in pairs:
-        retyped = broken_by_type(one) is Breaks.WIRE
+        retyped = broken_by_type(one)
         renamed = one.old.name != one.new.name
         same += not (renamed if retyped else rename(one) is Rename.MEANING)
     return len(pairs) - same, same

@@ -18,7 +18,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from generator.changes import Breaks, FieldPair, each_once, earlier, fields
+from generator.changes import FieldPair, each_once, earlier, fields
 from generator.changes.cures import back
 from generator.changes.defaults import default, default_changed, shown
 from generator.changes.spelling import declaration
@@ -36,7 +36,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _findings(change: Change) -> Iterator[Finding]:
     for pair in fields(change):
-        if default_changed(pair) and broken_by_type(pair) is not Breaks.WIRE:
+        if default_changed(pair) and not broken_by_type(pair):
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)
             yield RULE.at(
                 pair.new.at("default"),

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, FieldPair, each_once, earlier, fields
+from generator.changes import FieldPair, each_once, earlier, fields
 from generator.changes.cardinality import broken_by_cardinality, cardinalities, only_required, shown
 from generator.changes.cures import back_or_renumber, was
 from generator.changes.renumbering import NewNumbers
@@ -36,7 +36,7 @@ def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         old, new = cardinalities(pair)
-        if broken_by_cardinality(old, new) is Breaks.WIRE and not only_required(old, new):
+        if broken_by_cardinality(old, new) and not only_required(old, new):
             yield RULE.at(
                 pair.new.span,
                 f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}",

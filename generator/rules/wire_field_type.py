@@ -17,11 +17,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes import each_once, earlier, fields
 from generator.changes.cures import back_or_renumber, was
 from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import retyping, type_place
-from generator.changes.types import retyped
+from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
@@ -35,12 +35,13 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     numbers = NewNumbers(subject, change)
-    for pair in retyped(change, fields(change), Breaks.WIRE):
-        yield RULE.at(
-            type_place(pair.new),
-            retyping(pair, Breaks.WIRE),
-            back_or_renumber(numbers, pair),
-            earlier(change, type_place(pair.old), f"it was `{was(pair)}` here"),
-            type=pair.owner,
-            number=pair.new.number,
-        )
+    for pair in fields(change):
+        if broken_by_type(pair):
+            yield RULE.at(
+                type_place(pair.new),
+                retyping(pair),
+                back_or_renumber(numbers, pair),
+                earlier(change, type_place(pair.old), f"it was `{was(pair)}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes import each_once, earlier, fields
 from generator.changes.cures import back_or_renumber
 from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text
 from generator.changes.renumbering import NewNumbers
@@ -35,7 +35,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
-        if broken_by_oneof(pair) is Breaks.WIRE:
+        if broken_by_oneof(pair):
             yield RULE.at(
                 pair.new.span,
                 f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",

@@ -10,16 +10,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from comparing import FAMILIES, TABLE, changes_found, compiled, found
+from comparing import FAMILY, TABLE, changes_found, compiled, found
 from hypothesis import given
 from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
 
 from generator import ir, rules
-from generator.changes import Breaks
 from generator.changes.cardinality import EXPLICIT, IMPLICIT, MAP, REPEATED, REQUIRED, broken_by_cardinality
 from generator.changes.ranges import covers, missing, spelled
-from generator.changes.renames import derived_json_name
 from generator.changes.spelling import from_within
 from generator.changes.types import broken_by_kind
 from generator.changes.units import disagree, factor, measure
@@ -36,14 +34,14 @@ LINT_CASES = Path(__file__).parent / "cases"
 CASES = {
     # --- what a new name says ---
     "another_thing": ("message A { float voltage = 1; }", "message A { float temperature = 1; }", "WIR114 1"),
-    "a_word_in_common": ("message A { float heading = 1; }", "message A { float heading_angle = 1; }", "JSN104 1"),
-    "a_word_cut_short": ("message A { float temp = 1; }", "message A { float temperature = 1; }", "JSN104 1"),
+    "a_word_in_common": ("message A { float heading = 1; }", "message A { float heading_angle = 1; }", ""),
+    "a_word_cut_short": ("message A { float temp = 1; }", "message A { float temperature = 1; }", ""),
     "only_a_number_in_common": ("message A { float wheel_1 = 1; }", "message A { float arm_1 = 1; }", "WIR114 1"),
     "only_a_unit_in_common": ("message A { float reach_mm = 1; }", "message A { float width_mm = 1; }", "WIR114 1"),
     "json_name_kept": (
         "message A { float voltage = 1; }",
         'message A { float supply = 1 [json_name = "voltage"]; }',
-        "SRC104 1",
+        "",
     ),
     "names_swapped": (
         "message A { float accel_x = 1; float accel_y = 2; }",
@@ -57,8 +55,8 @@ CASES = {
     "scale": ("message A { int32 angle_x100 = 1; }", "message A { int32 angle_x10 = 1; }", "WIR115 1"),
     "relative": ("message A { float position = 1; }", "message A { float delta_position = 1; }", "WIR115 1"),
     "rate": ("message A { float angle_deg = 1; }", "message A { float angle_deg_per_s = 1; }", "WIR115 1"),
-    "unit_added": ("message A { float angle = 1; }", "message A { float angle_deg = 1; }", "JSN104 1"),
-    "unit_of_a_text": ("message A { string size_mm = 1; }", "message A { string size_m = 1; }", "JSN104 1"),
+    "unit_added": ("message A { float angle = 1; }", "message A { float angle_deg = 1; }", ""),
+    "unit_of_a_text": ("message A { string size_mm = 1; }", "message A { string size_m = 1; }", ""),
     # --- whole messages ---
     "content_replaced": (
         "message A { float voltage = 1; float current = 2; int32 load = 3; }",
@@ -84,12 +82,12 @@ CASES = {
     "message_renamed": (
         "message A { float x = 1; } message C { A a = 1; }",
         "message B { float x = 1; } message C { B a = 1; }",
-        "SRC101 1, SRC107 None",
+        "",
     ),
     "message_of_other_names": (
         "message A { float x = 1; } message B { float y = 1; } message C { A a = 1; }",
         "message A { float x = 1; } message B { float y = 1; } message C { B a = 1; }",
-        "JSN101 1",
+        "",
     ),
     "message_that_lacks_a_field": (
         "message A { float x = 1; float y = 2; } message B { float x = 1; } message C { A a = 1; }",
@@ -99,29 +97,29 @@ CASES = {
     "message_with_itself_inside": (
         "message A { A a = 1; } message C { A a = 1; }",
         "message B { B a = 1; } message C { B a = 1; }",
-        "SRC101 1, SRC107 None",
+        "",
     ),
     "map_of_another_type_with_a_number_of_its_own": (
         "message A { map<string, int32> counts = 1; }",
         "message A { map<string, float> counts = 2; reserved 1; }",
-        "SRC102 1",
+        "",
     ),
     "map_renamed": (
         "message A { map<string, int32> item_counts = 1; }",
         "message A { map<string, int32> counts = 1; }",
-        "JSN104 1",
+        "",
     ),
     "integer_to_enum": (
         "enum E { E_NO = 0; } message A { uint32 mode = 1; }",
         "enum E { E_NO = 0; } message A { E mode = 1; }",
-        "JSN101 1",
+        "",
     ),
     # --- oneofs ---
-    "into_a_oneof_alone": ("message A { int32 x = 1; }", "message A { oneof o { int32 x = 1; } }", "SRC106 1"),
+    "into_a_oneof_alone": ("message A { int32 x = 1; }", "message A { oneof o { int32 x = 1; } }", ""),
     "into_a_oneof_with_new_ones": (
         "message A { int32 x = 1; }",
         "message A { oneof o { int32 x = 1; int32 y = 2; } }",
-        "SRC106 1",
+        "",
     ),
     "into_a_oneof_together": (
         "message A { int32 x = 1; int32 y = 2; }",
@@ -157,7 +155,7 @@ def found_in_cases(tmp_path_factory: pytest.TempPathFactory) -> list[Finding]:
 def test_case(name: str, found_in_cases: list[Finding]) -> None:
     """Each case has the findings that it says, and no others."""
     ours = [finding for finding in found_in_cases if finding.type.startswith(f"{name}.")]
-    assert sorted(f"{finding.rule.id} {finding.number}" for finding in ours) == CASES[name][2].split(", ")
+    assert ", ".join(sorted(f"{finding.rule.id} {finding.number}" for finding in ours)) == CASES[name][2]
 
 
 def test_what_is_said_of_units(found_in_cases: list[Finding]) -> None:
@@ -179,7 +177,7 @@ def _as_ledger(schema: Schema) -> Schema:
         extensions=(),
         messages={name: _message_of_ledger(message) for name, message in schema.messages.items()},
         enums={
-            name: dataclasses.replace(enum, file="", facets={}, places={}, span=Span("mapping.lock", 9))
+            name: dataclasses.replace(enum, file="", places={}, span=Span("mapping.lock", 9))
             for name, enum in schema.enums.items()
         },
     )
@@ -300,14 +298,10 @@ def test_the_next_free_number(tmp_path: Path) -> None:
 
 
 def test_severity_by_what_breaks() -> None:
-    """The family says how grave a fault is, but for what does no harm and for what only seems to be one."""
-    grave = {"WIR": Severity.ERROR, "JSN": Severity.WARNING, "SRC": Severity.WARNING}
-    others = {
-        id: module.RULE.severity
-        for id, module in rules.modules().items()
-        if id[:3] in grave and module.RULE.severity is not grave[id[:3]]
-    }
-    assert others == {"WIR115": Severity.WARNING, "SRC102": Severity.HINT, "SRC113": Severity.HINT}
+    """Whatever lets bytes be misread is an error, but for what only seems to be one."""
+    severities = {id: module.RULE.severity for id, module in rules.modules().items() if id.startswith(FAMILY)}
+    others = {id: severity for id, severity in severities.items() if severity is not Severity.ERROR}
+    assert others == {"WIR115": Severity.WARNING}
 
 
 # --- what holds for any ---
@@ -319,7 +313,7 @@ _CARDINALITIES = (IMPLICIT, EXPLICIT, REQUIRED, REPEATED, MAP)
 @given(st.sampled_from(_KINDS.split()), st.sampled_from(_KINDS.split()))
 def test_types_break_both_ways(one: str, other: str) -> None:
     """A type does not break itself, and what one breaks the way back breaks; but a string's bytes are always bytes."""
-    assert (broken_by_kind(one, other) is Breaks.NOTHING) == (one == other)
+    assert not broken_by_kind(one, one)
     if {one, other} != {"string", "bytes"}:
         assert broken_by_kind(one, other) is broken_by_kind(other, one)
 
@@ -327,7 +321,7 @@ def test_types_break_both_ways(one: str, other: str) -> None:
 @given(st.sampled_from(_CARDINALITIES), st.sampled_from(_CARDINALITIES))
 def test_cardinalities_break_both_ways(one: str, other: str) -> None:
     """A cardinality does not break itself, and what one breaks the way back breaks."""
-    assert (broken_by_cardinality(one, other) is Breaks.NOTHING) == (one == other)
+    assert not broken_by_cardinality(one, one)
     assert broken_by_cardinality(one, other) is broken_by_cardinality(other, one)
 
 
@@ -381,11 +375,8 @@ def test_words(name: str, expected: list[str]) -> None:
     assert words(name) == expected
 
 
-def test_names_that_follow() -> None:
-    """JSON's name follows from a field's, and inside a message a type's full name is cut short."""
-    assert [derived_json_name(name) for name in ("label", "stamp_fixed", "_a_", "fooBar")] == [
-        *("label", "stampFixed", "A", "fooBar"),
-    ]
+def test_types_as_their_message_names_them() -> None:
+    """Inside a message, a type's full name is cut short."""
     assert from_within("rover.Telemetry", "rover.Vector") == "Vector"
     assert from_within("rover.Telemetry", "rover.Telemetry.Wheel") == "Wheel"
     assert from_within("rover.Telemetry", "google.protobuf.Timestamp") == "google.protobuf.Timestamp"
@@ -393,12 +384,10 @@ def test_names_that_follow() -> None:
 
 # --- what is to be written instead ---
 
-_BAD = [folder for folder in sorted(LINT_CASES.glob("*_bad*")) if folder.name.startswith(FAMILIES)]
+_BAD = [folder for folder in sorted(LINT_CASES.glob("*_bad*")) if folder.name.startswith(FAMILY)]
 _SAID = re.compile(r"(?P<verb>remove )?`(?P<code>[^`]+;)`(?P<rest>[^`]*)")
 _ELSEWHERE = ("import ", "syntax ", "edition ", "extend ")
 _NOT_ALONE = (" for the whole file", " in place of message", " with its type")
-_HARMLESS = {"SRC102", "SRC104", "SRC113"}
-"""What may be found of the same afterwards: deleted with care, or called something else in code alone."""
 _NAMED = re.compile(r"(\w+) = (-?\d+)")
 
 
@@ -457,4 +446,4 @@ def test_what_is_to_be_written(case: Path, tmp_path: Path) -> None:
         for number, cured in enumerate(_cured(files, after, finding)):
             left = changes_found(before, compiled(cured, tmp_path / f"{count}_{number}"))
             harm = {one.rule.id for one in left if (one.type, one.number) == (finding.type, finding.number)}
-            assert harm <= _HARMLESS, f"{finding.help}\n{cured}"
+            assert not harm, f"{finding.help}\n{cured}"
