@@ -175,6 +175,8 @@ def _blame(project: Path, state: State | None) -> Callable[[Span], Commit | None
             return None
         if state is not None and span.file.startswith(state.name):
             return state.commit_of(span)
+        if not (project / span.file).is_file():  # a file of an earlier commit, which has the commit in its name
+            return None
         return repository.commit_of_line(span.file, span.line)
 
     return commit_of

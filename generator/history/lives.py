@@ -24,7 +24,7 @@ class Stretch:
         return self.span.came, self.span.path, self.span.line
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Lived:
     """A life, with the stretches that it consists of."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import combinations
 
 from generator.history.lives import Lived, Stretch
@@ -16,6 +17,7 @@ class Relations:
 
     def __init__(self, record: Record, owners: Sequence[str]) -> None:
         self._record, self._graph = record, record.graph
+        self._times = cache(self._find_times)
         self._together: set[frozenset[Fact]] = set()
         for owner in owners:
             for declared in record.past.changes.get(owner, {}).values():
@@ -69,10 +71,14 @@ class Relations:
     def overlap(self, one: Lived, other: Lived) -> bool:
         """Whether there was a time at which both were in use somewhere."""
         return any(
-            max(begin[0], end[0]) < min(begin[1], end[1])
-            for begin in map(self._time, one.stretches)
-            for end in map(self._time, other.stretches)
+            max(came, other_came) < min(went, other_went)
+            for came, went in self._times(one)
+            for other_came, other_went in self._times(other)
         )
+
+    def _find_times(self, use: Lived) -> list[tuple[float, float]]:
+        """When each stretch came and went."""
+        return [self._time(stretch) for stretch in use.stretches]
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
         span = stretch.span

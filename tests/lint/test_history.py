@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
 import tempfile
 import time
 from collections.abc import Callable
@@ -14,12 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from repositories import RepositoryBuilder, envelope, git, message
 
-from generator.declarations import parse
 from generator.git import GitError
 from generator.history import Confidence, History, Kind, Life, Relation, Reuse, read_history
-from generator.history.reading import Reader, reading_of
 
-ROOT = Path(__file__).parents[2]
 _EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"
 
@@ -667,78 +663,3 @@ def test_every_use_is_found_where_it_came(random: Random) -> None:
     assert {reuse.number for reuse in history.reuses("PBEnvelope")} == {
         n for n, types in uses.items() if len(types) > 1
     }
-
-
-# --- the quick way to read --------------------------------------------------------------------------------------
-
-_TEXTS = [
-    path.read_bytes().decode("utf-8", "replace")
-    for folder in ("proto", "tests")
-    for path in (ROOT / folder).rglob("*.proto")
-]
-_SCRAPS = [
-    "",
-    "\n",
-    " ",
-    ";",
-    "{",
-    "}",
-    '"',
-    "'",
-    "/",
-    "//",
-    "/*",
-    "*/",
-    "=",
-    "[",
-    "]",
-    "x",
-    "9",
-    "\n<<<<<<< a\n",
-    "\n=======\n",
-]
-_SCRAPS += [
-    "message",
-    "oneof o {",
-    "enum E {",
-    "// int32 a = 7;\n",
-    "option",
-    "reserved 4;",
-    "map<",
-    "group",
-    "\ufeff",
-    "\0",
-    "ä",
-]
-_PROTO_TEXT: Callable[[Random], str] = runpy.run_path(str(ROOT / "tests/generator/declarations/schemas.py"))[
-    "proto_text"
-]
-
-
-def test_the_quick_way_says_what_parse_says() -> None:
-    """Of every file at hand, the two ways to read say the same; and most are plain enough for the quick one."""
-    reader = Reader()
-    quick = [reader.quick(text) for text in _TEXTS]
-    assert [one for one in quick if one is not None] == [
-        reading_of(parse(text)) for text, one in zip(_TEXTS, quick) if one is not None
-    ]
-    assert sum(one is not None for one in quick) > 0.9 * len(quick) > 100
-
-
-@settings(_EXAMPLES, max_examples=200)
-@given(st.randoms(use_true_random=False))
-def test_the_quick_way_says_what_parse_says_of_anything(random: Random) -> None:
-    """So they do of files made up at random, and of files with a few wrong characters in any place."""
-    random = Random(random.getrandbits(64))  # noqa: S311  # one draw a file
-    text = _PROTO_TEXT(random) if random.random() < 0.3 else random.choice(_TEXTS)[:3000]
-    for _ in range(random.choice([0, 1, 1, 2, 3])):
-        start = random.randrange(len(text) + 1)
-        text = text[:start] + random.choice(_SCRAPS) + text[start + random.choice([0, 0, 1, 5]) :]
-    quick = Reader().quick(text)
-    assert quick is None or quick == reading_of(parse(text)), text
-
-
-def test_a_line_that_is_wrong_in_all_of_history_costs_no_time() -> None:
-    """A mistake in one statement is read by itself, so that the states that share it are quick to read all the same."""
-    assert Reader().quick(envelope("Imu imu 1;", GPS)) == reading_of(parse(envelope("Imu imu 1;", GPS)))
-    assert Reader().read(envelope("Imu imu 1;")).broken
