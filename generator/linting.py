@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ledger, read, tree
-from generator.declarations import File, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
 from generator.past import Past, read_pinned
 from generator.pins import read_pins
-from generator.proto_files import DeclarationIndex, proto_files, read_protos
+from generator.proto_files import index_declarations, read_protos
 from generator.protoc import DOES_NOT_COMPILE, compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
@@ -98,16 +97,16 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
     if question.of_the_envelope:
         tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
-    files = proto_files(root, shown_root, findings)
-    if not files and not (past and past.history.messages):
+    found_before = len(findings)
+    declared = read_protos(root, shown_root, findings)
+    if not declared and len(findings) == found_before and not (past and past.history.messages):
         raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
-    declared = {file: parse(text) for file, text in read_protos(root, files, shown_root, findings).items()}
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
     findings += errors
     if table.proto.root:
-        locate(table, DeclarationIndex(_by_name(kept), _by_name(left_out)), findings)
+        locate(table, index_declarations(declared, table.proto.exclude), findings)
     table = tree.with_members(table, schema, findings, past.history.messages if past else ())
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
@@ -155,15 +154,6 @@ def _other_state(question: Question, project: Path, layout: Layout, findings: li
 def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:
     changes = [Change(state.schema, schema, state.name, bounds_before=state.bounds)] if state else []
     return (*changes, *since_last_generate(published, schema))
-
-
-def _by_name(files: Mapping[str, File]) -> dict[str, list[str]]:
-    """The files that declare a message of a name."""
-    found: dict[str, list[str]] = {}
-    for path, file in files.items():
-        for message in file.all_messages():
-            found.setdefault(message.full_name, []).append(path)
-    return found
 
 
 def _blame(project: Path, state: State | None) -> Callable[[Span], Commit | None]:

@@ -16,7 +16,7 @@ from generator.findings import Finding, FindingsError, Rule, Severity, Span, sho
 from generator.git import Commit, GitError, Repository
 from generator.ledger import Entry
 from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
-from generator.proto_files import proto_files, read_protos
+from generator.proto_files import read_protos
 from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.table import Table
@@ -120,7 +120,7 @@ def _state_in(
     published = ledger.read(folder / ledger.NAME, own, shown(name, ledger.NAME))
     root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
-    files = read_protos(folder / root, proto_files(folder / root, shown_root, findings), shown_root, findings)
+    files = read_protos(folder / root, shown_root, findings)
     if not files:
         raise FindingsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
     excluded = table.proto.exclude if table else layout.exclude
