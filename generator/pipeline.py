@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
+from generator import context, emission, envelope_file, ir, ledger, naming, read, resolve
 from generator.add import with_row
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.nanopb import table_bounds
@@ -98,8 +98,8 @@ def _compiled(
     schema = compilation.schema if compilation else None
     # an envelope that lacks a row for a mistake in it has lost nothing
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
-    changes = subject.since_last_generate(published, schema, lacking) if schema else ()
-    findings += lint(subject.Subject(table, schema, published, changes=changes))
+    changes = context.since_last_generate(published, schema, lacking) if schema else ()
+    findings += lint(context.Subject(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)

@@ -5,6 +5,8 @@ by the message that they extend and their number. That is how bytes find them.
 """
 
 from generator.changes.breaks import Breaks
+from generator.changes.change import Change
+from generator.changes.each_once import each_once, earlier
 from generator.changes.pairing import (
     EnumPair,
     FieldPair,
@@ -17,10 +19,10 @@ from generator.changes.pairing import (
     messages,
     values_by_number,
 )
-from generator.changes.reporting import each_once, earlier
 
 __all__ = [
     "Breaks",
+    "Change",
     "EnumPair",
     "FieldPair",
     "MessagePair",

@@ -19,8 +19,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from generator import declarations
-from generator.history.model import Fact
 from generator.history.numbered_types import NumberedType, NumberedTypes
+from generator.history.usage_model import Fact
 
 _LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a million
 

@@ -10,15 +10,15 @@ from pathlib import Path
 from generator.declarations import parse
 from generator.git import Commit
 from generator.history.blob_cache import BlobCache
-from generator.history.branches import Branches, branches, default_branch
-from generator.history.graph import Graph, depth
-from generator.history.lives import Lived, lives
-from generator.history.model import Collision, Content, Life, Reuse
+from generator.history.branch_collisions import Branches, branches, default_branch
+from generator.history.commit_graph import Graph, depth
+from generator.history.commits import PastRepository, Ref, Revision
+from generator.history.lineage import sweep
+from generator.history.lookup import Record
 from generator.history.numbered_types import NumberedTypes, numbered_types
-from generator.history.record import Record
-from generator.history.repository import PastRepository, Ref, Revision
 from generator.history.reuses import Reuses
-from generator.history.sweep import sweep
+from generator.history.usage_model import Collision, Content, Reuse, Usage
+from generator.history.usages import TracedUsage, usages
 
 _SOME = 64  # states between two reports of progress
 
@@ -54,7 +54,7 @@ class History:
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
         past = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
         self._record = Record(graph, past)
-        self._lived = cache(self._find_lived)
+        self._traced = cache(self._find_traced)
         self.reuses = cache(self._find_reuses)
         """The numbers of a message or enum, by name, that had more than one meaning: each pair of its uses.
 
@@ -83,13 +83,13 @@ class History:
         """The full names that a message or enum has had: several where it changed its package."""
         return tuple(self._record.owners(name))
 
-    def numbers(self, name: str) -> dict[int, tuple[Life, ...]]:
-        """Every number that a message or enum ever used, with its lives, the earliest first."""
-        return _by_number(lived.life for lived in self._lived(name, False))
+    def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number that a message or enum ever used, with its usages, the earliest first."""
+        return _by_number(traced.usage for traced in self._traced(name, False))
 
-    def claims(self, name: str) -> dict[int, tuple[Life, ...]]:
-        """Every number of fields or values that were ever commented out, with the lives of those comments."""
-        return _by_number(lived.life for lived in self._lived(name, True))
+    def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number of fields or values that were ever commented out, with the usages in those comments."""
+        return _by_number(traced.usage for traced in self._traced(name, True))
 
     def content(self, name: str, commit: Commit) -> Content | None:
         """The fields of a message, or the values of an enum, at a commit; None where it is not declared there."""
@@ -116,10 +116,10 @@ class History:
         return Branches(self._record, self._record.owners(name), self._nodes)
 
     def _find_reuses(self, name: str) -> tuple[Reuse, ...]:
-        return tuple(Reuses(self._record, self._record.owners(name), self._lived(name, False)).all())
+        return tuple(Reuses(self._record, self._record.owners(name), self._traced(name, False)).all())
 
-    def _find_lived(self, name: str, claimed: bool) -> list[Lived]:
-        return lives(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
+    def _find_traced(self, name: str, claimed: bool) -> list[TracedUsage]:
+        return usages(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
 
     def _kinds(self) -> set[tuple[str, bool]]:
         return {
@@ -130,8 +130,8 @@ class History:
         }
 
 
-def _by_number(found: Iterable[Life]) -> dict[int, tuple[Life, ...]]:
-    return {number: tuple(group) for number, group in groupby(found, key=lambda life: life.number)}
+def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
+    return {number: tuple(group) for number, group in groupby(found, key=lambda usage: usage.number)}
 
 
 def _types(

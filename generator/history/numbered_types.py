@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from generator.declarations import Enum, File, Message
-from generator.history.model import Fact
+from generator.history.usage_model import Fact
 
 
 @dataclass(frozen=True, slots=True)

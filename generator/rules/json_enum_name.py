@@ -17,19 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, gone_values
-from generator.changes.cures import names_in_use, value_back_or_reserve
-from generator.changes.ranges import covers
-from generator.changes.spelling import value_place
+from generator.changes import Change, each_once, earlier, gone_values
+from generator.changes.declaration_text import value_place
+from generator.changes.fixits import names_in_use, value_back_or_reserve
+from generator.changes.number_ranges import covers
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN108", "enum-value-name-freed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Values that are gone and whose number is reserved, with a name that neither is nor belongs to another value."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -16,20 +16,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, each_once, earlier
-from generator.changes.cures import put_values_back
-from generator.changes.spelling import value_place
-from generator.changes.values import renamed_values, stands_for_another
+from generator.changes import Change, EnumPair, each_once, earlier
+from generator.changes.declaration_text import value_place
+from generator.changes.enum_values import renamed_values, stands_for_another
+from generator.changes.fixits import put_values_back
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoEnumValue
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN107", "enum-value-renamed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Values of a number of which a name is gone; each of its names now, as none of them replaces it for sure."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

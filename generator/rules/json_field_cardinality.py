@@ -19,19 +19,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes import Breaks, Change, each_once, earlier, fields
 from generator.changes.cardinality import MAP, broken_by_cardinality, cardinalities
-from generator.changes.cures import back, was
-from generator.changes.types import broken_by_type
+from generator.changes.field_type_changes import broken_by_type
+from generator.changes.fixits import back, was
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN103", "field-cardinality-changed-in-json", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that hold another number of values, as JSON shows and bytes do not; and whose bytes can be read."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

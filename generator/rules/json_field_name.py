@@ -16,19 +16,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, gone_fields
-from generator.changes.cures import names_in_use, put_back_or_reserve
-from generator.changes.ranges import covers
-from generator.changes.spelling import declaration_of_old
+from generator.changes import Change, each_once, earlier, gone_fields
+from generator.changes.declaration_text import declaration_of_old
+from generator.changes.fixits import names_in_use, put_back_or_reserve
+from generator.changes.number_ranges import covers
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN102", "field-name-freed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that are gone and whose number is reserved, but not their name, which no other field has either."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

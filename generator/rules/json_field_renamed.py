@@ -17,19 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
-from generator.changes.cures import back, was
+from generator.changes import Change, FieldPair, each_once, earlier, fields
+from generator.changes.declaration_text import declaration
+from generator.changes.fixits import back, was
 from generator.changes.renames import Rename, json_name_changed, old_json_name, rename, renamed
-from generator.changes.spelling import declaration
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN104", "field-renamed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that are called something else in JSON too, and still seem to be the same thing."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
-from generator.changes.cures import type_feature
+from generator.changes import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.changes.fixits import type_feature
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN106", "json-support-dropped", Severity.WARNING)
 _FULL = "ALLOW"
@@ -28,7 +28,7 @@ _FULL = "ALLOW"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages and enums whose `json_format` was ALLOW."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -16,17 +16,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
+from generator.changes import Change, each_once, earlier, fields
 from generator.changes.renames import Rename, json_name_changed, rename
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN105", "json-name-changed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields with another `json_name`; what follows from a new name is said there."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

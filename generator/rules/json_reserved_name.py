@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
-from generator.changes.cures import names_in_use, reserve_names
+from generator.changes import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.changes.fixits import names_in_use, reserve_names
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("JSN109", "reserved-name-freed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Names of messages and enums that were reserved."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -19,13 +19,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import values_by_number
-from generator.changes.cures import reserve
-from generator.changes.cures import values as declared
-from generator.changes.numbers import next_enum_number
+from generator.changes.fixits import reserve
+from generator.changes.fixits import values as declared
+from generator.context import Subject
 from generator.findings import Finding, Rule
+from generator.free_numbers import next_enum_number
 from generator.ledger import Number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
-from generator.subject import Subject
 
 RULE = Rule("WIR112", "enum-number-reuse")
 

@@ -20,14 +20,14 @@ from collections.abc import Iterator
 
 from generator import ir
 from generator.changes import Breaks
-from generator.changes.cures import reserve
-from generator.changes.numbers import next_field_number
-from generator.changes.spelling import declaration
-from generator.changes.types import broken_by_kind
+from generator.changes.declaration_text import declaration
+from generator.changes.field_type_changes import broken_by_kind
+from generator.changes.fixits import reserve
+from generator.context import Subject
 from generator.findings import Finding, Rule
+from generator.free_numbers import next_field_number
 from generator.ledger import Number
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.subject import Subject
 
 RULE = Rule("WIR111", "field-number-reuse-in-message")
 

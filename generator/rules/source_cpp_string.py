@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
+from generator.changes import Change, FieldPair, each_once, earlier, fields
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoField
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC115", "cpp-string-type-changed", Severity.WARNING)
 _FEATURES = '"google/protobuf/cpp_features.proto"'
@@ -29,7 +29,7 @@ _HARMLESS = ("STRING_PIECE", "STRING")  # the one was never more than the other
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Strings and bytes with another type in C++."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

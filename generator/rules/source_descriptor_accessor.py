@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, messages
+from generator.changes import Change, each_once, earlier, messages
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC111", "descriptor-accessor-removed", Severity.WARNING)
 _OPTION = "no_standard_descriptor_accessor"
@@ -26,7 +26,7 @@ _OPTION = "no_standard_descriptor_accessor"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages that have the option and had it not."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, enums
-from generator.changes.cures import type_feature
+from generator.changes import Change, each_once, earlier, enums
+from generator.changes.fixits import type_feature
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC112", "enum-openness-changed", Severity.WARNING)
 _CONSEQUENCE = {
@@ -31,7 +31,7 @@ _CONSEQUENCE = {
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Enums with another `enum_type`."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

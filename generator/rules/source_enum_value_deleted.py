@@ -16,19 +16,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, each_once, earlier, gone_values
-from generator.changes.cures import names_in_use
-from generator.changes.ranges import covers
-from generator.changes.spelling import value_place
+from generator.changes import Change, EnumPair, each_once, earlier, gone_values
+from generator.changes.declaration_text import value_place
+from generator.changes.fixits import names_in_use
+from generator.changes.number_ranges import covers
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC113", "enum-value-deleted", Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Values that are gone with their numbers reserved, and whose names are as well, or moved to other numbers."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,19 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier
-from generator.changes.absences import absent_extensions
-from generator.changes.spelling import declaration
+from generator.absent_types import absent_extensions
+from generator.changes import Change, each_once, earlier
+from generator.changes.declaration_text import declaration
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoExtension, Schema
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC109", "extension-deleted", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Extensions whose number of their message nothing has any more, or something in a file out of reach."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

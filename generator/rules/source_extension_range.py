@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import MessagePair, each_once, earlier, messages
-from generator.changes.ranges import Range, covers, missing, spelled
+from generator.changes import Change, MessagePair, each_once, earlier, messages
+from generator.changes.number_ranges import Range, covers, missing, spelled
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC110", "extension-range-narrowed", Severity.WARNING)
 _MESSAGE_SET = "message_set_wire_format"
@@ -28,7 +28,7 @@ _MESSAGE_SET = "message_set_wire_format"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Extension ranges of which something is no extension's any more; those of message sets are counted differently."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

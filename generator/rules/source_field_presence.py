@@ -17,13 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, FieldPair, each_once, earlier, fields
+from generator.changes import Breaks, Change, FieldPair, each_once, earlier, fields
 from generator.changes.cardinality import IMPLICIT, broken_by_cardinality, cardinalities
-from generator.changes.cures import back, was
-from generator.changes.oneofs import broken_by_oneof, said_of_the_oneof
-from generator.changes.types import broken_by_type
+from generator.changes.field_type_changes import broken_by_type
+from generator.changes.fixits import back, was
+from generator.changes.oneof_changes import broken_by_oneof, said_of_the_oneof
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC103", "field-presence-changed", Severity.WARNING)
 _TOLD = "told absent from zero, and does not any more"
@@ -32,7 +32,7 @@ _TELLS = "tells absent from zero now, and did not"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that are singular on both sides, and on one of them know absence."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,18 +17,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
-from generator.changes.cures import back, was
+from generator.changes import Change, each_once, earlier, fields
+from generator.changes.fixits import back, was
 from generator.changes.renames import Rename, json_name_changed, rename, renamed
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC104", "field-renamed-in-code", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that are called something else, though not in JSON."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

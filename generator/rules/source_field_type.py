@@ -17,20 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
+from generator.changes import Breaks, Change, each_once, earlier, fields
 from generator.changes.cardinality import broken_by_cardinality, cardinalities
-from generator.changes.cures import back, was
-from generator.changes.spelling import retyping, type_place
-from generator.changes.types import retyped
+from generator.changes.declaration_text import retyping, type_place
+from generator.changes.field_type_changes import retyped
+from generator.changes.fixits import back, was
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC101", "field-type-changed-in-code", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose old and new type can read each other's bytes and JSON; of a list that became a map, JSON says it."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
+from generator.changes import Change, each_once, earlier, fields
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC114", "jstype-changed", Severity.WARNING)
 _TYPES = frozenset({"int64", "uint64", "sint64", "fixed64", "sfixed64"})
@@ -26,7 +26,7 @@ _TYPES = frozenset({"int64", "uint64", "sint64", "fixed64", "sfixed64"})
 
 def check(subject: Subject) -> Iterator[Finding]:
     """64-bit integers with another `jstype`."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

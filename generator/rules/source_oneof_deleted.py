@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import MessagePair, each_once, earlier, messages
+from generator.changes import Change, MessagePair, each_once, earlier, messages
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoField
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC105", "oneof-deleted", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Oneofs whose name no oneof of the message has any more."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

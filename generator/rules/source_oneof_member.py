@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import Breaks, each_once, earlier, fields
-from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text, said_of_the_oneof
+from generator.changes import Breaks, Change, each_once, earlier, fields
+from generator.changes.oneof_changes import broken_by_oneof, moved_back, moved_text, said_of_the_oneof
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC106", "oneof-of-a-field-changed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that are in another oneof, in the same company, while the one that they were in is still there."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier
-from generator.changes.absences import absent_types, heir
+from generator.absent_types import absent_types, heir
+from generator.changes import Change, each_once, earlier
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC107", "type-deleted", Severity.WARNING)
 _OR_CHANGE = "or change the code that uses it on every side"
@@ -27,7 +27,7 @@ _OR_CHANGE = "or change the code that uses it on every side"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages and enums whose full name nothing has any more; the ledger does not say what is still in use."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier
-from generator.changes.absences import absent_types
+from generator.absent_types import absent_types
+from generator.changes import Change, each_once, earlier
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC108", "type-moved", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages and enums that another file declares than before, which the old one does not hand on."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
+from generator.changes import Change, FieldPair, each_once, earlier, fields
 from generator.changes.pairing import written
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoField
-from generator.subject import Change, Subject
 
 RULE = Rule("SRC116", "utf8-validation-changed", Severity.WARNING)
 _CHECKED = "VERIFY"
@@ -40,7 +40,7 @@ _EVERYWHERE, _IN_JAVA = "utf8_validation", "java_utf8_validation"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Strings with another `utf8_validation`, or with another for Java alone."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

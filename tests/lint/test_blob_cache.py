@@ -41,7 +41,7 @@ def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def _said(found: History) -> object:
     return [
-        (number, lives) for ask in (found.numbers, found.claims) for number, lives in ask("PBEnvelope").items()
+        (number, usages) for ask in (found.numbers, found.claims) for number, usages in ask("PBEnvelope").items()
     ] + list(found.reuses("PBEnvelope"))
 
 

@@ -16,19 +16,19 @@ from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
 
 from generator import ir, rules
-from generator.changes import Breaks
+from generator.changes import Breaks, Change
 from generator.changes.cardinality import EXPLICIT, IMPLICIT, MAP, REPEATED, REQUIRED, broken_by_cardinality
-from generator.changes.ranges import covers, missing, spelled
+from generator.changes.declaration_text import from_within
+from generator.changes.field_type_changes import broken_by_kind
+from generator.changes.name_units import disagree, factor, measure
+from generator.changes.name_words import share_a_word, words
+from generator.changes.number_ranges import covers, missing, spelled
 from generator.changes.renames import derived_json_name
-from generator.changes.spelling import from_within
-from generator.changes.types import broken_by_kind
-from generator.changes.units import disagree, factor, measure
-from generator.changes.words import share_a_word, words
+from generator.context import Subject
 from generator.declarations import parse
 from generator.findings import Finding, Severity, Span
 from generator.ledger import Ledger, Number, Owner
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.subject import Change, Subject
 
 LINT_CASES = Path(__file__).parent / "cases"
 

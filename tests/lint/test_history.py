@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from repositories import RepositoryBuilder, envelope, git, message
 
 from generator.git import GitError
-from generator.history import Confidence, History, Kind, Life, Relation, Reuse, read_history
+from generator.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
 
 _EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"
@@ -42,15 +42,15 @@ def _read(repository: RepositoryBuilder) -> History:
     return read_history(repository.write())
 
 
-def _shown(life: Life) -> tuple[str, str, list[tuple[str, list[str]]]]:
+def _shown(usage: Usage) -> tuple[str, str, list[tuple[str, list[str]]]]:
     """A life's type and name, and the subjects of the commits by which it came and went."""
-    return life.type, life.name, [(one.came.subject, [went.subject for went in one.went]) for one in life.intervals]
+    return usage.type, usage.name, [(one.came.subject, [went.subject for went in one.went]) for one in usage.intervals]
 
 
-def _lives(
+def _usages(
     history: History, number: int, name: str = "PBEnvelope"
 ) -> list[tuple[str, str, list[tuple[str, list[str]]]]]:
-    return [_shown(life) for life in history.numbers(name)[number]]
+    return [_shown(usage) for usage in history.numbers(name)[number]]
 
 
 def _only(reuses: tuple[Reuse, ...]) -> Reuse:
@@ -68,7 +68,7 @@ def test_deleted_and_reused_later(repository: RepositoryBuilder) -> None:
     repository.commit("Write about it", {"README.md": "Nothing."})
     repository.commit("Weigh", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert _lives(history, 2) == [
+    assert _usages(history, 2) == [
         ("Gps", "gps", [("Begin", ["Take GPS away"])]),
         ("LoadCell", "load_cell", [("Weigh", [])]),
     ]
@@ -114,7 +114,7 @@ def test_a_revert_is_one_life(repository: RepositoryBuilder) -> None:
     repository.commit("Take GPS away", {_FILE: envelope(IMU)})
     repository.commit("Put it back", {_FILE: envelope(IMU, GPS)})
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"]), ("Put it back", [])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"]), ("Put it back", [])])]
     assert history.numbers("PBEnvelope")[2][0].went is None
     assert history.reuses("PBEnvelope") == ()
 
@@ -125,7 +125,7 @@ def test_a_renamed_file(repository: RepositoryBuilder) -> None:
     repository.commit("Rename", {_FILE: None, "link.proto": envelope(IMU, GPS)})
     repository.commit("Weigh", {"link.proto": envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert _lives(history, 1) == [("Imu", "imu", [("Begin", [])])]
+    assert _usages(history, 1) == [("Imu", "imu", [("Begin", [])])]
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.earlier.path, reuse.later.path) == (_FILE, "link.proto")
 
@@ -139,8 +139,8 @@ def test_a_moved_folder(repository: RepositoryBuilder) -> None:
     repository.commit("Weigh", {f"lib/protos/{_FILE}": envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
     assert [reuse.number for reuse in history.reuses("PBEnvelope")] == [2]
-    assert [lives[0].came.subject for lives in history.numbers("Imu").values()] == ["Begin"] * 3
-    assert {life.went for lives in history.numbers("Imu").values() for life in lives} == {None}
+    assert [usages[0].came.subject for usages in history.numbers("Imu").values()] == ["Begin"] * 3
+    assert {usage.went for usages in history.numbers("Imu").values() for usage in usages} == {None}
 
 
 def test_a_new_package(repository: RepositoryBuilder) -> None:
@@ -151,7 +151,7 @@ def test_a_new_package(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     for name in ("PBEnvelope", "rover.PBEnvelope"):
         assert [reuse.kind for reuse in history.reuses(name)] == [Kind.REUSED]
-        assert _lives(history, 1, name) == [
+        assert _usages(history, 1, name) == [
             ("Imu", "imu", [("Begin", ["Give it a package"]), ("Give it a package", [])])
         ]
 
@@ -184,7 +184,7 @@ def test_reused_on_a_merged_side_branch(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.earlier.came.subject, reuse.relation) == ("Try GPS", Relation.SUCCESSION)
-    assert _lives(history, 2)[0] == ("Gps", "gps", [("Try GPS", ["Give up GPS"])])
+    assert _usages(history, 2)[0] == ("Gps", "gps", [("Try GPS", ["Give up GPS"])])
 
 
 def test_two_branches_one_number(repository: RepositoryBuilder) -> None:
@@ -260,7 +260,7 @@ def test_an_octopus(repository: RepositoryBuilder) -> None:
     repository.commit("Merge all", {_FILE: merged}, parents=[begin, *tips])
     repository.commit("Take PH away", {_FILE: envelope(IMU, GPS, LOAD)})
     history = _read(repository)
-    assert [_lives(history, number)[0][2] for number in (1, 2, 3, 4)] == [
+    assert [_usages(history, number)[0][2] for number in (1, 2, 3, 4)] == [
         [("Begin", [])],
         [("Add gps", [])],
         [("Add ph", ["Take PH away"])],
@@ -277,9 +277,9 @@ def test_a_merge_that_changes_something_itself(repository: RepositoryBuilder) ->
     main = repository.commit("Add PH", {_FILE: envelope(IMU, PH)})
     repository.commit("Merge badly", {_FILE: envelope(IMU, PH, LOAD)}, parents=[main, side])
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Add GPS", ["Merge badly"])])]
-    assert _lives(history, 3) == [("Ph", "ph", [("Add PH", [])])]
-    assert _lives(history, 4) == [("LoadCell", "load_cell", [("Merge badly", [])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Add GPS", ["Merge badly"])])]
+    assert _usages(history, 3) == [("Ph", "ph", [("Add PH", [])])]
+    assert _usages(history, 4) == [("LoadCell", "load_cell", [("Merge badly", [])])]
 
 
 def test_a_merge_that_carries_a_deletion_over(repository: RepositoryBuilder) -> None:
@@ -290,7 +290,7 @@ def test_a_merge_that_carries_a_deletion_over(repository: RepositoryBuilder) -> 
     main = repository.commit("Add PH", {_FILE: envelope(IMU, GPS, PH)})
     repository.commit("Merge", {_FILE: envelope(IMU, PH)}, parents=[main, side])
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"])])]
     assert history.numbers("PBEnvelope")[2][0].went is not None
 
 
@@ -304,7 +304,7 @@ def test_the_same_on_both_sides(repository: RepositoryBuilder) -> None:
     repository.commit("Take GPS away", {_FILE: envelope(IMU)})
     history = _read(repository)
     went = ["Take GPS away"]
-    assert _lives(history, 2) == [("Gps", "gps", [("Add GPS", went), ("Pick GPS", went)])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Add GPS", went), ("Pick GPS", went)])]
 
 
 def test_an_old_branch_still_has_it(repository: RepositoryBuilder) -> None:
@@ -439,8 +439,8 @@ def test_a_state_that_does_not_compile(repository: RepositoryBuilder) -> None:
     _payloads(repository, IMU, GPS)
     repository.commit("Break", {_FILE: envelope("Imu imu = 1", "}", GPS)})
     repository.commit("Mend", {_FILE: envelope(IMU, GPS)})
-    life = _read(repository).numbers("PBEnvelope")[1][0]
-    assert (life.confidence, len(life.intervals)) == (Confidence.LIKELY, 1)
+    usage = _read(repository).numbers("PBEnvelope")[1][0]
+    assert (usage.confidence, len(usage.intervals)) == (Confidence.LIKELY, 1)
 
 
 def test_conflict_markers_committed(repository: RepositoryBuilder) -> None:
@@ -461,10 +461,10 @@ def test_commented_out_members(repository: RepositoryBuilder) -> None:
     _payloads(repository, IMU, "// Gps gps = 2;", "// see Ph ph = 3; for more")
     repository.commit("Use it", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert [_shown(life) for life in history.claims("PBEnvelope")[2]] == [("Gps", "gps", [("Begin", ["Use it"])])]
+    assert [_shown(usage) for usage in history.claims("PBEnvelope")[2]] == [("Gps", "gps", [("Begin", ["Use it"])])]
     assert history.claims("PBEnvelope")[2][0].oneof == "payload"
     assert list(history.claims("PBEnvelope")) == [2]
-    assert [life.name for life in history.numbers("PBEnvelope")[2]] == ["load_cell"]
+    assert [usage.name for usage in history.numbers("PBEnvelope")[2]] == ["load_cell"]
 
 
 def test_a_file_that_cannot_be_looked_at(repository: RepositoryBuilder) -> None:
@@ -511,9 +511,9 @@ def test_a_shallow_clone(repository: RepositoryBuilder, tmp_path: Path) -> None:
     history, full = read_history(tmp_path / "clone"), read_history(origin)
     assert (history.shallow, history.depth, history.commits) == (True, 2, 2)
     assert (full.shallow, full.depth) == (False, 3)
-    lives = history.numbers("PBEnvelope")
-    assert (lives[1][0].came.subject, lives[1][0].intervals[0].at_boundary) == ("Take GPS away", True)
-    assert not lives[2][0].intervals[0].at_boundary
+    usages = history.numbers("PBEnvelope")
+    assert (usages[1][0].came.subject, usages[1][0].intervals[0].at_boundary) == ("Take GPS away", True)
+    assert not usages[2][0].intervals[0].at_boundary
     assert history.reuses("PBEnvelope") == ()
 
 
@@ -524,7 +524,7 @@ def test_a_folder_of_a_repository(repository: RepositoryBuilder) -> None:
     root = repository.write()
     git(root, "reset", "--quiet", "--hard")
     history = read_history(root / "protos")
-    assert [(life.name, life.path) for lives in history.numbers("PBEnvelope").values() for life in lives] == [
+    assert [(usage.name, usage.path) for usages in history.numbers("PBEnvelope").values() for usage in usages] == [
         ("imu", _FILE)
     ]
 
@@ -622,9 +622,9 @@ def test_histories_without_reuse_give_nothing(random: Random) -> None:
     assert history.commits == len(members)
     used = {int(member.split()[-1][:-1]) for there in members.values() for member in there}
     assert set(history.numbers("PBEnvelope")) == used
-    for number, (life,) in history.numbers("PBEnvelope").items():
+    for number, (usage,) in history.numbers("PBEnvelope").items():
         member = f"Message{number} member_{number} = {number};"
-        assert life.live_at == tuple(
+        assert usage.live_at == tuple(
             sorted(f"refs/heads/b{mark}" for mark, there in members.items() if member in there)
         )
 
@@ -653,13 +653,14 @@ def test_every_use_is_found_where_it_came(random: Random) -> None:
     for mark, there in members.items():
         for member in there - set().union(*(members[parent] for parent in parents[mark])):
             came.setdefault(member, set()).add(str(mark))
-    lives = [life for lives in history.numbers("PBEnvelope").values() for life in lives]
+    usages = [usage for usages in history.numbers("PBEnvelope").values() for usage in usages]
     assert {
-        f"{life.type} {life.name} = {life.number};": {one.came.subject for one in life.intervals} for life in lives
+        f"{usage.type} {usage.name} = {usage.number};": {one.came.subject for one in usage.intervals}
+        for usage in usages
     } == came
     uses: dict[int, set[str]] = {}
-    for life in lives:
-        uses.setdefault(life.number, set()).add(life.type)
+    for usage in usages:
+        uses.setdefault(usage.number, set()).add(usage.type)
     assert {reuse.number for reuse in history.reuses("PBEnvelope")} == {
         n for n, types in uses.items() if len(types) > 1
     }

@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cached_property
 
 from generator.declarations import SCALARS
-from generator.history.graph import Graph
-from generator.history.model import Confidence, Content, Fact
-from generator.history.sweep import Declared, Past, Span
+from generator.history.commit_graph import Graph
+from generator.history.lineage import Declared, Past, Span
+from generator.history.usage_model import Confidence, Content, Fact
 
 
 class Record:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from generator.changes import Change
 from generator.changes.pairing import extensions_by_number
+from generator.context import Subject
 from generator.findings import Span
 from generator.protos import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
-from generator.subject import Change, Subject
 
 _PROTOBUF = "google/protobuf/"
 

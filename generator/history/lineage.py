@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
-from generator.history.graph import Graph, Node
-from generator.history.model import Fact
+from generator.history.commit_graph import Graph, Node
 from generator.history.numbered_types import NumberedType, NumberedTypes
+from generator.history.usage_model import Fact
 
 Declared = Mapping[str, NumberedType]
 """The declarations of one message or enum in one state, by file: mostly one."""
