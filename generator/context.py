@@ -10,7 +10,7 @@ from generator.declarations import Claim, File, Message
 from generator.findings import Span, shown
 from generator.history import History, branch_name
 from generator.ledger import NAME as LEDGER
-from generator.ledger import Entry, Ledger, as_schema
+from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds
 from generator.pinned_numbers import Pinned
 from generator.protos import Schema
@@ -25,7 +25,7 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
     """
     if not published.entries:
         return ()
-    before = as_schema(published)
+    before = published.schema
     known = {name: message for name, message in before.messages.items() if name != incomplete}
     return (Change(replace(before, messages=known), schema, LEDGER, of_ledger=True),)
 

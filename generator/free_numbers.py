@@ -24,8 +24,7 @@ def next_field_number(subject: Subject, full_name: str, taken: Iterable[int] = (
     ``taken`` are those that others were offered already.
     """
     known = {*taken} | {number for schema in _schemas(subject) for number in _fields(schema, full_name)}
-    if owner := subject.ledger.messages.get(full_name):
-        known |= {number.fact.number for number in owner.numbers}
+    known |= {field.number for field in subject.ledger.fields(full_name)}
     for _, message in subject.declared(full_name):
         known |= {claim.number for claim in message.claims}
     closed = [_IMPLEMENTATION]
@@ -41,8 +40,7 @@ def next_enum_number(subject: Subject, full_name: str, taken: Iterable[int] = ()
     for enum in (schema.enums[full_name] for schema in _schemas(subject) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
         closed += enum.reserved
-    if owner := subject.ledger.enums.get(full_name):
-        known |= {number.fact.number for number in owner.numbers}
+    known |= {value.number for value in subject.ledger.values(full_name)}
     for file in subject.files.values():
         known |= {c.number for enum in file.all_enums() if enum.full_name == full_name for c in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)
