@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from generator.context import Subject
 from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.history_diagnostics import stands_today
 from generator.ledger import Burned
-from generator.linting import Linted
+from generator.lint_engine import Linted
 from generator.pipeline import recompile
-from generator.retrospect import stands_today
-from generator.subject import Subject
 from generator.write import Change, compare
 
 NOTHING_TO_ACCEPT_INTO = Rule("RET102", "no-ledger-to-accept-into", Severity.FATAL)

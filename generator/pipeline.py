@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
+from generator import context, emission, envelope_file, ir, ledger, naming, read, resolve
 from generator.add import with_row
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.nanopb import table_bounds
-from generator.proto_files import DeclarationIndex, index_declarations
+from generator.proto_files import DeclarationIndex, index_declarations, read_protos
 from generator.protoc import Compilation, compile_protos
 from generator.retire import with_retired
 from generator.rules import lint
@@ -98,8 +98,8 @@ def _compiled(
     schema = compilation.schema if compilation else None
     # an envelope that lacks a row for a mistake in it has lost nothing
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
-    changes = subject.since_last_generate(published, schema, lacking) if schema else ()
-    findings += lint(subject.Subject(table, schema, published, changes=changes))
+    changes = context.since_last_generate(published, schema, lacking) if schema else ()
+    findings += lint(context.Subject(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
@@ -125,7 +125,11 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
         raise FindingsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")])
-    return index_declarations(root, table.proto.exclude, table.proto.root)
+    findings: list[Finding] = []
+    files = read_protos(root, table.proto.root, findings)
+    if findings:
+        raise FindingsError(findings)
+    return index_declarations(files, table.proto.exclude)
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:

@@ -7,50 +7,38 @@ does no harm.
 from __future__ import annotations
 
 import os
-import re
 import stat
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
+from generator.declarations import File, parse
+from generator.findings import Finding, Rule, Severity, Span, shown
 
 UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
 
 _LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
-
-_TOKEN = re.compile(
-    r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"?|'(?:\\.|[^'\\\n])*'?|[A-Za-z_][\w.]*|[{};=]""", re.DOTALL
-)
-_QUOTES = "\"'"
-_DEEPEST = 32  # protoc takes no more messages in messages
 
 
 @dataclass(frozen=True, slots=True)
 class DeclarationIndex:
     """Which files, relative to the root, declare a message of a name."""
 
-    files: Mapping[str, Sequence[str]]
-    excluded: Mapping[str, Sequence[str]]
+    files: dict[str, list[str]]
+    excluded: dict[str, list[str]]
     """Of the files that never take part in a build."""
 
 
-def index_declarations(root: Path, exclude: Iterable[str], shown_root: str) -> DeclarationIndex:
-    """The index of a tree; ``shown_root`` is how findings call the root.
-
-    Raises `FindingsError` for what cannot be read.
-    """
+def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> DeclarationIndex:
+    """Return the index of what files declare; ``exclude`` are those that never take part in a build."""
     left_out = {str(PurePosixPath(path)) for path in exclude}
-    files: dict[str, list[str]] = {}
-    excluded: dict[str, list[str]] = {}
-    findings: list[Finding] = []
-    for name in proto_files(root, shown_root, findings):
-        target = excluded if name in left_out else files
-        for declared in sorted(set(declared_names(read_proto(root, name, shown_root, findings) or ""))):
-            target.setdefault(declared, []).append(name)
-    if findings:
-        raise FindingsError(findings)
-    return DeclarationIndex(files, excluded)
+    index = DeclarationIndex({}, {})
+    for path, file in files.items():
+        target = index.excluded if path in left_out else index.files
+        for name in dict.fromkeys(message.full_name for message in file.all_messages()):
+            target.setdefault(name, []).append(path)
+    return index
 
 
 def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[str]:
@@ -89,10 +77,19 @@ def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
     return readable == name
 
 
-def read_protos(root: Path, names: Iterable[str], shown_root: str, findings: list[Finding]) -> dict[str, str]:
-    """The texts of those of the .proto files that have one; any other is a finding."""
-    texts = {name: read_proto(root, name, shown_root, findings) for name in names}
-    return {name: text for name, text in texts.items() if text is not None}
+def read_protos(root: Path, shown_root: str, findings: list[Finding]) -> dict[str, File]:
+    """Return what the .proto files below a folder declare, as far as it can be read; any that has no text is a finding.
+
+    ``shown_root`` is how findings call the folder.
+    """
+    texts = {name: read_proto(root, name, shown_root, findings) for name in proto_files(root, shown_root, findings)}
+    return {name: declarations(text) for name, text in texts.items() if text is not None}
+
+
+@lru_cache(maxsize=1024)
+def declarations(text: str) -> File:
+    """Parse the text of a file; what a run reads several times, it parses once."""
+    return parse(text)
 
 
 def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str | None:
@@ -114,38 +111,3 @@ def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) 
         findings.append(UNREADABLE_PROTO.at(span, fault))
         return None
     return data.decode("utf-8", errors="replace")
-
-
-def declared_names(text: str) -> Iterator[str]:
-    """The full names of the messages that a .proto file declares, nested ones included."""
-    words = _words(text)
-    package = ""
-    scopes: list[str] = []
-    for index, word in enumerate(words):
-        if word == "package" and not scopes and words[index + 2 : index + 3] == [";"]:
-            package = words[index + 1]
-        elif word == "{":
-            declares = index >= 2 and words[index - 2] == "message"
-            scopes.append(words[index - 1] if declares else "")
-            if declares and len(scopes) <= _DEEPEST and all(scopes):
-                yield ".".join([*filter(None, [package]), *scopes])
-        elif word == "}" and scopes:
-            scopes.pop()
-
-
-def imported_files(text: str) -> Iterator[str]:
-    """The paths that a .proto file imports, as they are written."""
-    path: str | None = None  # None: this is no import statement
-    for word in _words(text):
-        if word == "import":
-            path = ""
-        elif path is not None and word[0] in _QUOTES:
-            path += word.strip(_QUOTES)
-        elif path or word not in ("public", "weak"):
-            if path:
-                yield path
-            path = None
-
-
-def _words(text: str) -> list[str]:
-    return [word for word in _TOKEN.findall(text) if not word.startswith(("//", "/*"))]

@@ -14,9 +14,10 @@ from typing import NamedTuple
 import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
+from generator.declarations import File
 from generator.descriptors import schema_of
 from generator.findings import Finding, FindingsError, Rule, Span, shown
-from generator.proto_files import imported_files
+from generator.proto_files import declarations
 from generator.protos import Schema
 
 # As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
@@ -69,12 +70,15 @@ def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
     known = dict.fromkeys(waiting)
     for file in waiting:  # which grows
         path = _found(file, folders)
-        text = path.read_text(encoding="utf-8", errors="replace") if path else ""
-        for name in imported_files(text):
+        for name in _declarations(path).imported if path else ():
             if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
                 known[name] = None
                 waiting.append(name)
     return waiting
+
+
+def _declarations(path: Path) -> File:
+    return declarations(path.read_text(encoding="utf-8", errors="replace"))
 
 
 def _found(file: str, folders: Sequence[Path]) -> Path | None:
@@ -156,8 +160,8 @@ def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
     names: set[str] = set()
     for path in (folder / file for file in files for folder in folders):
         if path.is_file():
-            text = path.read_text(encoding="utf-8", errors="replace")
-            names.update(re.findall(r"\b(?:message|enum)\s+(\w+)", text))
+            file = _declarations(path)
+            names |= {message.name for message in file.all_messages()} | {enum.name for enum in file.all_enums()}
     return names
 
 

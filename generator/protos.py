@@ -12,15 +12,15 @@ Ranges = tuple[tuple[int, int], ...]
 """Ranges of numbers, both ends included."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:
-    """Something that a .proto file declares."""
+    """Something that a .proto file declares. What a reader of the model does not know keeps its default."""
 
     span: Span
-    places: Mapping[str, Span] = field(repr=False, hash=False)
+    places: Mapping[str, Span] = field(default_factory=dict, repr=False, hash=False)
     """Where its parts stand: ``name``, ``number``, ``type``, ``label``; a reserved range as ``reserved 3 to 5``."""
-    comment: str = field(repr=False)
-    options: bytes = field(repr=False)
+    comment: str = field(default="", repr=False)
+    options: bytes = field(default=b"", repr=False)
     """Its options, serialized; custom ones among them."""
 
     def at(self, part: str) -> Span:
@@ -28,7 +28,7 @@ class Declared:
         return self.places.get(part, self.span)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoField(Declared):
     """A field of a message, or of a oneof in it."""
 
@@ -36,17 +36,17 @@ class ProtoField(Declared):
     name: str
     type: str
     """The scalar's name; or ``message``, ``enum``, ``group``."""
-    type_name: str
+    type_name: str = ""
     """Full name of the message or enum; empty for a scalar."""
-    label: str
+    label: str = ""
     """``repeated``, ``required``; ``optional`` where it tells *absent* from *zero*; else empty."""
-    declared_optional: bool
+    declared_optional: bool = False
     """Whether `optional` was written in a proto3 file."""
-    oneof: str
+    oneof: str = ""
     """The oneof it stands in; empty for none."""
-    json_name: str
+    json_name: str = ""
     """Its name in JSON; empty where that is not known."""
-    facets: Mapping[str, str] = field(hash=False)
+    facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """What else changes how its bytes are read: ``default``; ``delimited`` if it is framed as a group is."""
 
     @property
@@ -71,20 +71,20 @@ class ProtoField(Declared):
         return self.type_name or self.type
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoMessage(Declared):
     """A message type."""
 
     full_name: str
-    file: str
+    file: str = ""
     fields: tuple[ProtoField, ...]
-    oneofs: tuple[str, ...]
+    oneofs: tuple[str, ...] = ()
     """The declared ones, in their order."""
-    map_entry: bool
-    extension_ranges: Ranges
-    reserved: Ranges
-    reserved_names: tuple[str, ...]
-    facets: Mapping[str, str] = field(hash=False)
+    map_entry: bool = False
+    extension_ranges: Ranges = ()
+    reserved: Ranges = ()
+    reserved_names: tuple[str, ...] = ()
+    facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Options that change its bytes: ``message_set_wire_format``."""
 
     @property
@@ -104,29 +104,33 @@ class ProtoMessage(Declared):
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoEnumValue(Declared):
     """A declared value of an enum."""
 
     name: str
     number: int
 
+    def on_the_wire(self) -> ir.WireValue:
+        """What of it is visible in bytes, with its name."""
+        return ir.WireValue(self.number, self.name)
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoEnum(Declared):
     """An enum type."""
 
     full_name: str
-    file: str
+    file: str = ""
     values: tuple[ProtoEnumValue, ...]
-    reserved: Ranges
-    reserved_names: tuple[str, ...]
+    reserved: Ranges = ()
+    reserved_names: tuple[str, ...] = ()
 
     def on_the_wire(self) -> ir.WireEnum:
         """What of it is visible in bytes."""
         return ir.WireEnum(
             self.full_name,
-            tuple(ir.WireValue(v.number, v.name) for v in sorted(self.values, key=lambda v: (v.number, v.name))),
+            tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
         )

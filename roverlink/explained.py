@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from generator import ir, ir_standard
+from generator.context import Subject
 from generator.feed_names import named_feeds
 from generator.feeds import words
-from generator.linting import Question, lint_project
+from generator.lint_engine import Question, lint_project
 from generator.nanopb import Unbounded, envelope_size, largest_size
 from generator.pipeline import Compiled, compile_table
 from generator.protos import ProtoField
-from generator.subject import Subject
 from generator.table import Row
 from generator.targets.python import spelling
 from generator.type_hashes import type_hashes
@@ -146,10 +146,10 @@ class Project:
         """The lives of the number in git; None where they were not asked for."""
         if self.subject.past is None:
             return None
-        lives = self.subject.past.history.numbers(self.subject.table.envelope.message).get(number, ())
+        usages = self.subject.past.history.numbers(self.subject.table.envelope.message).get(number, ())
         return [
-            f"{life.type} {life.name}, since {life.came}" + (f", until {life.went}" if life.went else "")
-            for life in lives
+            f"{usage.type} {usage.name}, since {usage.came}" + (f", until {usage.went}" if usage.went else "")
+            for usage in usages
         ]
 
     def _files(self, route: ir.Route) -> list[str]:

@@ -49,6 +49,20 @@ def test_rules_and_targets_do_not_know_each_other(folder: str, other: str) -> No
     assert {pair for pair in found if f"{pair[1]}.".startswith(f"generator.{other}.")} == set()
 
 
+_LINT = ("rules", "context", "history", "changes")
+"""Parts of the lint: each may import those that follow it, and none before it."""
+
+
+@pytest.mark.parametrize("part", _LINT)
+def test_parts_of_the_lint_know_only_what_they_rest_on(part: str) -> None:
+    """Comparing two schemas takes no history, history takes no context, and the context takes no rule."""
+    folder = ROOT / "generator" / part
+    files = sorted(folder.rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+    imported = {module for file in files for module in _imports(file)}
+    above = tuple(f"generator.{other}." for other in _LINT[: _LINT.index(part)])
+    assert {module for module in imported if f"{module}.".startswith(above)} == set()
+
+
 def test_no_rule_knows_another() -> None:
     """Each rule is a file that could be taken out; only the list of all knows them."""
     found = {pair for pair in _imports_below("generator/rules") if not pair[0].endswith("/__init__.py")}

@@ -10,7 +10,7 @@ from pathlib import Path
 from generator.adopt.draft import DraftRetired, DraftRow
 from generator.adopt.tree import Tree
 from generator.git import GitError
-from generator.history import Life, read_history
+from generator.history import Usage, read_history
 from generator.naming import distinct
 
 _TYPE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
@@ -33,23 +33,23 @@ def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[in
         history = read_history(root, report)
     except GitError:
         return AdoptedPast([], 0, [])
-    lives = history.numbers(tree.envelope.full_name)
+    usages = history.numbers(tree.envelope.full_name)
     today = {field.number for field in tree.envelope.fields}
     taken = {distinct(row.name): f"{row.number} is now" for row in rows}
     taken |= {distinct(tree.oneof): "the oneof is"}
     retired = []
-    for number, of_number in sorted(lives.items()):
+    for number, of_number in sorted(usages.items()):
         # What another branch has today is not over; `roverlink next-number` knows it.
-        if number not in today and not any(life.live_at for life in of_number):
+        if number not in today and not any(usage.live_at for usage in of_number):
             retired.append(_retired(number, of_number, taken))
     reused = {one.number for one in history.reuses(tree.envelope.full_name) if one.real}
     return AdoptedPast(retired, history.commits, sorted(reused & today))
 
 
-def _retired(number: int, lives: tuple[Life, ...], taken: dict[str, str]) -> DraftRetired:
-    last = lives[-1]
+def _retired(number: int, usages: tuple[Usage, ...], taken: dict[str, str]) -> DraftRetired:
+    last = usages[-1]
     notes = [f"until {last.went}"] if last.went else []
-    others = sorted({life.type.lstrip(".") for life in lives} - {last.type.lstrip(".")})
+    others = sorted({usage.type.lstrip(".") for usage in usages} - {last.type.lstrip(".")})
     notes += [f"before that it was {', '.join(others)}"] if others else []
     name = last.name
     if distinct(name) in taken:

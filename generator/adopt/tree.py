@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.declarations import File, Message, parse
+from generator.declarations import File, Message
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
-from generator.proto_files import proto_files, read_protos
+from generator.proto_files import read_protos
 from generator.protoc import DOES_NOT_COMPILE, compile_protos
 from generator.protos import ProtoField, ProtoMessage, Schema
 
@@ -55,8 +55,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     Raises `FindingsError` where there is no envelope, or where it does not compile.
     """
     findings: list[Finding] = []
-    names = proto_files(root, shown_root, findings) if root.is_dir() else []
-    files = {name: parse(text) for name, text in read_protos(root, names, shown_root, findings).items()}
+    files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
         none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "holds no .proto file")
         raise FindingsError(findings or [none])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.findings import Finding
-from generator.linting import Question, lint_project
+from generator.lint_engine import Question, lint_project
 from generator.pipeline import Compiled, compile_table
 from generator.write import compare, write
 

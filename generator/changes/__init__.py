@@ -4,6 +4,8 @@ Messages and enums are paired by their full names, wherever they stand; fields a
 by the message that they extend and their number. That is how bytes find them.
 """
 
+from generator.changes.change import Change
+from generator.changes.each_once import each_once, earlier
 from generator.changes.pairing import (
     EnumPair,
     FieldPair,
@@ -16,9 +18,9 @@ from generator.changes.pairing import (
     messages,
     values_by_number,
 )
-from generator.changes.reporting import each_once, earlier
 
 __all__ = [
+    "Change",
     "EnumPair",
     "FieldPair",
     "MessagePair",

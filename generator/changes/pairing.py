@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from generator.changes.change import Change
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema, Syntax
-from generator.subject import Change
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from enum import Enum
 
+from generator.changes.field_type_changes import broken_by_type
+from generator.changes.name_units import Measure, disagree, measure
+from generator.changes.name_words import share_a_word, words
 from generator.changes.pairing import FieldPair
-from generator.changes.types import broken_by_type
-from generator.changes.units import Measure, disagree, measure
-from generator.changes.words import share_a_word, words
 from generator.protos import ProtoField
 
 _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum"})

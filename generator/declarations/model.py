@@ -166,6 +166,11 @@ class File:
         """Whether anything was skipped: protoc refuses this file, and what is read of it may be less than was meant."""
         return bool(self.problems)
 
+    @property
+    def imported(self) -> tuple[str, ...]:
+        """The files that have to be compiled with it; of those that it imports for their options, it has no types."""
+        return tuple(one.path for one in self.imports if one.kind != "option")
+
     def all_messages(self) -> Iterator[Message]:
         """Every message at whatever depth, outer ones first."""
         for message in self.messages:

@@ -55,7 +55,10 @@ class Words:
 
     def next(self, ahead: int = 0) -> Token:
         """The next token, or the one ``ahead`` of it; behind the last one, a token without text."""
-        return self._tokens[self._at + ahead] if self._at + ahead < len(self._tokens) else _NOTHING
+        try:
+            return self._tokens[self._at + ahead]
+        except IndexError:
+            return _NOTHING
 
     @property
     def done(self) -> bool:
@@ -70,18 +73,26 @@ class Words:
 
     def take(self, *texts: str) -> str:
         """The next token's text if it is one of these."""
-        return self.skip().text if self.next().text in texts and self.next().kind is not Kind.STRING else ""
+        token = self.next()
+        if token.text not in texts or token.kind is Kind.STRING:
+            return ""
+        self._at += 1
+        return token.text
 
     def name(self) -> str:
         """A name without dots."""
-        return self.skip().text if self.next().kind is Kind.NAME else ""
+        token = self.next()
+        if token.kind is not Kind.NAME:
+            return ""
+        self._at += 1
+        return token.text
 
     def type_name(self) -> str:
         """A name of parts with dots between them, and perhaps one before."""
-        parts = [self.take("."), self.name()]
-        while parts[-1] and self.next().is_symbol(".") and self.next(1).kind is Kind.NAME:
-            parts += [self.skip().text, self.name()]
-        return "".join(parts)
+        name = self.take(".") + (last := self.name())
+        while last and self.next().is_symbol(".") and self.next(1).kind is Kind.NAME:
+            name += self.skip().text + (last := self.name())
+        return name
 
     def number(self, signed: bool = False) -> int | None:
         """An integer, which may be negative if it is ``signed``; one that cannot be read is taken and None."""

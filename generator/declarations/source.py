@@ -37,8 +37,12 @@ class Source:
 
     def comment(self, statement: Statement) -> str:
         """What a declaration's comment says: the one before it, or else the one behind it or its opening brace."""
-        before = self.tokens[statement.start - 1] if statement.start else None
-        leading = clean(Gap(self.text, before, self.tokens[statement.start]).leading)
-        if leading or not statement.ending:
-            return leading
-        return clean(Gap(self.text, self.tokens[statement.end], self.tokens[statement.end + 1]).trailing)
+        first = self.tokens[statement.start]
+        if first.comments:
+            before = self.tokens[statement.start - 1] if statement.start else None
+            if leading := clean(Gap(self.text, before, first).leading):
+                return leading
+        behind = self.tokens[statement.end + 1]
+        if not (statement.ending and behind.comments):
+            return ""
+        return clean(Gap(self.text, self.tokens[statement.end], behind).trailing)

@@ -10,6 +10,7 @@ from generator.declarations.tokens import Comment, Kind, Token
 BLOCKS = frozenset(["message", "enum", "service", "oneof"])
 LABELS = frozenset(["optional", "required", "repeated"])
 VISIBILITIES = frozenset(["export", "local"])
+_AHEAD = 4  # tokens that are looked at ahead of one
 _OUTERMOST = frozenset(["message", "enum", "service", "extend", "import", "syntax", "edition", "package"])
 
 
@@ -17,15 +18,14 @@ class Tokens:
     """The tokens of a file, and which of its braces have no partner."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
-        self._tokens = tokens
-        self.end = len(tokens) - 1
+        self._tokens = [*tokens, *[tokens[-1]] * _AHEAD]
         opened: list[int] = []
         self.last_unopened = -1
         """Index of the last closing brace too many."""
         for index, token in enumerate(tokens):
-            if token.is_symbol("{"):
+            if token.text == "{":
                 opened.append(index)
-            elif token.is_symbol("}"):
+            elif token.text == "}":
                 if opened:
                     opened.pop()
                 else:
@@ -34,7 +34,8 @@ class Tokens:
         """Indices of the opening braces that nothing closes."""
 
     def __getitem__(self, index: int) -> Token:
-        return self._tokens[min(max(index, 0), self.end)]
+        """The token at an index, which may be a little behind the end of the file."""
+        return self._tokens[index]
 
     def between(self, start: int, end: int) -> Sequence[Token]:
         """The tokens from one index up to another."""
@@ -113,38 +114,47 @@ class StatementReader:
 
     def read(self) -> Statement:
         """The statement that starts at the index given; at least one token long, or only its end."""
-        ending = None
-        while ending is None:
-            ending = self._ending()
-            if ending is None:
-                self._pass()
-        end = self._index
-        tokens = self._tokens.between(self._start, end)
-        passed = [*tokens, self._tokens[end]] if ending else tokens
-        comments = tuple(comment for token in passed for comment in token.comments)
-        return Statement(self._start, end, tokens, ending, comments)
+        ending, all_tokens = None, self._tokens
+        comments: list[Comment] = []
+        previous = None
+        while True:
+            token = all_tokens[self._index]
+            if previous and (previous.cut_off or (token.first and self._is_broken_off(token, previous))):
+                ending = ""
+            elif token.kind is Kind.SYMBOL:
+                ending = self._symbol(token.text)
+            elif token.kind is Kind.END:
+                ending = ""
+            if ending is not None:
+                break
+            comments += token.comments
+            previous = token
+            self._index += 1
+        if ending:
+            comments += token.comments
+        tokens = all_tokens.between(self._start, self._index)
+        return Statement(self._start, self._index, tokens, ending, tuple(comments))
 
-    def _ending(self) -> str | None:
-        """What ends the statement here: a character, nothing (``""``) where it is broken off; None if it goes on."""
-        token = self._tokens[self._index]
-        if token.kind is Kind.END or self._is_broken_off(token):
-            return ""
-        if self._braces or token.kind is not Kind.SYMBOL:
-            return None
-        if token.text == "}":
-            return ""
-        if token.text == "{" and (self._is_block or not (self._brackets or self._is_option)):
-            return "{"
-        return ";" if token.text == ";" else None
+    def _symbol(self, text: str) -> str | None:
+        """What ends the statement at a symbol: the symbol, or nothing (``""``); None if it goes on behind it."""
+        if text == "=":
+            self._assigned = True
+        elif text in "{}":
+            if not self._braces:
+                if text == "}":
+                    return ""
+                if self._is_block or not (self._brackets or self._is_option):
+                    return "{"
+            self._braces += 1 if text == "{" else -1
+        elif not self._braces:
+            if text == ";":
+                return ";"
+            if text in "[]":
+                self._brackets = max(0, self._brackets + (1 if text == "[" else -1))
+        return None
 
-    def _is_broken_off(self, token: Token) -> bool:
-        if self._index == self._start:
-            return False
-        previous = self._tokens[self._index - 1]
-        if previous.cut_off:
-            return True
-        if not token.first:
-            return False
+    def _is_broken_off(self, token: Token, previous: Token) -> bool:
+        """Whether a token, the first on its line, cannot go on with the statement."""
         if self._braces:  # an option's value may have fields with the names of keywords, unless a brace is missing
             return bool(self._tokens.unclosed) and self._tokens.declares(self._index)
         if token.kind is Kind.NAME and token.text != "to" and self._is_complete(previous):
@@ -170,15 +180,3 @@ class StatementReader:
         is_labelled = previous.text in LABELS and self._index - self._start == 1
         is_part = previous.is_symbol(".") and self._tokens[self._index - 2].kind is Kind.NAME
         return self._tokens.assigns(self._index + 1) and not (is_labelled or is_part or previous.is_symbol(","))
-
-    def _pass(self) -> None:
-        token = self._tokens[self._index]
-        self._index += 1
-        if token.kind is not Kind.SYMBOL:
-            return
-        if token.text in "{}":
-            self._braces += 1 if token.text == "{" else -1
-        elif not self._braces and token.text in "[]":
-            self._brackets = max(0, self._brackets + (1 if token.text == "[" else -1))
-        elif token.text == "=":
-            self._assigned = True

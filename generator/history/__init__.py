@@ -7,9 +7,10 @@ compile, for the boards they were flashed to did not ask.
 
 from __future__ import annotations
 
+from generator.history.branch_collisions import branch_name
 from generator.history.history import History, read_history
-from generator.history.meanings import differ
-from generator.history.model import (
+from generator.history.same_meaning import differ
+from generator.history.usage_model import (
     Allocation,
     Collision,
     Confidence,
@@ -17,9 +18,9 @@ from generator.history.model import (
     Fact,
     Interval,
     Kind,
-    Life,
     Relation,
     Reuse,
+    Usage,
 )
 
 __all__ = [
@@ -31,9 +32,10 @@ __all__ = [
     "History",
     "Interval",
     "Kind",
-    "Life",
+    "Usage",
     "Relation",
     "Reuse",
+    "branch_name",
     "differ",
     "read_history",
 ]

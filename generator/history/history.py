@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 
+from generator.declarations import parse
 from generator.git import Commit
-from generator.history.branches import Branches, branches, default_branch
-from generator.history.graph import Graph, depth
-from generator.history.lives import Lived, lives
-from generator.history.model import Collision, Content, Life, Reuse
-from generator.history.reading import Reader, Reading
-from generator.history.record import Record
-from generator.history.repository import PastRepository, Ref, Revision
+from generator.history.blob_cache import BlobCache
+from generator.history.branch_collisions import Branches, branches, default_branch
+from generator.history.commit_graph import Graph, depth
+from generator.history.commits import PastRepository, Ref, Revision
+from generator.history.lineage import sweep
+from generator.history.lookup import Record
+from generator.history.numbered_types import NumberedTypes, numbered_types
 from generator.history.reuses import Reuses
-from generator.history.sweep import sweep
+from generator.history.usage_model import Collision, Content, Reuse, Usage
+from generator.history.usages import TracedUsage, usages
 
-_EMPTY = Reading()
 _SOME = 64  # states between two reports of progress
 
 
@@ -29,8 +30,8 @@ def read_history(repository: Path, report: Callable[[int, int], None] | None = N
     """
     git = PastRepository(repository)
     refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
-    readings, unread = _readings(git, revisions, report or _nobody)
-    return History(revisions, refs, boundary, readings, unread)
+    types, unread = _types(git, revisions, report or _nobody)
+    return History(revisions, refs, boundary, types, unread)
 
 
 class History:
@@ -45,15 +46,20 @@ class History:
         revisions: Sequence[Revision],
         refs: Sequence[Ref],
         boundary: frozenset[str],
-        readings: dict[str, Reading],
+        types: Mapping[str, NumberedTypes],
         unread: frozenset[str],
     ) -> None:
         graph = Graph(revisions)
         self._refs, self._boundary = refs, boundary
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
-        past = sweep(graph, lambda blob: readings.get(blob, _EMPTY), frozenset(self._nodes.values()))
+        past = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
         self._record = Record(graph, past)
-        self._lived = lru_cache(maxsize=None)(self._find_lived)
+        self._traced = cache(self._find_traced)
+        self.reuses = cache(self._find_reuses)
+        """The numbers of a message or enum, by name, that had more than one meaning: each pair of its uses.
+
+        Mere renames are among them.
+        """
         self.commits = len(revisions)
         """How many commits there are."""
         self.shallow = bool(boundary)
@@ -77,17 +83,13 @@ class History:
         """The full names that a message or enum has had: several where it changed its package."""
         return tuple(self._record.owners(name))
 
-    def numbers(self, name: str) -> dict[int, tuple[Life, ...]]:
-        """Every number that a message or enum ever used, with its lives, the earliest first."""
-        return _by_number(lived.life for lived in self._lived(name, False))
+    def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number that a message or enum ever used, with its usages, the earliest first."""
+        return _by_number(traced.usage for traced in self._traced(name, False))
 
-    def claims(self, name: str) -> dict[int, tuple[Life, ...]]:
-        """Every number of fields or values that were ever commented out, with the lives of those comments."""
-        return _by_number(lived.life for lived in self._lived(name, True))
-
-    def reuses(self, name: str) -> tuple[Reuse, ...]:
-        """The numbers of a message or enum that had more than one meaning: each pair of its uses, mere renames too."""
-        return tuple(Reuses(self._record, self._record.owners(name), self._lived(name, False)).all())
+    def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number of fields or values that were ever commented out, with the usages in those comments."""
+        return _by_number(traced.usage for traced in self._traced(name, True))
 
     def content(self, name: str, commit: Commit) -> Content | None:
         """The fields of a message, or the values of an enum, at a commit; None where it is not declared there."""
@@ -113,8 +115,11 @@ class History:
     def _branches(self, name: str) -> Branches:
         return Branches(self._record, self._record.owners(name), self._nodes)
 
-    def _find_lived(self, name: str, claimed: bool) -> list[Lived]:
-        return lives(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
+    def _find_reuses(self, name: str) -> tuple[Reuse, ...]:
+        return tuple(Reuses(self._record, self._record.owners(name), self._traced(name, False)).all())
+
+    def _find_traced(self, name: str, claimed: bool) -> list[TracedUsage]:
+        return usages(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
 
     def _kinds(self) -> set[tuple[str, bool]]:
         return {
@@ -125,25 +130,30 @@ class History:
         }
 
 
-def _by_number(found: Iterable[Life]) -> dict[int, tuple[Life, ...]]:
-    return {number: tuple(group) for number, group in groupby(found, key=lambda life: life.number)}
+def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
+    return {number: tuple(group) for number, group in groupby(found, key=lambda usage: usage.number)}
 
 
-def _readings(
+def _types(
     git: PastRepository, revisions: Sequence[Revision], report: Callable[[int, int], None]
-) -> tuple[dict[str, Reading], frozenset[str]]:
-    """What each state of each file says; and the states that could not be looked at."""
+) -> tuple[dict[str, NumberedTypes], frozenset[str]]:
+    """Return what each state of each file declares, by blobs; and the blobs that could not be looked at."""
     blobs = list(dict.fromkeys(edit.new for revision in revisions for edit in revision.edits if edit.new))
-    reader, readings, unread = Reader(), dict[str, Reading](), set[str]()
-    for done, (blob, data) in enumerate(git.blobs(blobs)):
+    blob_cache = BlobCache(git.folder)
+    known = blob_cache.load()
+    types = {blob: known[blob] for blob in blobs if blob in known}
+    new, unread = [blob for blob in blobs if blob not in known], set[str]()
+    for done, (blob, data) in enumerate(git.blobs(new), len(types)):
         if data is None or b"\0" in data:
             unread.add(blob)
         else:
-            readings[blob] = reader.read(data.decode("utf-8", errors="replace"))
+            types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
         if done % _SOME == 0:
             report(done, len(blobs))
     report(len(blobs), len(blobs))
-    return readings, frozenset(unread)
+    if len(unread) < len(new):
+        blob_cache.save(types)
+    return types, frozenset(unread)
 
 
 def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:

@@ -5,39 +5,39 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations, groupby
 
-from generator.changes.types import broken_by_kind
+from generator.changes.field_type_changes import broken_by_kind
 from generator.declarations import SCALARS
-from generator.history.lives import Lived
-from generator.history.meanings import ValueNames, alike, is_telling, nearly_the_same, replaced, simple, survivors
-from generator.history.model import Confidence, Content, Fact, Kind, Relation, Reuse
-from generator.history.record import Record
-from generator.history.relations import Relations
+from generator.history.lookup import Record
+from generator.history.same_meaning import ValueNames, alike, is_telling, nearly_the_same, replaced, simple, survivors
+from generator.history.usage_model import Confidence, Content, Fact, Kind, Relation, Reuse
+from generator.history.usage_relations import Relations
+from generator.history.usages import TracedUsage
 
 _MOST = 16  # uses of one number that each further one is compared with: the latest
 
 
 class Reuses:
-    """Compares the lives of each number."""
+    """Compares the usages of each number."""
 
-    def __init__(self, record: Record, owners: Sequence[str], lived: Sequence[Lived]) -> None:
-        self._record, self._lived = record, lived
+    def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
+        self._record, self._traced = record, traced
         self._owner = owners[0] if owners else ""
         self._relations = Relations(record, owners)
         self._survivors: dict[tuple[str, str, str, str], int] = {}
-        self._values = ValueNames(self._owner, [one.life.name for one in lived])
+        self._values = ValueNames(self._owner, [one.usage.name for one in traced])
 
     def all(self) -> Iterator[Reuse]:
         """All of them, by number."""
-        for _, group in groupby(self._lived, key=lambda one: one.life.number):
+        for _, group in groupby(self._traced, key=lambda one: one.usage.number):
             uses = list(group)
             if len(uses) > 1:
                 yield from self._between(uses)
             for use in uses:
                 yield from self._within(use)
 
-    # --- lives that differ ------------------------------------------------------------------------------------------
+    # --- usages that differ -----------------------------------------------------------------------------------------
 
-    def _between(self, uses: Sequence[Lived]) -> list[Reuse]:
+    def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
         """What differs between the uses of a number; what became another by mere renames, step by step, does not."""
         meaning = list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
@@ -52,9 +52,9 @@ class Reuses:
                 found.append((one, other, reuse))
         return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
 
-    def _compare(self, earlier: Lived, later: Lived) -> Reuse | None:
+    def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
         """What the later use makes of the earlier one's number; None where that is the same."""
-        old, new = earlier.life.fact, later.life.fact
+        old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
         if not (old.type or new.type):
             alias = self._relations.together(old, new)
@@ -76,10 +76,15 @@ class Reuses:
         return Kind.RETYPED if broken_by_kind(kinds[0], kinds[1]) else _by_name(old, new)
 
     def _by_content(
-        self, earlier: Lived, later: Lived, before: int, after: int, contents: tuple[Content | None, Content | None]
+        self,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        before: int,
+        after: int,
+        contents: tuple[Content | None, Content | None],
     ) -> Kind | None:
         """A message or an enum in the place of another one."""
-        old, new = earlier.life.fact, later.life.fact
+        old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
         if one and other and one.enum != other.enum:
             return Kind.RETYPED
@@ -93,14 +98,19 @@ class Reuses:
         return Kind.RETYPED if one and one.enum else Kind.REUSED
 
     def _is_renamed(
-        self, earlier: Lived, later: Lived, before: int, after: int, contents: tuple[Content | None, Content | None]
+        self,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        before: int,
+        after: int,
+        contents: tuple[Content | None, Content | None],
     ) -> bool:
         """Whether one type is the other under a new name.
 
         Two types that stood beside each other are two, however alike, unless the member kept its name. A number that
         lay idle in between, or a message that is too small to tell, need a name that speaks of the same thing.
         """
-        old, new = earlier.life.fact, later.life.fact
+        old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
         if one is None or other is None:
             return old.name == new.name and alike(simple(old.type), simple(new.type))
@@ -111,9 +121,9 @@ class Reuses:
         at_a_stroke = self._relations.hands_over(earlier, later)
         return (at_a_stroke and is_telling(one, other)) or alike(old.name, new.name)
 
-    # --- one life, other contents -----------------------------------------------------------------------------------
+    # --- one usage, other contents ----------------------------------------------------------------------------------
 
-    def _within(self, use: Lived) -> Iterator[Reuse]:
+    def _within(self, use: TracedUsage) -> Iterator[Reuse]:
         """Where what the type of a member stands for was replaced, and the name was kept."""
         versions: list[tuple[int, Content]] = []
         for node in self._relations.nodes_of_content(use):
@@ -128,8 +138,8 @@ class Reuses:
 
     # --- what is said of both ---------------------------------------------------------------------------------------
 
-    def _content(self, use: Lived, node: int) -> Content | None:
-        return self._record.content_of_type(use.life.type, use.stretches[0].owner, node)
+    def _content(self, use: TracedUsage, node: int) -> Content | None:
+        return self._record.content_of_type(use.usage.type, use.stretches[0].owner, node)
 
     def _surviving(self, old: Content, new: Content) -> int:
         """How many of the old fields are left: a question that each further use of a number asks again."""
@@ -139,7 +149,7 @@ class Reuses:
         return self._survivors[key]
 
     def _reuse(
-        self, kind: Kind | None, earlier: Lived, later: Lived, old: Content | None, new: Content | None
+        self, kind: Kind | None, earlier: TracedUsage, later: TracedUsage, old: Content | None, new: Content | None
     ) -> Reuse | None:
         if kind is None:
             return None
@@ -147,10 +157,10 @@ class Reuses:
         at_once = relation is Relation.TOGETHER or self._relations.overlap(earlier, later)
         return Reuse(
             owner=self._owner,
-            number=later.life.number,
+            number=later.usage.number,
             kind=kind,
-            earlier=earlier.life,
-            later=later.life,
+            earlier=earlier.usage,
+            later=later.usage,
             relation=relation,
             at_once=at_once and earlier is not later,
             old=old,
@@ -166,9 +176,9 @@ def _by_name(old: Fact, new: Fact) -> Kind | None:
     return Kind.RENAMED if alike(old.name, new.name) else Kind.MEANING
 
 
-def _confidence(use: Lived, content: Content | None) -> Confidence:
+def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
     """How far a use is to be trusted, for which it counts what is known of its type."""
-    type = use.life.type
+    type = use.usage.type
     sound = content is not None and content.there and not content.broken
     known = sound or not type or type in SCALARS or type.startswith("map<")
-    return use.life.confidence if known else max(use.life.confidence, Confidence.LIKELY)
+    return use.usage.confidence if known else max(use.usage.confidence, Confidence.LIKELY)

@@ -6,9 +6,8 @@ that both changed the ledger disagree at least there, so that merging them is al
 lines of both sides, and the next generate writes them in order.
 """
 
-from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
+from generator.ledger.model import NAME, Burned, Entry, Ledger, checksum
 from generator.ledger.reading import read
-from generator.ledger.schema import as_schema
 from generator.ledger.writing import render, schema_lines
 
 __all__ = [
@@ -16,9 +15,6 @@ __all__ = [
     "Burned",
     "Entry",
     "Ledger",
-    "Number",
-    "Owner",
-    "as_schema",
     "checksum",
     "read",
     "render",

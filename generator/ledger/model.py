@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from generator import ir
 from generator.findings import Span
+from generator.protos import ProtoEnumValue, ProtoField, Schema
 
 NAME = "mapping.lock"
 
@@ -27,16 +28,6 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
-    """A number of a message or an enum that was published, and what for."""
-
-    fact: ir.WireField | ir.WireValue
-    gone: bool
-    """Whether a later generate did not find it any more."""
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
 class Burned:
     """A number of a message or an enum that had several meanings in the past, which was accepted."""
 
@@ -49,28 +40,29 @@ class Burned:
     """What it stood for when that was accepted, and may go on standing for; None where nothing had it any more."""
 
 
-@dataclass(slots=True)
-class Owner:
-    """A message or an enum of the ledger."""
-
-    of_message: bool
-    span: Span
-    numbers: list[Number] = field(default_factory=list)
-    reserved: list[tuple[int, int]] = field(default_factory=list)
-    reserved_names: list[str] = field(default_factory=list)
-    places: dict[str, Span] = field(default_factory=dict)
-    """Where each reserved range and name stands, as in `generator.protos.Declared`."""
-
-
 @dataclass(frozen=True, slots=True)
 class Ledger:
     """Every number that was ever published, in order; a number may have been published for several payloads."""
 
     entries: tuple[Entry, ...] = ()
-    messages: dict[str, Owner] = field(default_factory=dict)
-    enums: dict[str, Owner] = field(default_factory=dict)
+    schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
+    """What could travel as of the last generate. What the ledger does not hold is empty: files, JSON names, options."""
+    gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
+    """By message: the fields that a later generate did not find any more."""
+    gone_values: Mapping[str, tuple[ProtoEnumValue, ...]] = field(default_factory=dict)
+    """By enum: the values that a later generate did not find any more."""
     burned: tuple[Burned, ...] = ()
     """By owner and number."""
+
+    def fields(self, message: str) -> tuple[ProtoField, ...]:
+        """Return every field of a message that was ever published; those that are gone come last."""
+        declared = self.schema.messages.get(message)
+        return (*(declared.fields if declared else ()), *self.gone_fields.get(message, ()))
+
+    def values(self, enum: str) -> tuple[ProtoEnumValue, ...]:
+        """Return every value of an enum that was ever published; those that are gone come last."""
+        declared = self.schema.enums.get(enum)
+        return (*(declared.values if declared else ()), *self.gone_values.get(enum, ()))
 
     def burned_in(self, owner: str) -> dict[int, Burned]:
         """The burned numbers of a message or enum."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Set
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from generator import ir
 from generator.findings import Finding, Rule, Severity, Span
 from generator.git import Repository
-from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
+from generator.ledger.model import NAME, Burned, Entry, Ledger, checksum
+from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
 BROKEN_LEDGER = Rule("LED102", "broken-ledger")
@@ -65,13 +66,61 @@ def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
     return reader.ledger()
 
 
+@dataclass(slots=True)
+class _Type:
+    """A message or an enum while it is read."""
+
+    of_message: bool
+    span: Span
+    numbers: list[tuple[re.Match[str], Span]] = field(default_factory=list)
+    reserved: list[tuple[int, int]] = field(default_factory=list)
+    reserved_names: list[str] = field(default_factory=list)
+    places: dict[str, Span] = field(default_factory=dict)
+
+    def add(self, match: re.Match[str], span: Span) -> None:
+        """Take what a line below it says."""
+        if match.re is not _RESERVED:
+            self.numbers.append((match, span))
+        elif match["name"]:
+            self.reserved_names.append(match["name"])
+            self.places[f"reserved {match['name']}"] = span
+        else:
+            first = int(match["first"])
+            self.reserved.append((first, int(match["last"] or first)))
+            self.places[f"reserved {first} to {self.reserved[-1][1]}"] = span
+
+    def fields(self, gone: bool, messages: Set[str], enums: Set[str]) -> Iterator[ProtoField]:
+        """The fields that are gone, or the others; types are known by the names of messages and enums."""
+        for match, span in self.numbers:
+            if (match["gone"] is not None) is gone:
+                type = match["type"]
+                kind = "message" if type in messages else "enum" if type in enums else ""
+                label, oneof = match["label"] or "", match["oneof"] or ""
+                yield ProtoField(
+                    span=span,
+                    number=int(match["number"]),
+                    name=match["name"],
+                    type=kind or type,
+                    type_name=type if kind else "",
+                    label="optional" if not label and (kind == "message" or oneof) else label,
+                    oneof=oneof,
+                )
+
+    def values(self, gone: bool) -> Iterator[ProtoEnumValue]:
+        """The values that are gone, or the others."""
+        for match, span in self.numbers:
+            if (match["gone"] is not None) is gone:
+                yield ProtoEnumValue(span=span, name=match["name"], number=int(match["number"]))
+
+
 class _Reader:
     """Reads line by line, and takes what both sides of a merge conflict have."""
 
     def __init__(self) -> None:
         self._entries: dict[tuple[int, str, str], Entry] = {}
-        self._owners: dict[str, dict[str, Owner]] = {"message": {}, "enum": {}}
-        self._owner: Owner | None = None
+        self._messages: dict[str, _Type] = {}
+        self._enums: dict[str, _Type] = {}
+        self._type: _Type | None = None
         self._burned: dict[tuple[str, int], Burned] = {}
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
@@ -84,7 +133,26 @@ class _Reader:
         """What was read."""
         entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
         burned = tuple(burned for _, burned in sorted(self._burned.items()))
-        return Ledger(tuple(entries), self._owners["message"], self._owners["enum"], burned)
+        messages = {name: self._message(name, type) for name, type in self._messages.items()}
+        enums = {name: _enum(name, type) for name, type in self._enums.items()}
+        gone_fields = {name: self._fields(type, gone=True) for name, type in self._messages.items()}
+        gone_values = {name: tuple(type.values(gone=True)) for name, type in self._enums.items()}
+        return Ledger(tuple(entries), Schema((), messages, enums), gone_fields, gone_values, burned)
+
+    def _fields(self, type: _Type, gone: bool) -> tuple[ProtoField, ...]:
+        return tuple(type.fields(gone, self._messages.keys(), self._enums.keys()))
+
+    def _message(self, name: str, type: _Type) -> ProtoMessage:
+        fields = self._fields(type, gone=False)
+        return ProtoMessage(
+            span=type.span,
+            places=type.places,
+            full_name=name,
+            fields=fields,
+            oneofs=tuple(dict.fromkeys(field.oneof for field in fields if field.oneof)),
+            reserved=tuple(type.reserved),
+            reserved_names=tuple(type.reserved_names),
+        )
 
     def line(self, line: str, span: Span) -> None:
         """Take one line, in whatever section: a conflict may reach over both."""
@@ -94,7 +162,8 @@ class _Reader:
             self._add_entry(match, span)
         elif match := _OWNER.fullmatch(line):
             of_message = match["kind"] == "message"
-            self._owner = self._owners[match["kind"]].setdefault(match["name"], Owner(of_message, span))
+            types = self._messages if of_message else self._enums
+            self._type = types.setdefault(match["name"], _Type(of_message, span))
         elif match := _BURNED.fullmatch(line):
             burned = _burned(match)
             self._burned[burned.owner, burned.number] = burned
@@ -117,24 +186,24 @@ class _Reader:
 
     def _add_fact(self, line: str, span: Span) -> bool:
         """Take a line below a message or an enum; False where it is none."""
-        owner = self._owner
-        pattern = (_FIELD if owner.of_message else _VALUE) if owner else None
+        type = self._type
+        pattern = (_FIELD if type.of_message else _VALUE) if type else None
         match = (_RESERVED.fullmatch(line) or pattern.fullmatch(line)) if pattern else None
-        if owner is None or match is None:
+        if type is None or match is None:
             return False
-        if self._is_published(owner, line):
-            _add(owner, match, span)
+        if self._is_published(type, line):
+            type.add(match, span)
         return True
 
-    def _is_published(self, owner: Owner, line: str) -> bool:
+    def _is_published(self, type: _Type, line: str) -> bool:
         """Whether a fact was in the ledger of both branches, or there is but one.
 
         What only one side of a conflict has was published by one branch; the merged protos say what became of it.
         """
         if not self._in_conflict:
             return True
-        seen_before = (id(owner), line) in self._one_sided
-        self._one_sided.add((id(owner), line))
+        seen_before = (id(type), line) in self._one_sided
+        self._one_sided.add((id(type), line))
         return seen_before
 
 
@@ -150,21 +219,12 @@ def _use(text: str) -> tuple[str, str]:
     return type, name
 
 
-def _add(owner: Owner, match: re.Match[str], span: Span) -> None:
-    """Take what a line below a message or an enum says."""
-    found = match.groupdict()
-    if match.re is not _RESERVED:
-        owner.numbers.append(Number(_fact(owner, found), found["gone"] is not None, span))
-    elif found["name"]:
-        owner.reserved_names.append(found["name"])
-    else:
-        first = int(found["first"])
-        owner.reserved.append((first, int(found["last"] or first)))
-        owner.places[f"reserved {first} to {owner.reserved[-1][1]}"] = span
-
-
-def _fact(owner: Owner, found: Mapping[str, str | None]) -> ir.WireField | ir.WireValue:
-    number, name = int(found["number"] or 0), found["name"] or ""
-    if not owner.of_message:
-        return ir.WireValue(number, name)
-    return ir.WireField(number, name, found["type"] or "", found["label"] or "", found["oneof"] or "")
+def _enum(name: str, type: _Type) -> ProtoEnum:
+    return ProtoEnum(
+        span=type.span,
+        places=type.places,
+        full_name=name,
+        values=tuple(type.values(gone=False)),
+        reserved=tuple(type.reserved),
+        reserved_names=tuple(type.reserved_names),
+    )

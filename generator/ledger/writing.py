@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from generator import ir
-from generator.ledger.model import Burned, Ledger, Owner, checksum
+from generator.ledger.model import Burned, Ledger, checksum
+from generator.protos import ProtoEnumValue, ProtoField
 
 _HEADER = """\
 # The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
@@ -19,10 +20,14 @@ def render(bridge: ir.Bridge, published: Ledger) -> str:
     enums = {enum.name: _enum_lines(enum) for enum in bridge.wire_enums}
     lines = [_HEADER.format(table=bridge.table), "version: 1", "", "numbers:", *_number_lines(bridge, published)]
     lines += ["", "schema:"]
-    for kind, now, before in (("message", messages, published.messages), ("enum", enums, published.enums)):
-        for name in sorted({*now, *before}):
-            lines += [f"  {kind} {name}:", *now.get(name, [])]
-            lines += [f"{line} gone" for line in _gone(before.get(name), now.get(name, []))]
+    for name in sorted({*messages, *published.schema.messages}):
+        now = messages.get(name, [])
+        gone = _gone(published.fields(name), published.gone_fields.get(name, ()), now)
+        lines += [f"  message {name}:", *now, *(f"{line} gone" for line in gone)]
+    for name in sorted({*enums, *published.schema.enums}):
+        now = enums.get(name, [])
+        gone = _gone(published.values(name), published.gone_values.get(name, ()), now)
+        lines += [f"  enum {name}:", *now, *(f"{line} gone" for line in gone)]
     if published.burned:
         lines += ["", "burned:", *(_burned_line(burned) for burned in published.burned)]
     text = "\n".join(lines) + "\n\n"
@@ -49,12 +54,14 @@ def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
     return [f"  {number}: {text}" for (number, _), text in sorted(lines.items())]
 
 
-def _gone(before: Owner | None, now: Sequence[str]) -> Iterator[str]:
+def _gone(
+    published: Sequence[ProtoField | ProtoEnumValue], gone: Sequence[ProtoField | ProtoEnumValue], now: Sequence[str]
+) -> Iterator[str]:
     """The lines of numbers that nothing has any more, or that another thing has."""
     used = {line.split()[0] for line in now}
-    for number in before.numbers if before else []:
-        line = _fact_line(number.fact)
-        if str(number.fact.number) not in used or (number.gone and line not in now):
+    for one in published:
+        line = _fact_line(one.on_the_wire())
+        if str(one.number) not in used or (one in gone and line not in now):
             yield line
 
 

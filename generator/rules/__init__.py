@@ -14,8 +14,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Protocol, cast
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Subject
 from generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"

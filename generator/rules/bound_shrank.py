@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.nanopb import FieldBounds
 from generator.protos import ProtoField, ProtoMessage
-from generator.subject import Subject
 
 RULE = Rule("FIX103", "bound-shrank")
 _BITS = {"int32": 32, "sint32": 32, "uint32": 32, "int64": 64, "sint64": 64, "uint64": 64}

@@ -18,10 +18,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span, Use
-from generator.history import Allocation
-from generator.retrospect import branch, place_of
-from generator.subject import Subject
+from generator.history import Allocation, branch_name
+from generator.history_diagnostics import place_of
 
 RULE = Rule("HIS104", "number-given-on-two-branches")
 
@@ -36,7 +36,7 @@ def check(subject: Subject) -> Iterator[Finding]:
         message = f"number {number} of {envelope} is {' and '.join(map(_said, given))}"
         help = f"keep it for one of them; the next number that no branch has is {subject.next_number()}"
         also = [
-            (Span(f"{branch(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
+            (Span(f"{branch_name(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
             for one in given
         ]
         uses = [Use(one.type, one.name, one.came, None) for one in given]
@@ -44,4 +44,4 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _said(allocation: Allocation) -> str:
-    return f"{allocation.type} {allocation.name} on {' and '.join(branch(ref) for ref in allocation.refs)}"
+    return f"{allocation.type} {allocation.name} on {' and '.join(branch_name(ref) for ref in allocation.refs)}"

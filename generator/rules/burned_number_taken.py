@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Subject
 
 RULE = Rule("ENV110", "burned-number-taken")
 

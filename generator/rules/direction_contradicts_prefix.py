@@ -21,8 +21,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Subject
 from generator.table import PeerSettings
 
 RULE = Rule("TAB105", "direction-contradicts-prefix")

@@ -24,10 +24,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 
+from generator.context import Subject
 from generator.declarations import Enum, Message
 from generator.findings import Finding, Rule, Severity, Span
 from generator.naming import snake_case
-from generator.subject import Subject
 
 RULE = Rule("NAM103", "enum-value-collides")
 

@@ -28,10 +28,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from generator.context import Subject
 from generator.declarations import Message, resolve_type
 from generator.findings import Finding, Rule, Span
 from generator.protos import ProtoMessage
-from generator.subject import Subject
 from generator.table import Row, Table
 
 RULE = Rule("ENV105", "envelope-disagrees")

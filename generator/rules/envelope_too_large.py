@@ -20,10 +20,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from generator.protos import Schema
-from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("FIX102", "envelope-too-large")

@@ -24,9 +24,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.declarations import Message
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Subject
 
 RULE = Rule("ENV109", "field-number-claimed", Severity.WARNING)
 

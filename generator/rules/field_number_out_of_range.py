@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Subject
 from generator.table_format import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("ENV104", "field-number-out-of-range")

@@ -22,9 +22,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.ledger import Entry
-from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
 RULE = Rule("ENV102", "field-number-reuse")

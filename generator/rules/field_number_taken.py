@@ -20,8 +20,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span
-from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
 RULE = Rule("ENV101", "field-number-taken")

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span
-from generator.subject import Subject
 
 RULE = Rule("ENV103", "field-number-vanished")
 

@@ -21,9 +21,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.nanopb import Unbounded, largest_size
-from generator.subject import Subject
 from generator.table import PeerSettings, Row
 
 RULE = Rule("FIX101", "field-unbounded")

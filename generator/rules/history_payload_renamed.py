@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.history import Kind
-from generator.retrospect import reported, reuses_by_number
-from generator.subject import Subject
+from generator.history_diagnostics import reported, reuses_by_number
 
 RULE = Rule("HIS102", "payload-renamed", Severity.HINT)
 

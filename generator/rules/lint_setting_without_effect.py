@@ -22,8 +22,8 @@ import importlib
 from collections.abc import Iterator, Mapping
 from functools import cache
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Subject
 from generator.table import Lowered
 
 RULE = Rule("TAB108", "lint-setting-without-effect", Severity.WARNING)

@@ -24,9 +24,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity, Span
 from generator.naming import snake_case
-from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("NAM102", "message-misplaced", Severity.WARNING)

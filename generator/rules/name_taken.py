@@ -20,9 +20,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span
 from generator.naming import distinct
-from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
 RULE = Rule("TAB101", "name-taken")

@@ -21,9 +21,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoMessage
-from generator.subject import Subject
 
 RULE = Rule("FIX104", "number-above-15", Severity.HINT)
 _LAST_SHORT = 15

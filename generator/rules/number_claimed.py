@@ -22,9 +22,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.declarations import Claim
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("ENV108", "number-claimed", Severity.WARNING)

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Subject
 
 RULE = Rule("TAB106", "number-skipped", Severity.HINT)
 

@@ -27,10 +27,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.ledger import Entry
 from generator.protos import ProtoMessage
-from generator.subject import Subject
 from generator.table import Table
 
 RULE = Rule("ENV107", "number-unreserved")

@@ -27,9 +27,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.protos import ProtoField
-from generator.subject import Subject
 
 RULE = Rule("ENV106", "payload-outside-oneof")
 

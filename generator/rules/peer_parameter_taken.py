@@ -19,9 +19,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.node_parameters import NODE_PARAMETERS
-from generator.subject import Subject
 from generator.table import PeerSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken")

@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Subject
 
 RULE = Rule("PIN102", "pins-disagree")
 

@@ -19,13 +19,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import values_by_number
-from generator.changes.cures import reserve
-from generator.changes.cures import values as declared
-from generator.changes.numbers import next_enum_number
+from generator.changes.fixits import reserve
+from generator.changes.fixits import values as declared
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.ledger import Number
+from generator.free_numbers import next_enum_number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
-from generator.subject import Subject
 
 RULE = Rule("WIR112", "enum-number-reuse")
 
@@ -34,28 +33,27 @@ def check(subject: Subject) -> Iterator[Finding]:
     """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
-    for name, owner in subject.ledger.enums.items():
+    for name, gone in subject.ledger.gone_values.items():
         enum, offered = subject.schema.enums.get(name), set[int]()
+        published = {(one.number, one.name) for one in subject.ledger.values(name)}
         for number, values in values_by_number(enum).items() if enum else ():
-            published = [one for one in owner.numbers if one.fact.number == number]
-            known = any(one.fact.name == value.name for one in published for value in values)
-            gone = [one for one in published if one.gone]
-            if enum and gone and not known:
+            reused = [one for one in gone if one.number == number]
+            if enum and reused and not any((number, value.name) in published for value in values):
                 free = next_enum_number(subject, name, offered)
                 offered |= {free} if free else set()
-                yield from (_finding(subject.schema, enum, values, one, free) for one in gone)
+                yield from (_finding(subject.schema, enum, values, one, free) for one in reused)
 
 
 def _finding(
-    schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], number: Number, free: int | None
+    schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], old: ProtoEnumValue, free: int | None
 ) -> Finding:
-    names, was = [value.name for value in values], number.fact.name
-    freed = reserve(enum, schema.syntax_of(enum.file), [(number.fact.number, number.fact.number)], [was])
+    names, was = [value.name for value in values], old.name
+    freed = reserve(enum, schema.syntax_of(enum.file), [(old.number, old.number)], [was])
     return RULE.at(
         values[0].at("number"),
         f"number {values[0].number} of {enum.full_name} was {was} once, and is given to {names[0]}",
         f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"find another place for {names[0]}",
-        [(number.span, "published here")],
+        [(old.span, "published here")],
         type=enum.full_name,
         number=values[0].number,
     )

@@ -17,20 +17,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, each_once, earlier
-from generator.changes.cures import values as declared
-from generator.changes.spelling import value_place
-from generator.changes.values import moved_away, moved_here, new_numbers, renamed_values, stands_for_another
+from generator.changes import Change, EnumPair, each_once, earlier
+from generator.changes.declaration_text import value_place
+from generator.changes.enum_values import moved_away, moved_here, renamed_values, stands_for_another
+from generator.changes.fixits import values as declared
+from generator.context import Subject
 from generator.findings import Finding, Rule
+from generator.free_numbers import new_numbers
 from generator.protos import ProtoEnumValue
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR110", "enum-value-meaning-replaced")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Values whose name belonged to another number, or whose number had a name that another one has now."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

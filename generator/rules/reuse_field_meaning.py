@@ -17,19 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
-from generator.changes.cures import back_or_renumber, was
+from generator.changes import Change, FieldPair, each_once, earlier, fields
+from generator.changes.fixits import was
 from generator.changes.renames import Rename, names_another_field, rename
-from generator.changes.renumbering import NewNumbers
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR114", "field-meaning-replaced")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose new name has nothing of the old one, or was another field's."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

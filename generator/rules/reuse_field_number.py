@@ -18,15 +18,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator import ir
-from generator.changes.cures import reserve
-from generator.changes.numbers import next_field_number
-from generator.changes.spelling import declaration
-from generator.changes.types import broken_by_kind
+from generator.changes.declaration_text import declaration
+from generator.changes.field_type_changes import broken_by_kind
+from generator.changes.fixits import reserve
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.ledger import Number
+from generator.free_numbers import next_field_number
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.subject import Subject
 
 RULE = Rule("WIR111", "field-number-reuse-in-message")
 
@@ -35,33 +33,30 @@ def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
-    for name, owner in subject.ledger.messages.items():
+    for name, gone in subject.ledger.gone_fields.items():
         message, offered = subject.schema.messages.get(name), set[int]()
         for field in message.fields if message else ():
-            published = [number for number in owner.numbers if number.fact.number == field.number]
-            gone = [number for number in published if number.gone]
-            if message and gone and not any(_is_the_same(number, field) for number in published):
+            reused = [one for one in gone if one.number == field.number]
+            if message and reused and not any(_is_the_same(one, field) for one in subject.ledger.fields(name)):
                 free = next_field_number(subject, name, offered)
                 offered |= {free} if free else set()
-                yield from (_finding(subject.schema, message, field, number, free) for number in gone)
+                yield from (_finding(subject.schema, message, field, one, free) for one in reused)
 
 
-def _is_the_same(number: Number, field: ProtoField) -> bool:
-    """Whether a fact is about this very field, if with a type that reads the same bytes."""
-    fact = number.fact
-    if not isinstance(fact, ir.WireField) or fact.name != field.name:
+def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
+    """Whether a published field is this very one, if with a type that reads the same bytes."""
+    if (old.number, old.name) != (new.number, new.name):
         return False
-    return fact.type == field.wire_type or not broken_by_kind(fact.type, field.wire_type)
+    return old.wire_type == new.wire_type or not broken_by_kind(old.wire_type, new.wire_type)
 
 
-def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, number: Number, free: int | None) -> Finding:
-    fact = number.fact
-    was = f"{fact.name} ({fact.type})" if isinstance(fact, ir.WireField) else fact.name
+def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: ProtoField, free: int | None) -> Finding:
+    was = f"{old.name} ({old.wire_type})"
     return RULE.at(
         field.at("number"),
         f"number {field.number} of {message.full_name} was {was} once, and is given to {field.name}",
-        _help(schema, message, field, fact.name, free) if free else f"find another place for {field.name}",
-        [(number.span, "published here")],
+        _help(schema, message, field, old.name, free) if free else f"find another place for {field.name}",
+        [(old.span, "published here")],
         type=message.full_name,
         number=field.number,
     )

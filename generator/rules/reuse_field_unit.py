@@ -17,20 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
-from generator.changes.cures import back_or_renumber, was
+from generator.changes import Change, FieldPair, each_once, earlier, fields
+from generator.changes.fixits import was
+from generator.changes.name_units import factor
 from generator.changes.renames import Rename, measures, rename
-from generator.changes.renumbering import NewNumbers
-from generator.changes.units import factor
+from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR115", "field-unit-changed", Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose names before and after speak of one thing in two units."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import MessagePair, each_once, earlier, fields_of_messages, messages
+from generator.changes import Change, MessagePair, each_once, earlier, fields_of_messages, messages
+from generator.changes.field_type_changes import broken_by_type
 from generator.changes.renames import Rename, rename
-from generator.changes.types import broken_by_type
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR113", "message-content-replaced")
 _FEWEST = 3  # of so few fields that each may have changed by itself
@@ -30,7 +30,7 @@ _FEWEST = 3  # of so few fields that each may have changed by itself
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span
-from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("TAB102", "topic-taken")

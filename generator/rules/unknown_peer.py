@@ -23,8 +23,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, nearest
-from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("TAB103", "unknown-peer")

@@ -18,20 +18,20 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
-from generator.changes.cures import back
-from generator.changes.defaults import default, default_changed, shown
-from generator.changes.spelling import declaration
-from generator.changes.types import broken_by_type
+from generator.changes import Change, FieldPair, each_once, earlier, fields
+from generator.changes.declaration_text import declaration
+from generator.changes.default_values import default, default_changed, shown
+from generator.changes.field_type_changes import broken_by_type
+from generator.changes.fixits import back
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR108", "field-default-changed")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields with another default, unless their type is already said to be another."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

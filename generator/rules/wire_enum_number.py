@@ -17,19 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import EnumPair, each_once, earlier, gone_values
-from generator.changes.cures import value_back_or_reserve
-from generator.changes.ranges import covers
-from generator.changes.spelling import value_place
+from generator.changes import Change, EnumPair, each_once, earlier, gone_values
+from generator.changes.declaration_text import value_place
+from generator.changes.fixits import value_back_or_reserve
+from generator.changes.number_ranges import covers
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR107", "enum-value-number-freed")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Numbers that were a value's, and are neither a value's nor reserved."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -16,12 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import FieldPair, each_once, earlier, fields
+from generator.changes import Change, FieldPair, each_once, earlier, fields
 from generator.changes.cardinality import broken_by_cardinality, cardinalities, only_required, shown
-from generator.changes.cures import back_or_renumber, was
-from generator.changes.renumbering import NewNumbers
+from generator.changes.fixits import was
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire")
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
@@ -29,7 +29,7 @@ _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -17,20 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import MessagePair, each_once, earlier, gone_fields
-from generator.changes.cures import names_in_use, put_back_or_reserve
-from generator.changes.ranges import covers
-from generator.changes.spelling import declaration_of_old
+from generator.changes import Change, MessagePair, each_once, earlier, gone_fields
+from generator.changes.declaration_text import declaration_of_old
+from generator.changes.fixits import names_in_use, put_back_or_reserve
+from generator.changes.number_ranges import covers
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.protos import ProtoField
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR102", "field-number-freed")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Numbers that were a field's, and are neither a field's nor reserved."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -17,20 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
-from generator.changes.cures import back_or_renumber, was
-from generator.changes.renumbering import NewNumbers
-from generator.changes.spelling import retyping, type_place
-from generator.changes.types import broken_by_type
+from generator.changes import Change, each_once, earlier, fields
+from generator.changes.declaration_text import retyping, type_place
+from generator.changes.field_type_changes import broken_by_type
+from generator.changes.fixits import was
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose old and new type cannot read each other."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -17,9 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, messages
+from generator.changes import Change, each_once, earlier, messages
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR109", "message-set-format-changed")
 _OPTION = "message_set_wire_format"
@@ -27,7 +27,7 @@ _OPTION = "message_set_wire_format"
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages whose option `message_set_wire_format` is another."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

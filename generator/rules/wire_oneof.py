@@ -17,19 +17,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import each_once, earlier, fields
-from generator.changes.cures import back_or_renumber
-from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text
-from generator.changes.renumbering import NewNumbers
+from generator.changes import Change, each_once, earlier, fields
+from generator.changes.oneof_changes import broken_by_oneof, moved_back, moved_text
+from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR105", "field-moved-between-oneofs")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields whose company in a oneof is another."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

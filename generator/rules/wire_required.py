@@ -18,19 +18,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from generator.changes import MessagePair, each_once, earlier, messages
-from generator.changes.cures import put_back
-from generator.changes.spelling import declaration, declaration_of_old
+from generator.changes import Change, MessagePair, each_once, earlier, messages
+from generator.changes.declaration_text import declaration, declaration_of_old
+from generator.changes.fixits import put_back
+from generator.context import Subject
 from generator.findings import Finding, Rule
 from generator.protos import ProtoField, ProtoMessage
-from generator.subject import Change, Subject
 
 RULE = Rule("WIR104", "required-field-changed")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Numbers that are required on one side alone, and hold no list on the other."""
-    return each_once(subject, _findings)
+    return each_once(subject.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Finding]:

@@ -18,13 +18,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
-from generator.changes.numbers import next_enum_number
-from generator.changes.ranges import Range, covers, missing, spelled
-from generator.changes.renumbering import NewNumbers
-from generator.changes.spelling import declaration
+from generator.changes import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
+from generator.changes.declaration_text import declaration
+from generator.changes.number_ranges import Range, covers, missing, spelled
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span
-from generator.subject import Change, Subject
+from generator.free_numbers import NewNumbers, next_enum_number
 
 RULE = Rule("WIR106", "reserved-number-freed")
 
@@ -42,7 +41,7 @@ class _User:
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Reserved ranges of messages and enums of which something is not reserved any more."""
-    return each_once(subject, lambda change: _findings(subject, change))
+    return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
 def _findings(subject: Subject, change: Change) -> Iterator[Finding]:

@@ -6,10 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from generator.context import Subject
 from generator.findings import FindingsError
-from generator.linting import Question, lint_project
+from generator.lint_engine import Question, lint_project
 from generator.pipeline import add as add_row
-from generator.subject import Subject
 from generator.write import write
 from roverlink.commands.generate import report, say_changes
 from roverlink.commands.next_number import say_skipped

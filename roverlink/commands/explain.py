@@ -91,8 +91,8 @@ def _tell(said: dict[str, Any]) -> None:
         _line("forwarded", f"raw to {_peer(one)}")
     _line("size", _size(said["size"], peer))
     _line("published", "; ".join(said["published"]) or "never, as far as mapping.lock knows")
-    for life in said["history"] or []:
-        _line("history", life)
+    for usage in said["history"] or []:
+        _line("history", usage)
     print("\nfields")
     _table([_field(field) for field in said["fields"]] or [("none", "", "")])
     for path in said["ignored"]:

@@ -6,9 +6,8 @@ import argparse
 import sys
 
 from generator.findings import FindingsError
-from generator.history import Life
-from generator.linting import Question
-from generator.retrospect import branch
+from generator.history import Usage, branch_name
+from generator.lint_engine import Question
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
 from roverlink.linted import add_subject, linted, say_limits
 from roverlink.progress import progress
@@ -44,22 +43,22 @@ def run(arguments: argparse.Namespace) -> int:
         return UNABLE
     owner = arguments.of or subject.table.envelope.message
     history = subject.past.history
-    lives, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
-    if not lives and not claims:
+    usages, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
+    if not usages and not claims:
         print(f"{owner} never had the number {arguments.number} in {history.commits} commits")
         return max(code, FINDINGS)
-    for life in lives:
-        _tell(life, f"{life.type} {life.name}".strip())
-    for life in claims:
-        _tell(life, f"in a comment: {life.type} {life.name}".strip())
+    for usage in usages:
+        _tell(usage, f"{usage.type} {usage.name}".strip())
+    for usage in claims:
+        _tell(usage, f"in a comment: {usage.type} {usage.name}".strip())
     return code
 
 
-def _tell(life: Life, what: str) -> None:
+def _tell(usage: Usage, what: str) -> None:
     print(what)
-    for interval in life.intervals:
+    for interval in usage.intervals:
         print(f"  came {interval.came} ({interval.path}:{interval.line})")
         for went in interval.went:
             print(f"  went {went}")
-    if life.live_at:
-        print(f"  is on {', '.join(branch(ref) for ref in life.live_at)}")
+    if usage.live_at:
+        print(f"  is on {', '.join(branch_name(ref) for ref in usage.live_at)}")

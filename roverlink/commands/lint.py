@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from generator.findings import FindingsError, Severity
-from generator.linting import Linted, Question
+from generator.lint_engine import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.linted import add_subject, linted
 from roverlink.progress import progress

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from generator.linting import Linted
+from generator.lint_engine import Linted
 from roverlink.reports import github, json_list, junit, sarif, text
 
 FORMATS: Mapping[str, Callable[[Linted], None]] = {

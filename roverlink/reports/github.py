@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from generator.findings import Finding, Severity
-from generator.linting import Linted
+from generator.lint_engine import Linted
 from roverlink.reports.places import from_here, told
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from generator.findings import Finding, Span, Use
-from generator.linting import Linted
+from generator.lint_engine import Linted
 
 
 def write(linted: Linted) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 from generator.findings import Finding, Rule, Severity
-from generator.linting import Linted
+from generator.lint_engine import Linted
 from generator.rules import modules
 
 

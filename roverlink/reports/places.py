@@ -6,7 +6,7 @@ import dataclasses
 import os
 
 from generator.findings import Span
-from generator.linting import Linted
+from generator.lint_engine import Linted
 
 
 def from_here(span: Span, linted: Linted) -> Span:

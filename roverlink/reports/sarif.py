@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import quote
 
 from generator.findings import Finding, Rule, Severity, Span
-from generator.linting import Linted
+from generator.lint_engine import Linted
 from generator.rules import modules
 from roverlink.reports.places import from_here, told
 

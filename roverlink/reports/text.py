@@ -15,8 +15,8 @@ from rich.table import Table
 from rich.text import Text
 
 from generator.findings import Finding, Severity, Span
-from generator.linting import Linted
-from generator.past import Pinned
+from generator.lint_engine import Linted
+from generator.pinned_numbers import Pinned
 from roverlink.reports.places import from_here, told
 
 _STYLES = {

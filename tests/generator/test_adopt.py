@@ -14,7 +14,7 @@ from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 from generator.adopt import Adoption, Wanted, adopt
 from generator.adopt.words import words
 from generator.findings import FindingsError
-from generator.linting import Question, lint_project
+from generator.lint_engine import Question, lint_project
 from generator.pipeline import compile_table
 from generator.write import compare, write
 

@@ -15,10 +15,10 @@ from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
 from generator import read
+from generator.context import Subject
 from generator.findings import Finding, FindingsError
 from generator.ledger import Ledger
 from generator.rules import lint
-from generator.subject import Subject
 from runtime import parameters
 
 _SCHEMA = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])

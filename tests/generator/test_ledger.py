@@ -102,7 +102,7 @@ def test_what_is_written_is_read_back() -> None:
     read, findings = _read(ROOT / "mapping.lock")
     assert findings == []
     assert [entry.number for entry in read.entries] == list(range(1, 22))
-    schema = ledger.as_schema(read)
+    schema = read.schema
     imu = schema.messages["SensorBoardIMUInfo"]
     assert [(field.number, field.name, field.type) for field in imu.fields][:2] == [
         (1, "accel_x", "float"),
@@ -134,4 +134,4 @@ def test_a_conflict_keeps_what_both_sides_have(tmp_path: Path) -> None:
         (2, "ours", True),
         (2, "theirs", True),
     ]
-    assert [number.fact.name for number in read.messages["Old"].numbers] == ["a"]
+    assert [field.name for field in read.fields("Old")] == ["a"]

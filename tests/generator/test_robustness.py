@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from golden import ROOT, passing_cases
+from golden import ROOT
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import generator
-from generator import ledger, proto_files, protoc, read
+from generator import ledger, read
 from generator.findings import Finding, FindingsError
 from generator.pipeline import compile_table
 
@@ -92,50 +92,6 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
     unchanged = file.read_bytes() == _LEDGER
     assert {finding.span.file for finding in findings} <= {"mapping.lock"}
     assert not unchanged or (read_back.entries and not findings)
-
-
-# --- the scanner of .proto files --------------------------------------------------------------------------------
-
-_WORDS = [
-    *("message", "enum", "package", "import", "public", "option", "A", "B.c", "ä", "{", "}", ";", "="),
-    *('"', "'", "\\", "//", "/*", "*/", "\n"),
-]
-
-
-@_EXAMPLES
-@given(st.lists(st.sampled_from(_WORDS), max_size=60).map(" ".join))
-def test_any_proto_is_scanned(text: str) -> None:
-    """Whatever stands in a .proto file, the scanner names what is declared in it and nothing that is not in it."""
-    assert all(part in text for name in proto_files.declared_names(text) for part in name.split("."))
-    assert all(imported for imported in proto_files.imported_files(text))
-
-
-_ENDLESS = ['"', '\\"', '"\\', "'\\'", "/*", "*/", "/", "{", "}", "message a{", "a.", "import "]
-
-
-@pytest.mark.parametrize("text", [part * 100_000 for part in _ENDLESS], ids=_ENDLESS)
-def test_the_scanner_comes_to_an_end(text: str) -> None:
-    """A file made to keep the scanner busy takes no longer than its length warrants; this test would hang."""
-    assert len(list(proto_files.declared_names(text))) < 100
-    assert not list(proto_files.imported_files(text))
-
-
-@pytest.mark.parametrize("root", [ROOT / "proto", *(case.folder / "proto" for case in passing_cases())], ids=str)
-def test_the_scanner_sees_what_protoc_sees(root: Path) -> None:
-    """The messages and imports that it finds are those that protoc finds, file by file."""
-    unneeded = {"broken.proto", "old/imu.proto"}
-    files = sorted(path.relative_to(root).as_posix() for path in root.rglob("*.proto"))
-    files = [file for file in files if file not in unneeded]
-    seen = {
-        (file, name) for file in files for name in proto_files.declared_names((root / file).read_text(encoding="utf-8"))
-    }
-    schema = protoc.compile_protos(root, files, {}, "proto").schema
-    groups = {
-        field.type_name for message in schema.messages.values() for field in message.fields if field.type == "group"
-    }
-    messages = [message for message in schema.messages.values() if not message.map_entry]
-    theirs = {(message.file, message.full_name) for message in messages if message.full_name not in groups}
-    assert seen == {pair for pair in theirs if not pair[0].startswith("google/")}
 
 
 # --- odds and ends ----------------------------------------------------------------------------------------------

@@ -8,11 +8,12 @@ from pathlib import Path
 from mutations import write
 
 from generator import rules
+from generator.changes import Change
+from generator.context import Subject
 from generator.findings import Finding, Span
 from generator.ledger import Ledger
 from generator.protoc import compile_tree
 from generator.protos import Schema
-from generator.subject import Change, Subject
 from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Table
 
 ROOT = "proto"

@@ -20,7 +20,7 @@ from comparing import FAMILY, ROOT, changes_found, compiled
 from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, write
 
 from generator import rules
-from generator.changes.types import kind
+from generator.changes.field_type_changes import kind
 from generator.findings import Severity, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
 

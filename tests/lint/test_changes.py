@@ -15,18 +15,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
 
-from generator import ir, rules
+from generator import rules
+from generator.changes import Change
 from generator.changes.cardinality import EXPLICIT, IMPLICIT, MAP, REPEATED, REQUIRED, broken_by_cardinality
-from generator.changes.ranges import covers, missing, spelled
-from generator.changes.spelling import from_within
-from generator.changes.types import broken_by_kind
-from generator.changes.units import disagree, factor, measure
-from generator.changes.words import share_a_word, words
+from generator.changes.declaration_text import from_within
+from generator.changes.field_type_changes import broken_by_kind
+from generator.changes.name_units import disagree, factor, measure
+from generator.changes.name_words import share_a_word, words
+from generator.changes.number_ranges import covers, missing, spelled
+from generator.context import Subject
 from generator.declarations import parse
 from generator.findings import Finding, Severity, Span
-from generator.ledger import Ledger, Number, Owner
+from generator.ledger import Ledger, read
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.subject import Change, Subject
 
 LINT_CASES = Path(__file__).parent / "cases"
 
@@ -241,30 +242,30 @@ def test_a_fault_against_two_states_comes_once(tmp_path: Path) -> None:
         assert alone == dataclasses.replace(finding, also=())
 
 
-def _published(*facts: tuple[ir.WireField | ir.WireValue, bool]) -> Owner:
-    numbers = [Number(fact, gone, Span("mapping.lock", line, 5)) for line, (fact, gone) in enumerate(facts, 7)]
-    return Owner(isinstance(facts[0][0], ir.WireField), Span("mapping.lock", 6, 3), numbers)
-
-
-_FIELD = ir.WireField(2, "level", "int32", "", "")
+def _ledger(folder: Path, type: str, *lines: str) -> Ledger:
+    """A ledger whose schema has a message or an enum with these lines."""
+    path = folder / "mapping.lock"
+    path.write_text("\n".join(["schema:", f"  {type}:", *(f"    {line}" for line in lines)]), encoding="utf-8")
+    return read(path, [])
 
 
 @pytest.mark.parametrize(
-    ("facts", "field", "reused"),
+    ("lines", "field", "reused"),
     [
-        ([(_FIELD, True)], "float volume = 2;", True),
-        ([(_FIELD, True)], "string level = 2;", True),
-        ([(_FIELD, True)], "int32 level = 2;", False),
-        ([(_FIELD, True)], "int64 level = 2;", False),
-        ([(_FIELD, True)], "float volume = 3;", False),
-        ([(_FIELD, False)], "float volume = 2;", False),  # never gone: the change itself is found
-        ([(_FIELD, True), (ir.WireField(2, "volume", "float", "", ""), False)], "float volume = 2;", False),
+        (["2 level int32 gone"], "float volume = 2;", True),
+        (["2 level int32 gone"], "string level = 2;", True),
+        (["2 level int32 gone"], "int32 level = 2;", False),
+        (["2 level int32 gone"], "int64 level = 2;", False),
+        (["2 level int32 gone"], "float volume = 3;", False),
+        (["2 level int32"], "float volume = 2;", False),  # never gone: the change itself is found
+        (["2 volume float", "2 level int32 gone"], "float volume = 2;", False),
     ],
 )
-def test_reuse_after_a_gap(facts: list[tuple[ir.WireField, bool]], field: str, reused: bool, tmp_path: Path) -> None:
+def test_reuse_after_a_gap(lines: list[str], field: str, reused: bool, tmp_path: Path) -> None:
     """A number that is gone in the ledger is not given to another field."""
     schema = compiled({"a.proto": f'syntax = "proto3"; message A {{ {field} }}'}, tmp_path)
-    ids = [finding.rule.id for finding in found(Subject(TABLE, schema, Ledger((), {"A": _published(*facts)}, {})))]
+    published = _ledger(tmp_path, "message A", *lines)
+    ids = [finding.rule.id for finding in found(Subject(TABLE, schema, published))]
     assert ids == ["WIR111"] * reused
 
 
@@ -272,9 +273,8 @@ def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
     """The same holds for the numbers of an enum, whatever names they have beside."""
     text = 'syntax = "proto3"; enum E { A = 0; B = 1; C = 2; D = 3; }'
     schema = compiled({"a.proto": text}, tmp_path)
-    values = [ir.WireValue(1, "OLD"), ir.WireValue(2, "C"), ir.WireValue(3, "OLDER")]
-    owner = _published((values[0], True), (values[1], True), (values[2], False))
-    [finding] = found(Subject(TABLE, schema, Ledger((), {}, {"E": owner})))
+    published = _ledger(tmp_path, "enum E", "3 OLDER", "1 OLD gone", "2 C gone")
+    [finding] = found(Subject(TABLE, schema, published))
     assert (finding.rule.id, finding.number) == ("WIR112", 1)
     assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: 4 is free'
 
@@ -289,8 +289,7 @@ def test_the_next_free_number(tmp_path: Path) -> None:
     assert finding.help == (
         "put back `int32 speed = 1;`; or give it a new number, 8 is free: `string speed = 8; reserved 1;`"
     )
-    owner = _published((ir.WireField(8, "gone", "int32", "", ""), True))
-    [finding] = found(dataclasses.replace(subject, ledger=Ledger((), {"A": owner}, {})))
+    [finding] = found(dataclasses.replace(subject, ledger=_ledger(tmp_path, "message A", "8 gone int32 gone")))
     assert "12 is free" in finding.help
 
 

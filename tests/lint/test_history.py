@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
 import tempfile
 import time
 from collections.abc import Callable
@@ -14,12 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from repositories import RepositoryBuilder, envelope, git, message
 
-from generator.declarations import parse
 from generator.git import GitError
-from generator.history import Confidence, History, Kind, Life, Relation, Reuse, read_history
-from generator.history.reading import Reader, reading_of
+from generator.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
 
-ROOT = Path(__file__).parents[2]
 _EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"
 
@@ -46,15 +42,15 @@ def _read(repository: RepositoryBuilder) -> History:
     return read_history(repository.write())
 
 
-def _shown(life: Life) -> tuple[str, str, list[tuple[str, list[str]]]]:
+def _shown(usage: Usage) -> tuple[str, str, list[tuple[str, list[str]]]]:
     """A life's type and name, and the subjects of the commits by which it came and went."""
-    return life.type, life.name, [(one.came.subject, [went.subject for went in one.went]) for one in life.intervals]
+    return usage.type, usage.name, [(one.came.subject, [went.subject for went in one.went]) for one in usage.intervals]
 
 
-def _lives(
+def _usages(
     history: History, number: int, name: str = "PBEnvelope"
 ) -> list[tuple[str, str, list[tuple[str, list[str]]]]]:
-    return [_shown(life) for life in history.numbers(name)[number]]
+    return [_shown(usage) for usage in history.numbers(name)[number]]
 
 
 def _only(reuses: tuple[Reuse, ...]) -> Reuse:
@@ -72,7 +68,7 @@ def test_deleted_and_reused_later(repository: RepositoryBuilder) -> None:
     repository.commit("Write about it", {"README.md": "Nothing."})
     repository.commit("Weigh", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert _lives(history, 2) == [
+    assert _usages(history, 2) == [
         ("Gps", "gps", [("Begin", ["Take GPS away"])]),
         ("LoadCell", "load_cell", [("Weigh", [])]),
     ]
@@ -118,7 +114,7 @@ def test_a_revert_is_one_life(repository: RepositoryBuilder) -> None:
     repository.commit("Take GPS away", {_FILE: envelope(IMU)})
     repository.commit("Put it back", {_FILE: envelope(IMU, GPS)})
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"]), ("Put it back", [])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"]), ("Put it back", [])])]
     assert history.numbers("PBEnvelope")[2][0].went is None
     assert history.reuses("PBEnvelope") == ()
 
@@ -129,7 +125,7 @@ def test_a_renamed_file(repository: RepositoryBuilder) -> None:
     repository.commit("Rename", {_FILE: None, "link.proto": envelope(IMU, GPS)})
     repository.commit("Weigh", {"link.proto": envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert _lives(history, 1) == [("Imu", "imu", [("Begin", [])])]
+    assert _usages(history, 1) == [("Imu", "imu", [("Begin", [])])]
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.earlier.path, reuse.later.path) == (_FILE, "link.proto")
 
@@ -143,8 +139,8 @@ def test_a_moved_folder(repository: RepositoryBuilder) -> None:
     repository.commit("Weigh", {f"lib/protos/{_FILE}": envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
     assert [reuse.number for reuse in history.reuses("PBEnvelope")] == [2]
-    assert [lives[0].came.subject for lives in history.numbers("Imu").values()] == ["Begin"] * 3
-    assert {life.went for lives in history.numbers("Imu").values() for life in lives} == {None}
+    assert [usages[0].came.subject for usages in history.numbers("Imu").values()] == ["Begin"] * 3
+    assert {usage.went for usages in history.numbers("Imu").values() for usage in usages} == {None}
 
 
 def test_a_new_package(repository: RepositoryBuilder) -> None:
@@ -155,7 +151,7 @@ def test_a_new_package(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     for name in ("PBEnvelope", "rover.PBEnvelope"):
         assert [reuse.kind for reuse in history.reuses(name)] == [Kind.REUSED]
-        assert _lives(history, 1, name) == [
+        assert _usages(history, 1, name) == [
             ("Imu", "imu", [("Begin", ["Give it a package"]), ("Give it a package", [])])
         ]
 
@@ -188,7 +184,7 @@ def test_reused_on_a_merged_side_branch(repository: RepositoryBuilder) -> None:
     history = _read(repository)
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.earlier.came.subject, reuse.relation) == ("Try GPS", Relation.SUCCESSION)
-    assert _lives(history, 2)[0] == ("Gps", "gps", [("Try GPS", ["Give up GPS"])])
+    assert _usages(history, 2)[0] == ("Gps", "gps", [("Try GPS", ["Give up GPS"])])
 
 
 def test_two_branches_one_number(repository: RepositoryBuilder) -> None:
@@ -264,7 +260,7 @@ def test_an_octopus(repository: RepositoryBuilder) -> None:
     repository.commit("Merge all", {_FILE: merged}, parents=[begin, *tips])
     repository.commit("Take PH away", {_FILE: envelope(IMU, GPS, LOAD)})
     history = _read(repository)
-    assert [_lives(history, number)[0][2] for number in (1, 2, 3, 4)] == [
+    assert [_usages(history, number)[0][2] for number in (1, 2, 3, 4)] == [
         [("Begin", [])],
         [("Add gps", [])],
         [("Add ph", ["Take PH away"])],
@@ -281,9 +277,9 @@ def test_a_merge_that_changes_something_itself(repository: RepositoryBuilder) ->
     main = repository.commit("Add PH", {_FILE: envelope(IMU, PH)})
     repository.commit("Merge badly", {_FILE: envelope(IMU, PH, LOAD)}, parents=[main, side])
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Add GPS", ["Merge badly"])])]
-    assert _lives(history, 3) == [("Ph", "ph", [("Add PH", [])])]
-    assert _lives(history, 4) == [("LoadCell", "load_cell", [("Merge badly", [])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Add GPS", ["Merge badly"])])]
+    assert _usages(history, 3) == [("Ph", "ph", [("Add PH", [])])]
+    assert _usages(history, 4) == [("LoadCell", "load_cell", [("Merge badly", [])])]
 
 
 def test_a_merge_that_carries_a_deletion_over(repository: RepositoryBuilder) -> None:
@@ -294,7 +290,7 @@ def test_a_merge_that_carries_a_deletion_over(repository: RepositoryBuilder) -> 
     main = repository.commit("Add PH", {_FILE: envelope(IMU, GPS, PH)})
     repository.commit("Merge", {_FILE: envelope(IMU, PH)}, parents=[main, side])
     history = _read(repository)
-    assert _lives(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"])])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Begin", ["Take GPS away"])])]
     assert history.numbers("PBEnvelope")[2][0].went is not None
 
 
@@ -308,7 +304,7 @@ def test_the_same_on_both_sides(repository: RepositoryBuilder) -> None:
     repository.commit("Take GPS away", {_FILE: envelope(IMU)})
     history = _read(repository)
     went = ["Take GPS away"]
-    assert _lives(history, 2) == [("Gps", "gps", [("Add GPS", went), ("Pick GPS", went)])]
+    assert _usages(history, 2) == [("Gps", "gps", [("Add GPS", went), ("Pick GPS", went)])]
 
 
 def test_an_old_branch_still_has_it(repository: RepositoryBuilder) -> None:
@@ -443,8 +439,8 @@ def test_a_state_that_does_not_compile(repository: RepositoryBuilder) -> None:
     _payloads(repository, IMU, GPS)
     repository.commit("Break", {_FILE: envelope("Imu imu = 1", "}", GPS)})
     repository.commit("Mend", {_FILE: envelope(IMU, GPS)})
-    life = _read(repository).numbers("PBEnvelope")[1][0]
-    assert (life.confidence, len(life.intervals)) == (Confidence.LIKELY, 1)
+    usage = _read(repository).numbers("PBEnvelope")[1][0]
+    assert (usage.confidence, len(usage.intervals)) == (Confidence.LIKELY, 1)
 
 
 def test_conflict_markers_committed(repository: RepositoryBuilder) -> None:
@@ -465,10 +461,10 @@ def test_commented_out_members(repository: RepositoryBuilder) -> None:
     _payloads(repository, IMU, "// Gps gps = 2;", "// see Ph ph = 3; for more")
     repository.commit("Use it", {_FILE: envelope(IMU, "LoadCell load_cell = 2;")})
     history = _read(repository)
-    assert [_shown(life) for life in history.claims("PBEnvelope")[2]] == [("Gps", "gps", [("Begin", ["Use it"])])]
+    assert [_shown(usage) for usage in history.claims("PBEnvelope")[2]] == [("Gps", "gps", [("Begin", ["Use it"])])]
     assert history.claims("PBEnvelope")[2][0].oneof == "payload"
     assert list(history.claims("PBEnvelope")) == [2]
-    assert [life.name for life in history.numbers("PBEnvelope")[2]] == ["load_cell"]
+    assert [usage.name for usage in history.numbers("PBEnvelope")[2]] == ["load_cell"]
 
 
 def test_a_file_that_cannot_be_looked_at(repository: RepositoryBuilder) -> None:
@@ -515,9 +511,9 @@ def test_a_shallow_clone(repository: RepositoryBuilder, tmp_path: Path) -> None:
     history, full = read_history(tmp_path / "clone"), read_history(origin)
     assert (history.shallow, history.depth, history.commits) == (True, 2, 2)
     assert (full.shallow, full.depth) == (False, 3)
-    lives = history.numbers("PBEnvelope")
-    assert (lives[1][0].came.subject, lives[1][0].intervals[0].at_boundary) == ("Take GPS away", True)
-    assert not lives[2][0].intervals[0].at_boundary
+    usages = history.numbers("PBEnvelope")
+    assert (usages[1][0].came.subject, usages[1][0].intervals[0].at_boundary) == ("Take GPS away", True)
+    assert not usages[2][0].intervals[0].at_boundary
     assert history.reuses("PBEnvelope") == ()
 
 
@@ -528,7 +524,7 @@ def test_a_folder_of_a_repository(repository: RepositoryBuilder) -> None:
     root = repository.write()
     git(root, "reset", "--quiet", "--hard")
     history = read_history(root / "protos")
-    assert [(life.name, life.path) for lives in history.numbers("PBEnvelope").values() for life in lives] == [
+    assert [(usage.name, usage.path) for usages in history.numbers("PBEnvelope").values() for usage in usages] == [
         ("imu", _FILE)
     ]
 
@@ -626,9 +622,9 @@ def test_histories_without_reuse_give_nothing(random: Random) -> None:
     assert history.commits == len(members)
     used = {int(member.split()[-1][:-1]) for there in members.values() for member in there}
     assert set(history.numbers("PBEnvelope")) == used
-    for number, (life,) in history.numbers("PBEnvelope").items():
+    for number, (usage,) in history.numbers("PBEnvelope").items():
         member = f"Message{number} member_{number} = {number};"
-        assert life.live_at == tuple(
+        assert usage.live_at == tuple(
             sorted(f"refs/heads/b{mark}" for mark, there in members.items() if member in there)
         )
 
@@ -657,88 +653,14 @@ def test_every_use_is_found_where_it_came(random: Random) -> None:
     for mark, there in members.items():
         for member in there - set().union(*(members[parent] for parent in parents[mark])):
             came.setdefault(member, set()).add(str(mark))
-    lives = [life for lives in history.numbers("PBEnvelope").values() for life in lives]
+    usages = [usage for usages in history.numbers("PBEnvelope").values() for usage in usages]
     assert {
-        f"{life.type} {life.name} = {life.number};": {one.came.subject for one in life.intervals} for life in lives
+        f"{usage.type} {usage.name} = {usage.number};": {one.came.subject for one in usage.intervals}
+        for usage in usages
     } == came
     uses: dict[int, set[str]] = {}
-    for life in lives:
-        uses.setdefault(life.number, set()).add(life.type)
+    for usage in usages:
+        uses.setdefault(usage.number, set()).add(usage.type)
     assert {reuse.number for reuse in history.reuses("PBEnvelope")} == {
         n for n, types in uses.items() if len(types) > 1
     }
-
-
-# --- the quick way to read --------------------------------------------------------------------------------------
-
-_TEXTS = [
-    path.read_bytes().decode("utf-8", "replace")
-    for folder in ("proto", "tests")
-    for path in (ROOT / folder).rglob("*.proto")
-]
-_SCRAPS = [
-    "",
-    "\n",
-    " ",
-    ";",
-    "{",
-    "}",
-    '"',
-    "'",
-    "/",
-    "//",
-    "/*",
-    "*/",
-    "=",
-    "[",
-    "]",
-    "x",
-    "9",
-    "\n<<<<<<< a\n",
-    "\n=======\n",
-]
-_SCRAPS += [
-    "message",
-    "oneof o {",
-    "enum E {",
-    "// int32 a = 7;\n",
-    "option",
-    "reserved 4;",
-    "map<",
-    "group",
-    "\ufeff",
-    "\0",
-    "ä",
-]
-_PROTO_TEXT: Callable[[Random], str] = runpy.run_path(str(ROOT / "tests/generator/declarations/schemas.py"))[
-    "proto_text"
-]
-
-
-def test_the_quick_way_says_what_parse_says() -> None:
-    """Of every file at hand, the two ways to read say the same; and most are plain enough for the quick one."""
-    reader = Reader()
-    quick = [reader.quick(text) for text in _TEXTS]
-    assert [one for one in quick if one is not None] == [
-        reading_of(parse(text)) for text, one in zip(_TEXTS, quick) if one is not None
-    ]
-    assert sum(one is not None for one in quick) > 0.9 * len(quick) > 100
-
-
-@settings(_EXAMPLES, max_examples=200)
-@given(st.randoms(use_true_random=False))
-def test_the_quick_way_says_what_parse_says_of_anything(random: Random) -> None:
-    """So they do of files made up at random, and of files with a few wrong characters in any place."""
-    random = Random(random.getrandbits(64))  # noqa: S311  # one draw a file
-    text = _PROTO_TEXT(random) if random.random() < 0.3 else random.choice(_TEXTS)[:3000]
-    for _ in range(random.choice([0, 1, 1, 2, 3])):
-        start = random.randrange(len(text) + 1)
-        text = text[:start] + random.choice(_SCRAPS) + text[start + random.choice([0, 0, 1, 5]) :]
-    quick = Reader().quick(text)
-    assert quick is None or quick == reading_of(parse(text)), text
-
-
-def test_a_line_that_is_wrong_in_all_of_history_costs_no_time() -> None:
-    """A mistake in one statement is read by itself, so that the states that share it are quick to read all the same."""
-    assert Reader().quick(envelope("Imu imu 1;", GPS)) == reading_of(parse(envelope("Imu imu 1;", GPS)))
-    assert Reader().read(envelope("Imu imu 1;")).broken

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from generator import read, rules, tree
+from generator import bare_tree, read, rules
+from generator.changes import Change
+from generator.context import Subject
 from generator.declarations import parse
 from generator.findings import Finding, Rule, Severity, Span
 from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds, FieldBounds
 from generator.protoc import compile_tree
 from generator.protos import Schema
-from generator.subject import Change, Subject
 from generator.table import Table
 
 _HEAD = """\
@@ -88,7 +89,9 @@ def tree_subject(tmp_path: Path) -> Subject:
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
     schema = _schema(tmp_path, files, "")
-    table = tree.with_members(tree.table_of_tree(tree.EnvelopeName("envelope.proto", "Envelope")), schema)
+    table = bare_tree.with_members(
+        bare_tree.table_of_tree(bare_tree.EnvelopeName("envelope.proto", "Envelope")), schema
+    )
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
     return Subject(table, schema, Ledger(), {f: parse(t) for f, t in files.items()}, earlier_entries=before)
 
@@ -111,7 +114,7 @@ def test_the_members_of_a_tree_have_no_topics(tree_subject: Subject) -> None:
 
 def test_a_tree_without_an_envelope_is_no_fault() -> None:
     """Rules about the envelope are silent where none was named."""
-    table = tree.table_of_tree(tree.EnvelopeName("", ""))
+    table = bare_tree.table_of_tree(bare_tree.EnvelopeName("", ""))
     assert rules.lint(Subject(table, Schema((), {}, {}), Ledger())) == []
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from generator.changes.cardinality import is_map
+from generator.changes.change import Change
+from generator.changes.declaration_text import declaration
+from generator.changes.field_type_changes import kind
+from generator.changes.number_ranges import Range, covers, missing, spelled
 from generator.changes.pairing import EnumPair, FieldPair, MessagePair, written
-from generator.changes.ranges import Range, covers, missing, spelled
-from generator.changes.renumbering import NewNumbers
-from generator.changes.spelling import declaration
-from generator.changes.types import kind
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Syntax
-from generator.subject import Change
 
 
 def was(pair: FieldPair) -> str:
@@ -35,19 +34,6 @@ def _with_type(change: Change, old: ProtoField, declares_type: bool = False) -> 
         return f" in place of message {old.type_name.rpartition('.')[2]}" if in_the_way else ""
     gone = old.type_name and now is None and old.type_name not in change.after.enums and not change.of_ledger
     return " with its type" if gone else ""
-
-
-def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> str:
-    """How to undo what became of a field, or else to keep its number out of it."""
-    owner, old, new = written(pair)
-    undo = undo or back(pair)
-    message = pair.change.after.messages.get(owner)
-    number = None if pair.extension else numbers.of(owner, new.number)
-    if number is None or message is None:
-        return f"{undo}, or give the new one a number of its own"
-    moved = declaration(new, pair.change.after, owner, pair.syntax, number)
-    freed = reserve(message, pair.syntax, [(old.number, old.number)], [old.name])
-    return f"{undo}; or give it a new number, {number} is free: `{moved} {freed}`"
 
 
 def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:

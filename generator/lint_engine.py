@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import ledger, read, tree
-from generator.declarations import File, parse
+from generator import bare_tree, ledger, read
+from generator.baseline import Baseline, Layout, open_baseline
+from generator.changes import Change
+from generator.consumer_pins import read_pins
+from generator.context import Past, Subject, since_last_generate
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
-from generator.past import Past, read_pinned
-from generator.pins import read_pins
-from generator.proto_files import DeclarationIndex, proto_files, read_protos
+from generator.pinned_numbers import read_pinned
+from generator.proto_files import index_declarations, read_protos
 from generator.protoc import DOES_NOT_COMPILE, compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
-from generator.states import Layout, State, open_state
-from generator.subject import Change, Subject, since_last_generate
 from generator.table import Table
 
 NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
@@ -84,10 +84,10 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     return _lint(project, table, published, question, findings)
 
 
-def lint_tree(root: Path, envelope: tree.EnvelopeName, question: Question) -> Linted:
+def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
     """Lint a folder of .proto files, without a table. Raises `FindingsError` where nothing can be looked at."""
     findings: list[Finding] = []
-    return _lint(root.resolve(), tree.table_of_tree(envelope), ledger.Ledger(), question, findings)
+    return _lint(root.resolve(), bare_tree.table_of_tree(envelope), ledger.Ledger(), question, findings)
 
 
 def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
@@ -96,35 +96,35 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
         raise FindingsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
     if question.of_the_envelope:
-        tree.must_have_envelope(table, findings)
+        bare_tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
-    files = proto_files(root, shown_root, findings)
-    if not files and not (past and past.history.messages):
+    found_before = len(findings)
+    declared = read_protos(root, shown_root, findings)
+    if not declared and len(findings) == found_before and not (past and past.history.messages):
         raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
-    declared = {file: parse(text) for file, text in read_protos(root, files, shown_root, findings).items()}
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
     findings += errors
     if table.proto.root:
-        locate(table, DeclarationIndex(_by_name(kept), _by_name(left_out)), findings)
-    table = tree.with_members(table, schema, findings, past.history.messages if past else ())
+        locate(table, index_declarations(declared, table.proto.exclude), findings)
+    table = bare_tree.with_members(table, schema, findings, past.history.messages if past else ())
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
-    state = _other_state(question, project, layout, findings)
+    baseline = _baseline(question, project, layout, findings)
     subject = Subject(
         table=table,
         schema=schema,
         ledger=published,
         files=kept,
         excluded_files=left_out,
-        changes=_changes(schema, state, published),
-        earlier_entries=state.entries if state else (),
+        changes=_changes(schema, baseline, published),
+        earlier_entries=baseline.entries if baseline else (),
         bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
     )
     findings += lint(subject)
-    return Linted(tuple(in_order(findings)), project, _blame(project, state), subject)
+    return Linted(tuple(in_order(findings)), project, _blame(project, baseline), subject)
 
 
 def _past(root: Path, envelope: str, question: Question, findings: list[Finding]) -> Past:
@@ -143,38 +143,31 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Finding]
     return Past(history, question.history, question.branches, tuple(pins))
 
 
-def _other_state(question: Question, project: Path, layout: Layout, findings: list[Finding]) -> State | None:
+def _baseline(question: Question, project: Path, layout: Layout, findings: list[Finding]) -> Baseline | None:
     """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
     try:
-        return open_state(question.against, project, layout, findings) if question.against else None
+        return open_baseline(question.against, project, layout, findings) if question.against else None
     except FindingsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
 
 
-def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:
-    changes = [Change(state.schema, schema, state.name, bounds_before=state.bounds)] if state else []
+def _changes(schema: Schema, baseline: Baseline | None, published: ledger.Ledger) -> tuple[Change, ...]:
+    changes = [Change(baseline.schema, schema, baseline.name, bounds_before=baseline.bounds)] if baseline else []
     return (*changes, *since_last_generate(published, schema))
 
 
-def _by_name(files: Mapping[str, File]) -> dict[str, list[str]]:
-    """The files that declare a message of a name."""
-    found: dict[str, list[str]] = {}
-    for path, file in files.items():
-        for message in file.all_messages():
-            found.setdefault(message.full_name, []).append(path)
-    return found
-
-
-def _blame(project: Path, state: State | None) -> Callable[[Span], Commit | None]:
+def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
     """Asks git for the commit of a line, in this state or in the other one."""
     repository = Repository(project)
 
     def commit_of(span: Span) -> Commit | None:
         if not span.line:
             return None
-        if state is not None and span.file.startswith(state.name):
-            return state.commit_of(span)
+        if baseline is not None and span.file.startswith(baseline.name):
+            return baseline.commit_of(span)
+        if not (project / span.file).is_file():  # a file of an earlier commit, which has the commit in its name
+            return None
         return repository.commit_of_line(span.file, span.line)
 
     return commit_of

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes import defaults
+from generator.changes import default_values
 from generator.changes.cardinality import is_map
+from generator.changes.field_type_changes import kind
 from generator.changes.pairing import FieldPair, MessagePair, written
-from generator.changes.types import kind
 from generator.findings import Span
 from generator.protos import ProtoEnum, ProtoField, Schema, Syntax
 
@@ -45,7 +45,7 @@ def _label(field: ProtoField, schema: Schema, syntax: Syntax) -> str:
 
 def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]:
     if "default" in field.facets and syntax.name != "proto3":
-        yield f"default = {defaults.shown(field, schema)}"
+        yield f"default = {default_values.shown(field, schema)}"
     if not syntax.is_edition:
         return
     holds_message = field.type in ("message", "group")

@@ -6,7 +6,7 @@ Nothing is checked out. Where blobs were left out of a clone, git fetches those 
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -94,8 +94,10 @@ class PastRepository(Repository):
         file = self.folder / self._run("rev-parse", "--git-path", "shallow").strip()
         return frozenset(file.read_text(encoding="ascii").split())
 
-    def blobs(self, ids: Iterable[str]) -> Iterator[tuple[str, bytes | None]]:
+    def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
         """The contents of blobs, in their order; None for one that is not there, or is too large to be looked at."""
+        if not ids:
+            return
         command = ["git", "-C", str(self.folder), "cat-file", "--batch"]
         try:
             git = subprocess.Popen(  # noqa: S603  # no shell

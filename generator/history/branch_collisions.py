@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
-from generator.history.meanings import differ
-from generator.history.model import Allocation, Collision, Fact
-from generator.history.record import Record
-from generator.history.repository import Ref
-from generator.history.sweep import Span
+from generator.history.commits import Ref
+from generator.history.lineage import Span
+from generator.history.lookup import Record
+from generator.history.same_meaning import differ
+from generator.history.usage_model import Allocation, Collision, Fact
 
 _LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
 _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (_LOCAL, f"{_REMOTE}origin/"))
@@ -32,6 +32,11 @@ def default_branch(refs: Sequence[Ref], wanted: str | None) -> str | None:
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
     told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
     return next((name for name in (*told, *_DEFAULTS) if name in names), None)
+
+
+def branch_name(ref: str) -> str:
+    """Return a branch's name as people say it, that of a remote's with the remote."""
+    return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
 
 
 class Branches:

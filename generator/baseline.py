@@ -1,4 +1,4 @@
-"""Another state of a project or of a tree of .proto files: a git ref, a folder, or a descriptor set."""
+"""The baseline: an earlier state of a project or of .proto files, in a git ref, a folder or a descriptor set."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from generator.findings import Finding, FindingsError, Rule, Severity, Span, sho
 from generator.git import Commit, GitError, Repository
 from generator.ledger import Entry
 from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
-from generator.proto_files import proto_files, read_protos
+from generator.proto_files import read_protos
 from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.table import Table
@@ -40,8 +40,8 @@ class Layout:
 
 
 @dataclass(frozen=True, slots=True)
-class State:
-    """What a project was."""
+class Baseline:
+    """An earlier state of a project."""
 
     name: str
     """How findings call it."""
@@ -53,20 +53,20 @@ class State:
     """The commit from which a line of the state is; None where that is not known."""
 
 
-def open_state(spec: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Finding]) -> Baseline:
     """The state that ``--against`` names, as far as it can be read; what cannot is a finding.
 
     A folder or a file of that name comes before a git ref. Raises `FindingsError` where there is nothing.
     """
     path = Path(spec)
     if path.is_dir():
-        return _state_in(path.resolve(), spec.rstrip("/") or spec, layout, lambda _: None, findings)
+        return _baseline_in(path.resolve(), spec.rstrip("/") or spec, layout, lambda _: None, findings)
     if path.is_file():
         return _descriptor_set(path, spec, layout)
     return _at_ref(spec, project, layout, findings)
 
 
-def _descriptor_set(path: Path, spec: str, layout: Layout) -> State:
+def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     try:
         compiled = FileDescriptorSet.FromString(path.read_bytes())
     except (OSError, DecodeError) as error:
@@ -75,10 +75,10 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> State:
     if not compiled.file:
         raise FindingsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
     schema = schema_of(compiled, spec)
-    return State(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
+    return Baseline(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
 
 
-def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) -> Baseline:
     repository = Repository(project)
     try:
         commit = repository.resolve(ref)
@@ -100,27 +100,27 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) ->
             file = span.file.removeprefix(f"{ref}:")
             return repository.commit_of_line(file, span.line, commit) if span.line else None
 
-        return _state_in(Path(folder), f"{ref}:", layout, commit_of, findings)
+        return _baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings)
 
 
 def _is_wanted(file: str) -> bool:
     return file.endswith((".proto", ".options")) or file in (_TABLE, ledger.NAME)
 
 
-def _state_in(
+def _baseline_in(
     folder: Path,
     name: str,
     layout: Layout,
     commit_of: Callable[[Span], Commit | None],
     findings: list[Finding],
-) -> State:
+) -> Baseline:
     """The state in a folder: a project, the folder of its protos, or any tree of them."""
     own: list[Finding] = []  # faults of the state's own, which nobody can mend there
     table = read.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = ledger.read(folder / ledger.NAME, own, shown(name, ledger.NAME))
     root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
-    files = read_protos(folder / root, proto_files(folder / root, shown_root, findings), shown_root, findings)
+    files = read_protos(folder / root, shown_root, findings)
     if not files:
         raise FindingsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
     excluded = table.proto.exclude if table else layout.exclude
@@ -129,7 +129,7 @@ def _state_in(
     findings += [_of_state(error) for error in errors]
     entries = (*published.entries, *_rows(table), *_members(schema, layout))
     of_table = as_lines(table_bounds(table, schema, folder / root, [])) if table else {}
-    return State(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
+    return Baseline(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
 
 
 def _of_state(error: Finding) -> Finding:

@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cached_property
 
 from generator.declarations import SCALARS
-from generator.history.graph import Graph
-from generator.history.model import Confidence, Content, Fact
-from generator.history.sweep import Declared, Past, Span
+from generator.history.commit_graph import Graph
+from generator.history.lineage import Declared, Past, Span
+from generator.history.usage_model import Confidence, Content, Fact
 
 
 class Record:
@@ -134,16 +134,10 @@ class Record:
 
     def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
         """How sound the states are from which each fact was read."""
-        seen: dict[Fact, set[bool]] = {}
+        sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
             for declared in self.past.changes.get(owner, {}).values():
                 for declaration in declared.values():
-                    for fact in declaration.facts:
-                        seen.setdefault(fact, set()).add(declaration.broken)
-        return {fact: _confidence(broken) for fact, broken in seen.items()}
-
-
-def _confidence(broken: set[bool]) -> Confidence:
-    if broken == {True}:
-        return Confidence.DOUBTFUL
-    return Confidence.LIKELY if broken == {True, False} else Confidence.CERTAIN
+                    (broken if declaration.broken else sound).update(declaration.facts)
+        doubted = {fact: Confidence.LIKELY if fact in sound else Confidence.DOUBTFUL for fact in broken}
+        return {**dict.fromkeys(sound, Confidence.CERTAIN), **doubted}

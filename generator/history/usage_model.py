@@ -10,7 +10,7 @@ from generator.git import Commit
 
 
 class Fact(NamedTuple):
-    """What a message or an enum says about one of its numbers. Equal facts, wherever they stand, are one life."""
+    """What a message or an enum says about one of its numbers. Equal facts, wherever they stand, are one usage."""
 
     number: int
     name: str
@@ -50,8 +50,8 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True)
-class Life:
-    """A number with one meaning, through all of history: what was taken away and put back lives on."""
+class Usage:
+    """One meaning that a number had, through all of history; what was taken away and put back is the same usage."""
 
     number: int
     type: str
@@ -132,8 +132,8 @@ class Reuse:
     """Full name of the message or enum."""
     number: int
     kind: Kind
-    earlier: Life
-    later: Life
+    earlier: Usage
+    later: Usage
     """The same one as `earlier` where the contents were replaced under the same name."""
     relation: Relation
     at_once: bool

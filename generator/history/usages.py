@@ -1,18 +1,18 @@
-"""Spans put together into lives."""
+"""Spans put together into usages."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from generator.history.model import Confidence, Fact, Interval, Life
-from generator.history.record import Record
-from generator.history.sweep import Span
+from generator.history.lineage import Span
+from generator.history.lookup import Record
+from generator.history.usage_model import Confidence, Fact, Interval, Usage
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A span of one message, as far as lives are concerned."""
+    """A span of one message, as far as usages are concerned."""
 
     owner: str
     span: Span
@@ -24,18 +24,18 @@ class Stretch:
         return self.span.came, self.span.path, self.span.line
 
 
-@dataclass(frozen=True, slots=True)
-class Lived:
-    """A life, with the stretches that it consists of."""
+@dataclass(frozen=True, slots=True, eq=False)
+class TracedUsage:
+    """A usage, with the stretches that it consists of."""
 
-    life: Life
+    usage: Usage
     stretches: tuple[Stretch, ...]
 
 
-def lives(
+def usages(
     record: Record, owners: Sequence[str], branches: Mapping[str, int], boundary: frozenset[str], claimed: bool = False
-) -> list[Lived]:
-    """The lives of all numbers of a message or enum, whichever package it was in; by number, the earliest first."""
+) -> list[TracedUsage]:
+    """Return the usages of the numbers of a message or enum, whichever package it was in; by number, then by age."""
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
     for owner in owners:
@@ -45,10 +45,10 @@ def lives(
                 stretch = Stretch(owner, span, tuple(live_at.get(index, ())))
                 stretches.setdefault(span.fact, []).append(stretch)
     found = [
-        _lived(record, sorted(parts, key=lambda part: part.order), confidence[fact], boundary)
+        _traced(record, sorted(parts, key=lambda part: part.order), confidence[fact], boundary)
         for fact, parts in stretches.items()
     ]
-    return sorted(found, key=lambda lived: (lived.life.number, lived.stretches[0].order, lived.life.fact))
+    return sorted(found, key=lambda traced: (traced.usage.number, traced.stretches[0].order, traced.usage.fact))
 
 
 def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
@@ -61,11 +61,13 @@ def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[in
     return found
 
 
-def _lived(record: Record, stretches: Sequence[Stretch], confidence: Confidence, boundary: frozenset[str]) -> Lived:
+def _traced(
+    record: Record, stretches: Sequence[Stretch], confidence: Confidence, boundary: frozenset[str]
+) -> TracedUsage:
     fact = stretches[0].span.fact
     refs = sorted({ref for stretch in stretches for ref in stretch.live_at})
     went = max((node for stretch in stretches for node in stretch.span.went), default=None)
-    life = Life(
+    usage = Usage(
         number=fact.number,
         type=fact.type,
         name=fact.name,
@@ -76,7 +78,7 @@ def _lived(record: Record, stretches: Sequence[Stretch], confidence: Confidence,
         went=None if refs or went is None else record.graph[went].revision.commit,
         confidence=confidence,
     )
-    return Lived(life, tuple(stretches))
+    return TracedUsage(usage, tuple(stretches))
 
 
 def _interval(record: Record, stretch: Stretch, boundary: frozenset[str]) -> Interval:

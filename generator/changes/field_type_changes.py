@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from generator.changes.cardinality import broken_by_cardinality, cardinality
+from generator.changes.change import Change
 from generator.changes.pairing import FieldPair
 from generator.protos import ProtoField, ProtoMessage
-from generator.subject import Change
 
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})
 _ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})

@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
-from generator.history.graph import Graph, Node
-from generator.history.model import Fact
-from generator.history.reading import Declaration, Reading
+from generator.history.commit_graph import Graph, Node
+from generator.history.numbered_types import NumberedType, NumberedTypes
+from generator.history.usage_model import Fact
 
-Declared = Mapping[str, Declaration]
+Declared = Mapping[str, NumberedType]
 """The declarations of one message or enum in one state, by file: mostly one."""
 Spans = frozenset[int]
 """Indices of the spans that a fact is alive by: one, unless it came on several lines that were merged."""
@@ -63,18 +63,18 @@ class Past:
     tips: dict[int, State] = field(default_factory=dict)
 
 
-def sweep(graph: Graph, reading_of: Callable[[str], Reading], tips: Collection[int]) -> Past:
+def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Past:
     """Walk over all nodes. Of the ``tips``, the states are kept."""
-    walk = _Sweep(graph, reading_of, tips)
+    walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
         walk.visit(node)
     return walk.past
 
 
 class _Sweep:
-    def __init__(self, graph: Graph, reading_of: Callable[[str], Reading], tips: Collection[int]) -> None:
+    def __init__(self, graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> None:
         self.past = Past()
-        self._graph, self._reading_of = graph, reading_of
+        self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
         """How often each state is still to be built upon; the last one to do so need not copy it."""
@@ -124,8 +124,8 @@ class _Sweep:
         """Put what a node's files declare into a state; the messages and enums of which that changes any fact."""
         before: dict[str, Declared] = {}
         for edit in node.revision.edits:
-            old = self._reading_of(edit.old).declarations if edit.old else {}
-            new = self._reading_of(edit.new).declarations if edit.new else {}
+            old = self._types_of(edit.old) if edit.old else {}
+            new = self._types_of(edit.new) if edit.new else {}
             for owner in {**old, **new}:
                 declared = dict(state.declared.get(owner, {}))
                 before.setdefault(owner, state.declared.get(owner, {}))

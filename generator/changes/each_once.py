@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from generator.changes.change import Change
 from generator.findings import Finding, Span
-from generator.subject import Change, Subject
 
 
-def each_once(subject: Subject, compare: Callable[[Change], Iterable[Finding]]) -> Iterator[Finding]:
+def each_once(changes: Iterable[Change], compare: Callable[[Change], Iterable[Finding]]) -> Iterator[Finding]:
     """What a comparison finds against each earlier state; what it finds against several, only as the richest knows it.
 
     The ledger knows least, so what it has in common with another state is said with that one's places.
     """
     seen = set()
-    for change in sorted(subject.changes, key=lambda change: change.of_ledger):
+    for change in sorted(changes, key=lambda change: change.of_ledger):
         for finding in compare(change):
             fault = finding.rule, finding.span, finding.message, finding.type, finding.number
             if fault not in seen:

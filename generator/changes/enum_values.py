@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.changes.numbers import next_enum_number
+from generator.changes.change import Change
 from generator.changes.pairing import EnumPair, enums, values_by_number
 from generator.protos import ProtoEnumValue
-from generator.subject import Change, Subject
 
 
 def renamed_values(change: Change) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
@@ -38,14 +37,3 @@ def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
 def stands_for_another(pair: EnumPair, number: int) -> bool:
     """Whether a number and another one are taken for each other, and not only called something else."""
     return bool(moved_here(pair, number) or moved_away(pair, number))
-
-
-def new_numbers(subject: Subject, pair: EnumPair) -> dict[str, int]:
-    """A number of its own for each value that is new and took the number of another one."""
-    known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
-    numbers: dict[str, int] = {}
-    for value in pair.new.values:
-        if value.name not in known and value.number in taken:
-            number = next_enum_number(subject, pair.new.full_name, numbers.values())
-            numbers |= {} if number is None else {value.name: number}
-    return numbers

@@ -1,15 +1,15 @@
-"""What a lint knows of the past: all of history, and the commits that consumers of the protos are pinned to."""
+"""The numbers of the envelope at the commits that consumers of the protos are pinned to."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
+from generator.consumer_pins import UNREADABLE_PINS, Pin
 from generator.declarations import parse
 from generator.findings import Finding, Span
 from generator.git import Commit, GitError, Repository, name_of_repository
-from generator.history import History, differ
-from generator.pins import UNREADABLE_PINS, Pin
+from generator.history import differ
 
 _FETCH = "git fetch --all gets what is new"
 
@@ -30,34 +30,6 @@ class Pinned:
             for number in self.numbers.keys() & other.numbers.keys()
             if differ(self.numbers[number], other.numbers[number])
         )
-
-
-@dataclass(frozen=True, slots=True)
-class Past:
-    """The history of the protos, and what of it is looked at."""
-
-    history: History
-    of_numbers: bool = False
-    """Whether every number's past is judged."""
-    of_branches: bool = False
-    """Whether open branches are compared with each other."""
-    pinned: tuple[Pinned, ...] = ()
-    """The consumers, and what the commits that they are pinned to say."""
-
-    def taken(self, envelope: str) -> dict[int, str]:
-        """Every number that the envelope ever had on any branch, and what for."""
-        taken: dict[int, str] = {}
-        for number, lives in self.history.claims(envelope).items():
-            taken[number] = f"stood in a comment, for {lives[-1].name} ({lives[-1].came})"
-        for number, lives in self.history.numbers(envelope).items():
-            last = lives[-1]
-            where = f", which {_branch(last.live_at[0])} has" if last.live_at else f" until {last.went}"
-            taken[number] = f"stood for {last.name} ({last.type}){where}"
-        return taken
-
-
-def _branch(ref: str) -> str:
-    return ref.removeprefix("refs/heads/").removeprefix("refs/remotes/")
 
 
 def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Finding]) -> list[Pinned]:

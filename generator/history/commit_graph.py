@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from generator.history.repository import Revision
+from generator.history.commits import Revision
 
 
 @dataclass(frozen=True, slots=True)

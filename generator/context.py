@@ -1,36 +1,21 @@
-"""What the rules look at."""
+"""The context of the rules: the table, the protos, and what is known of their past."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
+from generator.changes import Change
 from generator.declarations import Claim, File, Message
 from generator.findings import Span, shown
+from generator.history import History, branch_name
 from generator.ledger import NAME as LEDGER
-from generator.ledger import Entry, Ledger, as_schema
+from generator.ledger import Entry, Ledger
+from generator.nanopb import Bounds
+from generator.pinned_numbers import Pinned
 from generator.protos import Schema
 from generator.table import Table
 from generator.table_format import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER
-
-if TYPE_CHECKING:
-    from generator.nanopb import Bounds
-    from generator.past import Past
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """The protos as they were, and as they are."""
-
-    before: Schema
-    after: Schema
-    since: str
-    """How findings call the earlier state: a git ref, a folder, a file, the ledger."""
-    of_ledger: bool = False
-    """Whether the earlier state is the ledger: names, numbers and types of what can travel, and nothing else."""
-    bounds_before: Bounds | None = None
-    """nanopb's bounds as they were; None where they are not known."""
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[Change, ...]:
@@ -40,9 +25,33 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
     """
     if not published.entries:
         return ()
-    before = as_schema(published)
+    before = published.schema
     known = {name: message for name, message in before.messages.items() if name != incomplete}
     return (Change(replace(before, messages=known), schema, LEDGER, of_ledger=True),)
+
+
+@dataclass(frozen=True, slots=True)
+class Past:
+    """The history of the protos, and what of it is looked at."""
+
+    history: History
+    of_numbers: bool = False
+    """Whether every number's past is judged."""
+    of_branches: bool = False
+    """Whether open branches are compared with each other."""
+    pinned: tuple[Pinned, ...] = ()
+    """The consumers, and what the commits that they are pinned to say."""
+
+    def taken(self, envelope: str) -> dict[int, str]:
+        """Every number that the envelope ever had on any branch, and what for."""
+        taken: dict[int, str] = {}
+        for number, usages in self.history.claims(envelope).items():
+            taken[number] = f"stood in a comment, for {usages[-1].name} ({usages[-1].came})"
+        for number, usages in self.history.numbers(envelope).items():
+            last = usages[-1]
+            where = f", which {branch_name(last.live_at[0])} has" if last.live_at else f" until {last.went}"
+            taken[number] = f"stood for {last.name} ({last.type}){where}"
+        return taken
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,14 @@
-"""How the rules speak of the past: which numbers, at which place of today, with which commits."""
+"""Diagnostics about history: the numbers, their places today, and the commits of their usages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
+from generator.context import Subject
 from generator.findings import Finding, Rule, Span, Use
-from generator.history import Confidence, History, Kind, Life, Relation, Reuse
+from generator.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
-from generator.subject import Subject
 
 _RELATIONS = {
     Relation.SUCCESSION: "one after the other on one branch",
@@ -36,7 +36,7 @@ def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, 
         for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
             reuses = list(group)
             known = {use for burned in accepted if number in burned for use in burned[number].uses}
-            uses = {(life.type, life.name) for reuse in reuses for life in (reuse.earlier, reuse.later)}
+            uses = {(usage.type, usage.name) for reuse in reuses for usage in (reuse.earlier, reuse.later)}
             if not uses <= known:
                 yield owner, number, reuses
 
@@ -47,33 +47,33 @@ def _stands_for(name: str, owner: str, subject: Subject, history: History) -> bo
     return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
-def _lives(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Life]:
-    """The lives that are concerned, the earliest first."""
-    concerned = {life for reuse in reuses for life in (reuse.earlier, reuse.later)}
-    return [life for life in history.numbers(owner)[number] if life in concerned]
+def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
+    """Return the usages that are concerned, the earliest first."""
+    concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
+    return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
 def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Finding:
     """A finding about one number, with everything that it stood for. There must be a past."""
     assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
-    lives = _lives(subject.past.history, owner, number, reuses)
+    usages = _usages(subject.past.history, owner, number, reuses)
     return rule.at(
         place_of(subject, owner, number),
-        f"number {number} of {owner} stood for {_told(lives, reuses)}; {_today(subject, owner, number)}"
+        f"number {number} of {owner} stood for {_told(usages, reuses)}; {_today(subject, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
         _help(subject, owner, number),
-        [(Span(f"{life.came.id[:10]}:{life.path}", life.line), _life(life)) for life in lives],
+        [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
         type=owner,
         number=number,
-        uses=[Use(life.type, life.name, life.came, life.went) for life in lives],
+        uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
     )
 
 
-def _told(lives: Sequence[Life], reuses: Sequence[Reuse]) -> str:
+def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
     """What the number stood for, and how that came."""
     last = reuses[-1]
-    told = " and ".join(dict.fromkeys(_called(life) for life in lives))
-    if len(lives) == 1 and last.old:
+    told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
+    if len(usages) == 1 and last.old:
         return f"{told}, whose contents were replaced: {last.survivors} of {len(last.old.facts)} fields are left"
     at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
     return f"{told}, {_RELATIONS[last.relation]}{at_once}"
@@ -130,15 +130,12 @@ def _help(subject: Subject, owner: str, number: int) -> str:
     return f"write `reserved {number};` into {owner}; {accept}"
 
 
-def branch(ref: str) -> str:
-    """A branch's name as people say it."""
-    return ref.removeprefix("refs/heads/").removeprefix("refs/remotes/")
+def _called(usage: Usage) -> str:
+    return f"{usage.type} {usage.name}".strip()
 
 
-def _called(life: Life) -> str:
-    return f"{life.type} {life.name}".strip()
-
-
-def _life(life: Life) -> str:
-    end = f"went with {life.went}" if life.went else f"is on {', '.join(branch(ref) for ref in life.live_at[:3])}"
-    return f"{_called(life)} came with {life.came}, {end}"
+def _usage(usage: Usage) -> str:
+    end = (
+        f"went with {usage.went}" if usage.went else f"is on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
+    )
+    return f"{_called(usage)} came with {usage.came}, {end}"

@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Iterable
 
-from generator.changes.units import measure
+from generator.changes.name_units import measure
 
 _WORD = re.compile(r"X\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _EMPTY = frozenset(
