@@ -35,19 +35,19 @@ class FieldTypes:
         self.enums: dict[str, ProtoEnum] = {}
 
     def conversion(
-        self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...], name: str
+        self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
-        """The conversion of a field of a message at a level; None, with a finding, where it has none.
+        """The conversion of a field of a message; None, with a finding, where it has none.
 
         ``path`` leads to it from the payload, ``name`` is the ROS field's.
         """
         held = self._schema.messages.get(field.type_name)
         if held is not None and held.map_entry:
-            return self._map(message, level, field, path, name)
+            return self._map(message, field, path, name)
         if field.type_name == well_known.EMPTY and not (field.repeated or field.oneof or message.map_entry):
             ros = ir.RosField(f"has_{name}", ir.RosType("bool"), _comment(message, field, path))
             return ir.FieldConversion(path, ros, ConversionKind.EMPTY)
-        value = self._value(message, level, field, path)
+        value = self._value(message, field, path)
         if value is None:
             return None
         type = dataclasses.replace(value.type, is_sequence=field.repeated or value.type.is_sequence)
@@ -61,7 +61,7 @@ class FieldTypes:
             wrapping=value.wrapping,
         )
 
-    def _value(self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...]) -> _Value | None:
+    def _value(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> _Value | None:
         if field.type == "enum":
             return self._enum(self._schema.enums[field.type_name])
         if field.type not in ("message", "group"):
@@ -78,7 +78,7 @@ class FieldTypes:
         if proto == well_known.FIELD_MASK and not field.repeated:
             paths = ir.RosType("string", is_sequence=True)
             return _Value(ConversionKind.VALUE, paths, wrapping=ir.Wrapping(proto, "paths"))
-        nested = self._message(message, level, field, path)
+        nested = self._message(message, field, path)
         return _Value(ConversionKind.MESSAGE, ir.RosType(nested, is_message=True), nested) if nested else None
 
     def _scalar(self, type: str, repeated: bool) -> _Value:
@@ -96,14 +96,14 @@ class FieldTypes:
         self.enums[enum.full_name] = enum
         return _Value(ConversionKind.VALUE, ir.RosType(ros_enums.integer_type(enum)), enum=enum.full_name)
 
-    def _message(self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...]) -> str | None:
+    def _message(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str | None:
         """The ROS message of a message field."""
         holder, owner = self._owner(message, field)
         types = self._messages.settings.anys.get((holder.full_name, owner.name))
         if field.type_name == well_known.ANY and types:
             ros = self._ros.removesuffix("Entry") if message.map_entry else f"{self._ros}{_camel(path)}"
-            return self._messages.any_message(holder, level, owner, ros, types)
-        return self._messages.nested_message(holder, level, owner, field.type_name)
+            return self._messages.any_message(holder, owner, ros, types)
+        return self._messages.nested_message(owner, field.type_name)
 
     def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
         """The message and the field that somebody wrote: for a map's entry, whose it is."""
@@ -113,13 +113,13 @@ class FieldTypes:
         return holder, next(one for one in holder.fields if one.type_name == message.full_name)
 
     def _map(
-        self, message: ProtoMessage, level: int, field: ProtoField, path: tuple[str, ...], name: str
+        self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
         entry = self._schema.messages[field.type_name]
         ros = f"{self._ros}{_camel(path)}Entry"
         self._messages.claim(ros, f"{self._ros}.{'.'.join(path)}", field.span)
         types = FieldTypes(self._messages, ros)
-        key, value = (types.conversion(entry, level, part, (part.name,), part.name) for part in entry.fields)
+        key, value = (types.conversion(entry, part, (part.name,), part.name) for part in entry.fields)
         if key is None or value is None:
             return None
         constants = tuple(ros_enums.constants_of(types.enums.values(), (), ros, field.span, self._messages.report))

@@ -190,8 +190,6 @@ class Conversion:
     file: str
     ros: str
     fields: tuple[FieldConversion, ...]
-    cut: tuple[str, ...] = ()
-    """Fields that no ROS field takes because the message would hold itself once too often; a set one is an error."""
 
     @property
     def local_name(self) -> str:

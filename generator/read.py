@@ -138,7 +138,6 @@ def _row(item: Item, findings: list[Finding]) -> Row:
         lint=tuple(_lowered(item.entry("lint"))),
         presence={path: entry.value for path, entry in item.entry("presence").entries.items()},
         anys={path: tuple(type.value for type in entry.items) for path, entry in item.entry("any").entries.items()},
-        recursion=item.get("recursion"),
         deadman=_deadman(item.entry("deadman")),
         max_rate=item.get("max_rate"),
         priority=item.get("priority", 0),

@@ -12,7 +12,6 @@ from generator.field_settings import CONTRADICTING_PATHS, UNKNOWN_FIELD
 from generator.field_types import FieldTypes
 from generator.findings import Rule, nearest
 from generator.protos import ProtoField, ProtoMessage
-from generator.recursion import CUT
 from generator.shape import Shape
 
 if TYPE_CHECKING:
@@ -31,8 +30,8 @@ _RENAME = "rename it in the .proto: no wire has its name"
 class MessageBuilder:
     """The fields, constants and conversions of one ROS message, from one proto message."""
 
-    def __init__(self, messages: RosMessages, message: ProtoMessage, shape: Shape, level: int) -> None:
-        self._messages, self._message, self._shape, self._level = messages, message, shape, level
+    def __init__(self, messages: RosMessages, message: ProtoMessage, shape: Shape) -> None:
+        self._messages, self._message, self._shape = messages, message, shape
         self._schema, self._report = messages.schema, messages.report
         self._types = FieldTypes(messages, shape.ros)
         self._fields: dict[str, ir.RosField] = {}
@@ -40,7 +39,6 @@ class MessageBuilder:
         self._which: dict[tuple[str, ...], str] = {}
         self._oneof_constants: list[ir.RosConstant] = []
         self.conversions: list[ir.FieldConversion] = []
-        self.cut: list[str] = []
 
     def message(self) -> ir.RosMessage:
         """The ROS message."""
@@ -53,7 +51,7 @@ class MessageBuilder:
             self._message.full_name,
         )
 
-    def add_fields(self, message: ProtoMessage, path: tuple[str, ...], level: int) -> None:
+    def add_fields(self, message: ProtoMessage, path: tuple[str, ...]) -> None:
         """Convert the fields of a proto message; ``path`` leads to it from the payload."""
         for field in message.fields:
             full_path = (*path, field.name)
@@ -63,21 +61,19 @@ class MessageBuilder:
                 continue
             if field.name in _HIDING:
                 self._report(CANNOT_CONVERT.at(field.span, f"{dotted} would hide what Python's protobuf has", _RENAME))
-            if self._messages.level_of(message, level, field) == CUT:
-                self.cut.append(dotted)
-            elif self._taken_apart(dotted):
-                self._take_apart(message, field, full_path, level)
+            if self._taken_apart(dotted):
+                self._take_apart(message, field, full_path)
             elif path and dotted not in self._shape.fields:
                 help = f"give it a ROS field under `fields`, or name {dotted} under `ignore`"
                 self._report(UNMAPPED_FIELD.at(field.span, f"no ROS field of {self._shape.ros} takes {dotted}", help))
             else:
-                self._convert(message, field, full_path, level)
+                self._convert(message, field, full_path)
 
     def _taken_apart(self, dotted: str) -> bool:
         """Whether the table names fields inside this one."""
         return any(path.startswith(f"{dotted}.") for path in (*self._shape.fields, *self._shape.ignore))
 
-    def _take_apart(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], level: int) -> None:
+    def _take_apart(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
         """Fields of a nested message become fields of this one."""
         dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
         if self._keeps_presence(message, field):
@@ -87,7 +83,7 @@ class MessageBuilder:
         if nested is None or field.repeated or field.oneof:
             self._report_paths_into(dotted, field)
         else:
-            self.add_fields(nested, path, self._messages.level_of(message, level, field))
+            self.add_fields(nested, path)
 
     def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
         """Report the table's paths into a field that has no fields of its own."""
@@ -125,13 +121,13 @@ class MessageBuilder:
                 return f"{path} is named, and {whole} is renamed to {fields[whole]} as a whole"
         return ""
 
-    def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], level: int) -> None:
+    def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
         name = self._shape.fields.get(".".join(path)) or naming.field_name(field.name)
-        conversion = self._types.conversion(message, level, field, path, name)
+        conversion = self._types.conversion(message, field, path, name)
         if conversion is None:
             return
         if field.oneof:
-            conversion = dataclasses.replace(conversion, which=self._discriminator(message, field, path[:-1], level))
+            conversion = dataclasses.replace(conversion, which=self._discriminator(message, field, path[:-1]))
         elif self._keeps_presence(message, field) and name not in self._fields:
             presence = ir.RosField(f"has_{name}", ir.RosType("bool"), f"Whether {name} is set.")
             self._add(ir.FieldConversion(path, presence, ir.ConversionKind.PRESENCE), field)
@@ -143,20 +139,15 @@ class MessageBuilder:
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
         said = self._messages.settings.presence.get((message.full_name, field.name))
-        if said is not None:
-            return said
-        recursive = self._messages.levels.is_carried(message.full_name, field.type_name)
-        return field.optional or field.type_name in well_known.WRAPPERS or recursive
+        return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
 
-    def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], level: int) -> str:
+    def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
         """The ROS field that says which member of a field's oneof is set; made for the first of them."""
         full_path = (*path, field.oneof)
         if full_path not in self._which:
             dotted = ".".join(full_path)
             self._paths_seen.add(dotted)
-            members = [
-                one for one in message.fields if one.oneof == field.oneof and self._placed(message, one, path, level)
-            ]
+            members = [one for one in message.fields if one.oneof == field.oneof and self._placed(one, path)]
             ros, constants, choices = oneofs.discriminator(
                 message, field.oneof, members, self._shape.fields.get(dotted)
             )
@@ -165,11 +156,10 @@ class MessageBuilder:
             self._add(ir.FieldConversion(full_path, ros, ir.ConversionKind.WHICH, choices=choices), field)
         return self._which[full_path]
 
-    def _placed(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], level: int) -> bool:
+    def _placed(self, field: ProtoField, path: tuple[str, ...]) -> bool:
         """Whether a ROS field takes a member of a oneof."""
         dotted = ".".join((*path, field.name))
-        left_out = dotted in self._shape.ignore or (path and dotted not in self._shape.fields)
-        return not left_out and self._messages.level_of(message, level, field) != CUT
+        return dotted not in self._shape.ignore and (not path or dotted in self._shape.fields)
 
     def _add(self, conversion: ir.FieldConversion, field: ProtoField) -> None:
         name = conversion.ros.name

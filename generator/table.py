@@ -150,8 +150,6 @@ class Row(Placed):
     """Paths of proto fields, and whether a ROS field says that they are set."""
     anys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Paths of google.protobuf.Any fields, and the messages that they may hold."""
-    recursion: int | None = None
-    """How often a message that holds itself may stand in itself; None where it must not."""
     deadman: DeadmanSettings | None = None
     max_rate: int | None = None
     """Most messages a second."""

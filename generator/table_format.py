@@ -68,7 +68,6 @@ ROW = Object(
             MapOf(FIELD_PATH, Boolean()), "Whether a ROS field says that a proto field is set, by its path."
         ),
         "any": Key(MapOf(FIELD_PATH, ListOf(_PROTO_NAME, least=1)), "The messages that an Any may hold, by its path."),
-        "recursion": Key(Integer(1, 16), "How many levels of a message that holds itself are carried."),
         "forward": Key(ListOf(_PEER_NAME), "Peers that also get the raw datagram."),
         "bounds": Key(MapOf(FIELD_PATH, _BOUND), "Path of a proto field to what a microcontroller has room for."),
         "expect_rate": Key(Integer(1, 1_000_000), "Messages a second below which diagnostics warn."),

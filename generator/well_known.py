@@ -60,8 +60,3 @@ def time_type(proto: str) -> tuple[str, ir.RosType]:
     """The runtime's module and the ROS type of a time."""
     module, name = TIMES[proto]
     return module, ir.RosType(name, is_message=True, package="builtin_interfaces")
-
-
-def holds_messages(proto: str) -> bool:
-    """Whether a message is looked into; the others become something else than a message of their fields."""
-    return proto not in TIMES and proto not in TEXTS and proto not in WRAPPERS

@@ -23,7 +23,13 @@ from runtime.parameters import Parameters
 from runtime.ros_args import RosArguments
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
-_EXTRAS = {"mcap": "record", "foxglove-sdk": "foxglove", "pyarrow": "parquet", "rosbags": "standard"}
+_EXTRAS = {
+    "mcap": "record",
+    "foxglove-sdk": "foxglove",
+    "prometheus-client": "metrics",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+}
 _GROUP, _GROUP_PORT = "239.255.0.1", 7400  # where DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
 _COMMAND_S = 5.0

@@ -19,11 +19,11 @@ import numpy as np
 
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
 from roverlink.demo_field import RATE_HZ, SIDE, landmarks, render_film, write_field
-from roverlink.tracking import ROVER, place_teller
 from runtime import Registry, SetupError
 from runtime.middleware import Middleware
 from vision._opencv import cv2
 from vision.camera import Floats
+from vision.rover_position import ROW, position_publisher
 
 _PATIENCE_S = 20.0
 
@@ -31,8 +31,8 @@ _PATIENCE_S = 20.0
 class DemoCamera:
     """A camera that looks at a film again and again. A context manager: leaving it ends the child."""
 
-    tells = (ROVER,)
-    """The payloads whose topics it publishes."""
+    tells = (ROW,)
+    """The rows whose topics it publishes."""
 
     def __init__(self, project: Path | None, middleware: str) -> None:
         """`middleware` is the child's: dds, or anything else for none; then `publish_on` has to tell."""
@@ -56,7 +56,7 @@ class DemoCamera:
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
         """Tell where the rover is in the child's place, which knows no middleware of this process."""
-        self._tell = place_teller(middleware, registry, topic)
+        self._tell = position_publisher(middleware, registry, topic)
 
     def __enter__(self) -> DemoCamera:
         self._child = subprocess.Popen(  # noqa: S603  # our own program

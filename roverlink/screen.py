@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from runtime.interfaces import DiagnosticArray, DiagnosticStatus
+from runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
 _STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}

@@ -11,28 +11,25 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 from roverlink.camera_source import open_source
-from roverlink.commands.aruco.track import NO_MIDDLEWARE
 from roverlink.console import OK, project_folder
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
-from runtime import Registry, cdr, load_registry
+from runtime import load_registry
 from runtime.errors import SetupError
-from runtime.middleware import Middleware, open_middleware
+from runtime.middleware import open_middleware
 from runtime.ros_args import RosArguments
 from vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
 from vision.boards import read_boards
-from vision.camera import Floats
 from vision.drawing import draw
 from vision.film import Film
 from vision.markers import SIDE
 from vision.messages import FrameNames
 from vision.parameters import read_parameters
 from vision.publishing import Publishing
+from vision.rover_position import position_publisher
 from vision.sources import Frame, FrameSource, play
 from vision.view import View, look
 
-ROVER = "BasestationRoverLocalization"
-"""The payload that tells the basestation where the rover is."""
 _SAME_SHAPE = 0.01
 """By how much the ratio of width to height may differ between images that are scaled, and not cut."""
 
@@ -76,7 +73,7 @@ def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks |
 
 def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Frame]:
     """The frames: a recording's as fast as can be, or where others listen, as if it were taken now."""
-    played = not source.live and (arguments.middleware != NO_MIDDLEWARE or arguments.loop)
+    played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop) if played else iter(source)
     frames = itertools.islice(frames, arguments.count)
     if arguments.loop or source.total is None or (arguments.json and sys.stdout.isatty()):
@@ -126,28 +123,11 @@ def _outputs(
     if arguments.save:
         film = stack.enter_context(Film(arguments.save, source.rate))
         yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
-    if arguments.middleware != NO_MIDDLEWARE:
+    if arguments.middleware:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
-            tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
+            registry = load_registry(project_folder(arguments.project))
+            tell = position_publisher(middleware, registry, ros.topic, logger.warning)
             yield lambda view: tell(view.place.pose.translation) if view.place else None
-
-
-def place_teller(
-    middleware: Middleware, registry: Registry, topic: Callable[[str], str], say: Callable[[str], None] = lambda _: None
-) -> Callable[[Floats], None]:
-    """What publishes where the rover is (3,) in metres, on the topic that the bridge forwards to the basestation."""
-    handler = next((one for one in registry.handlers if one.payload_type.DESCRIPTOR.name == ROVER), None)
-    if handler is None:
-        say(f"the table has no row of {ROVER}: the basestation is not told where the rover is")
-        return lambda _: None
-    route, message_type = handler.route, handler.message_type
-    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
-
-    def tell(position: Floats) -> None:
-        x, y, z = position.tolist()
-        publish([cdr.encode(message_type(x=x, y=y, z=z))])
-
-    return tell

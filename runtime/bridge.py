@@ -9,18 +9,17 @@ one keeps the time.
 from __future__ import annotations
 
 import logging
-import threading
 import time
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
 from runtime import feeding, udp
-from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
 from runtime.admission import Admission
+from runtime.counters import Counters
 from runtime.destination import Destination
 from runtime.errors import DatagramError, Reason
+from runtime.forwarding import Forwarding
 from runtime.inlet import Inlet, PacedInlet
 from runtime.middleware import Middleware, Publisher
 from runtime.outlet import Outlet, PublisherWatch, Send
@@ -28,7 +27,7 @@ from runtime.parameters import Parameters
 from runtime.registry import AnyHandler, Registry
 from runtime.sources import restrict
 from runtime.timekeeper import Tended, Timekeeper
-from runtime.translator import Translator
+from runtime.translator import Translation, Translator
 
 NODE = "udp_forwarder"
 """The bridge's name on the ROS 2 graph, where nobody gives it another."""
@@ -60,24 +59,22 @@ class Bridge:
         observers: Sequence[Observer] = (),
     ) -> None:
         """``topic`` gives the fully qualified name of a row's topic. Raises `SetupError` for port and destination."""
-        self.account = Account()
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
-        self._logger, self._warnings = logger, ThrottledWarnings(logger)
+        self._logger = logger
         addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
+        self._counters = Counters(self._socket, logger)
+        self.account = self._counters.account
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
         self._receiver = self._receiver_of(parameters)
         self._inlets: dict[str, Inlet] = {}
         self._outlets: list[Outlet] = []
         self._paced: list[PacedInlet] = []
-        self._feeding = feeding.Feeding(self.account, self._warnings)
-        self._to_all = tuple(self._destinations.values()) if parameters.forward_policy == "all" else ()
-        self._forwards = {} if self._to_all else self._forwards_of_rows()
-        self._next_look = 0.0
+        self._feeding = feeding.Feeding(self.account, self._counters.warnings)
+        self._forwarding = Forwarding(registry, self._destinations, parameters.forward_policy, self._send, self.account)
         self._failure: BaseException | None = None
-        self._counting = threading.Lock()
 
     @property
     def port(self) -> int:
@@ -113,7 +110,7 @@ class Bridge:
 
     def __exit__(self, *_: object) -> None:
         self._receiver.__exit__()
-        self._count_left()
+        self._counters.leave(self._receiver.left)
         self._watch.__exit__()
         self._timekeeper.__exit__()
         for inlet in self._paced:
@@ -121,8 +118,8 @@ class Bridge:
         self._middleware.close()
         for outlet in self._outlets:
             outlet.end()
-        self._count_lost()
-        self._warnings.tell_rest()
+        self._counters.look_at_kernel_drops()
+        self._counters.warnings.tell_rest()
         self._socket.close()
         for destination in self._destinations.values():
             destination.close()
@@ -144,7 +141,7 @@ class Bridge:
         size = parameters.max_datagram + 1
         if parameters.source_policy == "any" or not restrict(self._registry.peers):
             return udp.Receiver(self._socket, size, self._observed(self._handle))
-        self._admission = Admission(self._registry, self._drop)
+        self._admission = Admission(self._registry, self._counters.drop)
         self._admitted: dict[Translator, Handle] = {}
         return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
 
@@ -155,81 +152,37 @@ class Bridge:
         return handle
 
     def _handle(self, batch: udp.Batch) -> None:
-        self._count_received(len(batch))
-        self._bridge(batch, self._translator)
+        self._counters.receive(len(batch))
+        self._dispatch(batch, self._translator)
 
     def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
         """Bridge what comes from who may speak, each as far as it may; observers hear nothing else."""
-        self._count_received(len(batch))
+        self._counters.receive(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
             if translator not in self._admitted:
-                self._admitted[translator] = self._observed(partial(self._bridge, translator=translator))
+                self._admitted[translator] = self._observed(partial(self._dispatch, translator=translator))
             self._admitted[translator](datagrams)
 
-    def _count_received(self, count: int) -> None:
-        self.account.received += count
-        if time.monotonic() >= self._next_look:
-            self._next_look = time.monotonic() + WARNING_INTERVAL_S
-            self._count_lost()
-
-    def _bridge(self, batch: udp.Batch, translator: Translator) -> None:
+    def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         fitting = self._without_oversized(batch)
         translation = translator.receive_all(fitting, feeding.now())
         for refusal in translation.refusals:
-            self._drop(refusal)
-        for name, messages in translation.messages.items():
-            self._inlets[name].take(messages)
-        if translation.fed:
-            self._feeding.publish(translation.fed)
-        for destination, rows in self._forwards.items():
-            self._forward([datagram for datagram, name in zip(fitting, translation.names) if name in rows], destination)
-        for destination in self._to_all:
-            self._forward(fitting, destination)
-
-    def _forward(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        """Hand datagrams on as they are."""
-        if sent := self._send(datagrams, destination):
-            self.account.forwarded[destination.peer] += sent
+            self._counters.drop(refusal)
+        self._publish(translation)
+        self._forwarding.forward(fitting, translation.names)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
         fitting = [datagram for datagram in batch if len(datagram) <= longest]
         for _ in range(len(batch) - len(fitting)):
-            self._drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
+            self._counters.drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
         return fitting
 
-    def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
-        """How many datagrams went out; those that the network refuses are counted and warned of."""
-        refusals = destination.send_all(datagrams)
-        for error in refusals:
-            with self._counting:  # all threads come here
-                self.account.unsent[destination.peer] += 1
-            self._warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
-        return len(datagrams) - len(refusals)
-
-    def _drop(self, error: DatagramError) -> None:
-        with self._counting:  # the receiving thread and the timekeeper's come here
-            self.account.dropped[error.reason.value] += 1
-            if error.row:
-                self.account.dropped_of_row[error.row, error.reason.value] += 1
-        self._warnings.warn(error.reason.value, f"dropped: {error}")
-
-    def _count_left(self) -> None:
-        """What had arrived when there was no time left to handle it."""
-        if left := self._receiver.left:
-            self.account.received += left
-            self.account.dropped[Reason.STOPPED.value] += left
-
-    def _count_lost(self) -> None:
-        """Look at what was lost before it reached us, and warn where it has grown."""
-        before = self.account.kernel_drops
-        self.account.kernel_drops = udp.kernel_drops(self._socket)
-        if lost := self.account.kernel_drops - before:
-            self._warnings.warn(
-                "lost", f"the kernel dropped {lost} datagrams: they arrive faster than they are handled"
-            )
-
-    # --- topics to peers ---
+    def _publish(self, translation: Translation) -> None:
+        for name, messages in translation.messages.items():
+            self._inlets[name].take(messages)
+        if translation.fed:
+            self._feeding.publish(translation.fed)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
@@ -238,24 +191,25 @@ class Bridge:
         route = handler.route
         publisher = self._publisher(handler)
         if route.max_rate is None:
-            return Inlet(route, publisher, self.account, self._drop)
-        self._paced.append(PacedInlet(route, publisher, self.account, self._drop, route.max_rate))
+            return Inlet(route, publisher, self.account, self._counters.drop)
+        self._paced.append(PacedInlet(route, publisher, self.account, self._counters.drop, route.max_rate))
         return self._paced[-1]
 
-    def _forwards_of_rows(self) -> dict[Destination, set[str]]:
-        """The rows whose datagrams each peer gets raw, as the table says."""
-        rows: defaultdict[Destination, set[str]] = defaultdict(set)
-        for handler in self._registry.handlers:
-            for peer in handler.route.forward if handler.route.inbound else ():
-                rows[self._destinations[peer]].add(handler.route.name)
-        return rows
+    # --- topics to peers ---
+
+    def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
+        """Send datagrams to a peer, and return how many the network took."""
+        refusals = destination.send_all(datagrams)
+        for error in refusals:
+            self._counters.fail_to_send(destination, error)
+        return len(datagrams) - len(refusals)
 
     def _outlet(self, handler: AnyHandler) -> Outlet:
         destination = self._destinations[handler.route.peer]
         send: Send = partial(self._send, destination=destination)
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
-        return Outlet(handler, self._translator, send, self.account, self._warnings)
+        return Outlet(handler, self._translator, send, self.account, self._counters.warnings)
 
     def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> PublisherWatch | None:
         route = handler.route

@@ -96,11 +96,7 @@ class Serialized(NamedTuple):
 
 
 class Handler(ABC, Generic[P, M]):
-    """One row's conversion between its protobuf payload and its ROS 2 message.
-
-    Of a payload that is nothing but numbers, it reads these fields and asks for nothing else: the bridge hands it what
-    `runtime.shapes` has read.
-    """
+    """One row's conversion between its protobuf payload and its ROS 2 message."""
 
     route: ClassVar[Route]
     payload_type: type[P]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from google.protobuf.message import DecodeError, EncodeError
 
@@ -14,7 +14,6 @@ from runtime.errors import ConversionError, DatagramError, Reason
 from runtime.handler import UNSTAMPED, Serialized
 from runtime.interfaces import Time
 from runtime.registry import AnyFeed, AnyHandler, Registry
-from runtime.shapes import Shapes
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -44,7 +43,6 @@ class Translator:
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
         self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
         self._feeds = {name: tuple(f for f in registry.feeds if f.route.name == name) for name in self._inbound}
-        self._shapes = Shapes({name: handler.payload_type.DESCRIPTOR for name, handler in self._inbound.items()})
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
@@ -75,14 +73,13 @@ class Translator:
                 translation.fed += [(feed, feed.all_to_cdr(run, stamp)) for feed in self._feeds[name]]
         return translation
 
-    def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[Any]]:
+    def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:
         """The payloads that are bridged, by their names; the names and the refusals go into the translation."""
-        read = self._shapes.read
-        payloads: defaultdict[str, list[Any]] = defaultdict(list)
+        payloads: defaultdict[str, list[ProtoMessage]] = defaultdict(list)
         names = translation.names
         for datagram in datagrams:
             try:
-                name, payload = read(datagram) or self._parsed(datagram)
+                name, payload = self._parsed(datagram)
             except DatagramError as error:
                 translation.refusals.append(error)
                 names.append(None)
@@ -97,9 +94,7 @@ class Translator:
         name = self._which(message, self._oneof)  # looked up on a message, it would be sought among its fields first
         if name not in self._inbound:
             raise self._refusal(name, datagram)
-        payload = getattr(message, name)
-        self._shapes.learn(datagram, name, payload)
-        return name, payload
+        return name, getattr(message, name)
 
     def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
         """Take note of payloads that cannot be converted, by their places among those of their name."""

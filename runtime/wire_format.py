@@ -50,11 +50,6 @@ def _extent(data: bytes, position: int, wire_type: int) -> tuple[int, int]:
     return position, position  # the fields of a group follow its tag as if they stood outside
 
 
-def varint_size(value: int) -> int:
-    """How many bytes the shortest varint of a number has."""
-    return max(1, -(-value.bit_length() // 7))
-
-
 def varint(data: bytes, position: int) -> tuple[int, int]:
     """The varint at a position, and the position behind it; bytes behind the data count as the zeros stripped."""
     value = 0

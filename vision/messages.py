@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from runtime.errors import SetupError
-from runtime.interfaces import Header, Time
-from vision import interfaces as ros
+from runtime.interfaces import Time, geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from runtime.interfaces.std_msgs import Header
 from vision._opencv import cv2
 from vision.camera import CameraParameters, Floats
 from vision.detection import Image
@@ -46,42 +46,44 @@ def header_of(stamp: int, frame: str) -> Header:
     return Header(Time(stamp // 10**9, stamp % 10**9), frame)
 
 
-def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> ros.TFMessage:
+def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
     """Where each landmark is in the camera's frame, for tf2."""
-    return ros.TFMessage(
+    return tf2_msgs.TFMessage(
         [
-            ros.TransformStamped(
+            geometry_msgs.TransformStamped(
                 header_of(one.stamp, names.camera),
                 names.of(one.id),
-                ros.Transform(ros.Vector3(*_plain(one.pose.translation)), _quaternion(one.pose)),
+                geometry_msgs.Transform(geometry_msgs.Vector3(*_plain(one.pose.translation)), _quaternion(one.pose)),
             )
             for one in sightings
         ]
     )
 
 
-def marker_pose_of(one: Sighting, names: FrameNames) -> ros.PoseWithCovarianceStamped:
+def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
     """Where a landmark is in the camera's frame."""
     pose = _with_covariance(one.pose, one.covariance)
-    return ros.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
 
 
-def camera_pose_of(place: FieldPose, stamp: int) -> ros.PoseWithCovarianceStamped:
+def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
     """Where the camera is on the field."""
     pose = _with_covariance(place.pose, place.covariance)
-    return ros.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
 
 
-def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> ros.Detection3DArray:
+def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> vision_msgs.Detection3DArray:
     """The landmarks in a frame, with both poses of each: the first result is the one that was decided for."""
     header = header_of(stamp, names.camera)
-    return ros.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
+    return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
 
 
-def camera_info_of(camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames) -> ros.CameraInfo:
+def camera_info_of(
+    camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames
+) -> sensor_msgs.CameraInfo:
     """The camera's parameters, for images of `size` (width, height) that nobody has rectified."""
     width, height = size
-    return ros.CameraInfo(
+    return sensor_msgs.CameraInfo(
         header=header_of(stamp, names.camera),
         height=height,
         width=width,
@@ -93,27 +95,30 @@ def camera_info_of(camera: CameraParameters, size: tuple[int, int], stamp: int, 
     )
 
 
-def compressed_of(image: Image, stamp: int, names: FrameNames) -> ros.CompressedImage:
+def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.CompressedImage:
     """An image (H, W, 3) as JPEG. Raises `SetupError` for one that JPEG cannot hold."""
     done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
     if not done:
         raise SetupError(f"an image of {image.shape[1]}x{image.shape[0]} pixels cannot be compressed")
-    return ros.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
+    return sensor_msgs.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
 
 
-def _detection(one: Sighting, header: Header, names: FrameNames) -> ros.Detection3D:
+def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
     ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
     results = [
-        ros.ObjectHypothesisWithPose(
-            ros.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
+        vision_msgs.ObjectHypothesisWithPose(
+            vision_msgs.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
             _with_covariance(solution.pose, solution.covariance),
         )
         for solution in ordered
     ]
     low, high = one.seen.points.min(axis=0), one.seen.points.max(axis=0)
     centre = Pose(one.pose.rotation, one.pose.apply((low + high) / 2))
-    return ros.Detection3D(
-        header, results, ros.BoundingBox3D(_pose(centre), ros.Vector3(*_plain(high - low))), names.of(one.id)
+    return vision_msgs.Detection3D(
+        header,
+        results,
+        vision_msgs.BoundingBox3D(_pose(centre), geometry_msgs.Vector3(*_plain(high - low))),
+        names.of(one.id),
     )
 
 
@@ -124,16 +129,16 @@ def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
     return math.exp((least - solution.chi2) / 2) / sum(weights)
 
 
-def _with_covariance(pose: Pose, covariance: Floats) -> ros.PoseWithCovariance:
-    return ros.PoseWithCovariance(_pose(pose), _plain(covariance.ravel()))
+def _with_covariance(pose: Pose, covariance: Floats) -> geometry_msgs.PoseWithCovariance:
+    return geometry_msgs.PoseWithCovariance(_pose(pose), _plain(covariance.ravel()))
 
 
-def _pose(pose: Pose) -> ros.Pose:
-    return ros.Pose(ros.Point(*_plain(pose.translation)), _quaternion(pose))
+def _pose(pose: Pose) -> geometry_msgs.Pose:
+    return geometry_msgs.Pose(geometry_msgs.Point(*_plain(pose.translation)), _quaternion(pose))
 
 
-def _quaternion(pose: Pose) -> ros.Quaternion:
-    return ros.Quaternion(*_plain(quaternion_of(pose.rotation)))
+def _quaternion(pose: Pose) -> geometry_msgs.Quaternion:
+    return geometry_msgs.Quaternion(*_plain(quaternion_of(pose.rotation)))
 
 
 def _plain(values: Floats) -> list[float]:

@@ -21,9 +21,9 @@ from typing import Any
 from runtime import cdr
 from runtime.errors import MiddlewareError
 from runtime.handler import Qos
+from runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
 from runtime.messages import Message
 from runtime.middleware import Middleware, Publisher
-from vision import interfaces as ros
 from vision import messages
 from vision.camera import CameraParameters
 from vision.drawing import draw
@@ -48,11 +48,11 @@ class Publishing:
     ) -> None:
         """`topic` gives a topic's full name; `say` hears of one that cannot be published (of an rclpy without it)."""
         self._middleware, self._camera, self._names, self._topic, self._say = middleware, camera, names, topic, say
-        self._transforms = self._open("/tf", ros.TFMessage, _TRANSFORMS)
-        self._detections = self._open("aruco/detections", ros.Detection3DArray)
-        self._camera_info = self._open("aruco/camera_info", ros.CameraInfo, _LATEST)
-        self._image = self._open("aruco/image/compressed", ros.CompressedImage, _LATEST)
-        self._camera_pose = self._open("aruco/camera_pose", ros.PoseWithCovarianceStamped)
+        self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
+        self._detections = self._open("aruco/detections", vision_msgs.Detection3DArray)
+        self._camera_info = self._open("aruco/camera_info", sensor_msgs.CameraInfo, _LATEST)
+        self._image = self._open("aruco/image/compressed", sensor_msgs.CompressedImage, _LATEST)
+        self._camera_pose = self._open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
         self._poses: dict[str, _Output] = {}
 
     def publish(self, view: View) -> None:
@@ -73,7 +73,7 @@ class Publishing:
 
     def _pose_of(self, name: str) -> _Output:
         if name not in self._poses:
-            self._poses[name] = self._open(f"aruco/{name}/pose", ros.PoseWithCovarianceStamped)
+            self._poses[name] = self._open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
         return self._poses[name]
 
     def _open(self, name: str, message_type: type[Message], qos: Qos = Qos()) -> _Output:  # noqa: B008  # it is frozen

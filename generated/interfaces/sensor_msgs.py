@@ -11,6 +11,15 @@ from typing import Annotated, ClassVar
 from generated.interfaces import geometry_msgs, std_msgs
 from runtime.messages import Float64, Int8, Length, Message, UInt8, UInt16
 
+__all__ = [
+    "FluidPressure",
+    "Imu",
+    "MagneticField",
+    "NavSatFix",
+    "NavSatStatus",
+    "Temperature",
+]
+
 
 @dataclass(slots=True)
 class FluidPressure(Message):

@@ -109,9 +109,6 @@ ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
 }
 """Fields that are no measurement where the first element of another is -1."""
 
-DEFAULTS: dict[str, dict[str, float]] = {"geometry_msgs/msg/Quaternion": {"w": 1.0}}
-"""Fields that are not zero in a new message."""
-
 
 def unit_of(holders: tuple[str, ...], path: Path) -> str:
     """The unit of the field at a path; empty where none is known.

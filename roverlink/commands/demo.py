@@ -120,7 +120,7 @@ class _Rig:
         sockets: dict[str, socket.socket],
         told: Collection[str] = (),
     ) -> None:
-        """`told` are the payloads that another node publishes."""
+        """`told` are the rows whose topics another node publishes."""
         self._registry, self._host, self._sockets, self._told = registry, host, sockets, told
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -135,7 +135,7 @@ class _Rig:
         handler = crossing.handler
         topic = topics.full_topic(handler.route.topic)
         if not handler.route.inbound:
-            if handler.payload_type.DESCRIPTOR.name in self._told:
+            if handler.route.name in self._told:
                 return
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return

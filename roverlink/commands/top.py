@@ -16,7 +16,7 @@ from rich.live import Live
 from roverlink import screen, topics
 from roverlink.console import FINDINGS, OK, Subparsers, command, seconds
 from runtime import NODE, cdr
-from runtime.interfaces import DiagnosticArray
+from runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from runtime.middleware import NAMES, open_middleware
 from runtime.monitoring import diagnostics
 

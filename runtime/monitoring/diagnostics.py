@@ -8,7 +8,9 @@ from typing import Any
 
 from runtime import cdr
 from runtime.handler import Qos
-from runtime.interfaces import DiagnosticArray, DiagnosticStatus, Header, KeyValue, Time
+from runtime.interfaces import Time
+from runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
+from runtime.interfaces.std_msgs import Header
 from runtime.middleware import Middleware
 from runtime.monitoring.state import RowState, State
 

@@ -1,14 +1,26 @@
-"""The state of a bridge in Prometheus's text format, and the port where it is scraped."""
+"""The state of a bridge as Prometheus's metrics, and the port where they are scraped."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from http.server import BaseHTTPRequestHandler
+from itertools import accumulate
 from typing import Any
 
+from runtime.errors import SetupError
 from runtime.http_server import HttpServer
 from runtime.monitoring.histogram import BOUNDS_S, Latencies
 from runtime.monitoring.state import State
+
+try:
+    from prometheus_client import CollectorRegistry, generate_latest
+    from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
+    from prometheus_client.registry import Collector
+    from prometheus_client.utils import floatToGoString
+except ImportError as error:
+    raise SetupError(
+        "--metrics needs the prometheus-client package; install it with `pip install 'roverlink[metrics]'`"
+    ) from error
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 
@@ -16,48 +28,57 @@ Samples = list[tuple[Mapping[str, Any], float]]
 
 
 def text_of(state: State) -> str:
-    """Every counter, rate and age, as Prometheus reads them."""
-    return "".join(f"{line}\n" for line in _lines(state))
+    """Render every counter, rate and age as Prometheus reads them."""
+    registry = CollectorRegistry()
+    registry.register(_StateCollector(state))
+    return generate_latest(registry).decode()
 
 
-def _lines(state: State) -> Iterator[str]:
-    for name, kind, help, samples in _families(state):
-        yield f"# HELP roverlink_{name} {help}"
-        yield f"# TYPE roverlink_{name} {kind}"
-        yield from (f"roverlink_{name}{_labels(labels)} {value:.12g}" for labels, value in samples)
-    yield from _histogram(state.latencies)
+class _StateCollector(Collector):
+    """The metrics of one state."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+
+    def collect(self) -> Iterator[Metric]:
+        """Make every metric, with the prefix of our name."""
+        for name, help, samples in _families(self._state):
+            family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
+            metric = family(f"roverlink_{name}", help, labels=list(samples[0][0]) if samples else ())
+            for labels, value in samples:
+                metric.add_metric([str(label) for label in labels.values()], value)
+            yield metric
+        yield _histogram(self._state.latencies)
 
 
-def _families(state: State) -> Iterator[tuple[str, str, str, Samples]]:
-    """Name, kind, help and samples of every metric but the histogram."""
-    yield "info", "gauge", "The node and the table it bridges by.", [
-        ({"node": state.node, "fingerprint": state.fingerprint}, 1)
-    ]
-    yield "received_total", "counter", "Datagrams taken from the socket.", [({}, state.received)]
-    yield "kernel_drops_total", "counter", "Datagrams that the kernel dropped.", [({}, state.kernel_drops)]
-    yield "dropped_total", "counter", "Datagrams that were not bridged.", _by("reason", state.dropped)
-    yield "forwarded_total", "counter", "Raw datagrams handed on.", _by("peer", state.forwarded)
-    yield "unsent_total", "counter", "Datagrams that the network refused.", _by("peer", state.unsent)
-    yield "socket_waiting_bytes", "gauge", "Bytes that wait in the socket.", [({}, state.socket_waiting)]
-    yield "socket_size_bytes", "gauge", "Bytes that the socket holds at most.", [({}, state.socket_size)]
+def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
+    """Yield name, help and samples of every metric but the histogram; counters are those that end with ``_total``."""
+    yield "info", "The node and the table it bridges by.", [({"node": state.node, "fingerprint": state.fingerprint}, 1)]
+    yield "received_total", "Datagrams taken from the socket.", [({}, state.received)]
+    yield "kernel_drops_total", "Datagrams that the kernel dropped.", [({}, state.kernel_drops)]
+    yield "dropped_total", "Datagrams that were not bridged.", _by("reason", state.dropped)
+    yield "forwarded_total", "Raw datagrams handed on.", _by("peer", state.forwarded)
+    yield "unsent_total", "Datagrams that the network refused.", _by("peer", state.unsent)
+    yield "socket_waiting_bytes", "Bytes that wait in the socket.", [({}, state.socket_waiting)]
+    yield "socket_size_bytes", "Bytes that the socket holds at most.", [({}, state.socket_size)]
     rows = [({"row": row.name, "number": row.number, "direction": row.direction}, row) for row in state.rows]
-    yield "crossed_total", "counter", "Messages that crossed.", [(labels, row.count) for labels, row in rows]
-    yield "row_dropped_total", "counter", "Messages of a row that did not cross.", [
+    yield "crossed_total", "Messages that crossed.", [(labels, row.count) for labels, row in rows]
+    yield "row_dropped_total", "Messages of a row that did not cross.", [
         ({**labels, "reason": reason}, count) for labels, row in rows for reason, count in row.dropped.items()
     ]
-    yield "rate", "gauge", "Messages a second, over two seconds.", [(labels, row.rate) for labels, row in rows]
-    yield "age_seconds", "gauge", "Time since the last message.", [
+    yield "rate", "Messages a second, over two seconds.", [(labels, row.rate) for labels, row in rows]
+    yield "age_seconds", "Time since the last message.", [
         (labels, row.age) for labels, row in rows if row.age is not None
     ]
-    yield "expected_rate", "gauge", "Messages a second that the table expects.", [
+    yield "expected_rate", "Messages a second that the table expects.", [
         (labels, row.expect_rate) for labels, row in rows if row.expect_rate is not None
     ]
-    yield "level", "gauge", "0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
+    yield "level", "0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
     if recording := state.recording:
-        yield "recording_bytes_total", "counter", "Bytes of the recording on disk.", [({}, recording.bytes)]
-        yield "recording_waiting", "gauge", "Messages that wait for the disk.", [({}, recording.waiting)]
-        yield "recording_lost_total", "counter", "Messages that were not recorded.", [({}, recording.lost)]
-        yield "recording_failed", "gauge", "1 once the recording has ended before its time.", [
+        yield "recording_bytes_total", "Bytes of the recording on disk.", [({}, recording.bytes)]
+        yield "recording_waiting", "Messages that wait for the disk.", [({}, recording.waiting)]
+        yield "recording_lost_total", "Messages that were not recorded.", [({}, recording.lost)]
+        yield "recording_failed", "1 once the recording has ended before its time.", [
             ({}, recording.failure is not None)
         ]
 
@@ -66,25 +87,14 @@ def _by(label: str, counts: Mapping[str, int]) -> Samples:
     return [({label: name}, count) for name, count in sorted(counts.items())]
 
 
-def _histogram(latencies: Latencies) -> Iterator[str]:
-    name = "roverlink_handling_seconds"
-    yield f"# HELP {name} From when a datagram was read until its batch was published and forwarded."
-    yield f"# TYPE {name} histogram"
-    below = 0
-    for bound, count in zip((*BOUNDS_S, float("inf")), latencies.counts):
-        below += count
-        yield f'{name}_bucket{{le="{"+Inf" if bound == float("inf") else f"{bound:g}"}"}} {below}'
-    yield f"{name}_sum {latencies.sum_s:.9g}"
-    yield f"{name}_count {below}"
-
-
-def _labels(labels: Mapping[str, Any]) -> str:
-    pairs = ",".join(f'{name}="{_escaped(str(value))}"' for name, value in labels.items())
-    return f"{{{pairs}}}" if pairs else ""
-
-
-def _escaped(value: str) -> str:
-    return value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+def _histogram(latencies: Latencies) -> HistogramMetricFamily:
+    bounds = [*map(floatToGoString, BOUNDS_S), "+Inf"]
+    return HistogramMetricFamily(
+        "roverlink_handling_seconds",
+        "From when a datagram was read until its batch was published and forwarded.",
+        buckets=list(zip(bounds, accumulate(latencies.counts))),
+        sum_value=latencies.sum_s,
+    )
 
 
 class MetricsServer(HttpServer):

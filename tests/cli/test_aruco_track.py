@@ -30,7 +30,7 @@ cv2 = pytest.importorskip("cv2")
 np = pytest.importorskip("numpy")
 
 from roverlink.demo_field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
-from vision import interfaces  # noqa: E402
+from runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
 _FRAMES = 6
 _NEEDS_DDS = pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")
@@ -263,12 +263,12 @@ class Listener:
 def test_ros_2_hears_what_is_seen(field: Field) -> None:
     """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""
     topics = {
-        "/tf": interfaces.TFMessage,
-        "/front/aruco/mark_7/pose": interfaces.PoseWithCovarianceStamped,
-        "/front/seen": interfaces.Detection3DArray,
-        "/front/aruco/camera_info": interfaces.CameraInfo,
-        "/front/aruco/image/compressed": interfaces.CompressedImage,
-        "/front/aruco/camera_pose": interfaces.PoseWithCovarianceStamped,
+        "/tf": tf2_msgs.TFMessage,
+        "/front/aruco/mark_7/pose": geometry_msgs.PoseWithCovarianceStamped,
+        "/front/seen": vision_msgs.Detection3DArray,
+        "/front/aruco/camera_info": sensor_msgs.CameraInfo,
+        "/front/aruco/image/compressed": sensor_msgs.CompressedImage,
+        "/front/aruco/camera_pose": geometry_msgs.PoseWithCovarianceStamped,
         "/rover_localization": BasestationRoverLocalization,
     }
     began = time.time_ns()

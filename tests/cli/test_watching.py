@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 import socket
 import struct
@@ -11,6 +12,7 @@ import threading
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -117,8 +119,18 @@ def test_metrics_of_a_running_bridge(start: Start) -> None:
                 break
             assert time.monotonic() < deadline
             time.sleep(0.1)
-    assert families["roverlink_handling_seconds"].samples[-1].value >= 10
+    samples = {sample.name: sample.value for sample in families["roverlink_handling_seconds"].samples}
+    assert samples["roverlink_handling_seconds_count"] >= 10
     assert program.interrupt()[0] == 0
+
+
+def test_metrics_without_their_package_are_told(done: Start, tmp_path: Path) -> None:
+    """The command that installs it is named."""
+    (tmp_path / "prometheus_client.py").write_text("raise ImportError('hidden')\n")
+    hidden = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    code, _, errors = done("run", "--middleware", "memory", "--metrics", 0, *_FREE_PORT, PYTHONPATH=hidden)
+    assert code == 2
+    assert "install it with `pip install 'roverlink[metrics]'`" in errors
 
 
 def test_foxglove_sees_the_topics(start: Start) -> None:

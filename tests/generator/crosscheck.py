@@ -20,7 +20,6 @@ from typing import Any, NoReturn
 
 import pytest
 from feed_crosscheck import check_feeds
-from google.protobuf.descriptor import FieldDescriptor
 from google.protobuf.message import Message as Payload
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -32,12 +31,10 @@ from walker import RefusedError, Walker
 from generator.ir import Conversion, ConversionKind
 from generator.pipeline import compile_table
 from generator.write import compare, write
-from runtime import ConversionError, Registry, cdr, load_registry
+from runtime import ConversionError, cdr, load_registry
 from runtime.messages import fields_of
-from runtime.shapes import Shapes
 
 _EXAMPLES = settings(max_examples=15, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-_NUMBERS = set(range(FieldDescriptor.CPPTYPE_INT32, FieldDescriptor.CPPTYPE_ENUM + 1))
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
 
 # --- rosbags ----------------------------------------------------------------------------------------------------
@@ -83,35 +80,6 @@ def check(table: Path) -> None:
             _check_any_number(handler)
             _check_refusals(handler, route.conversion)
     check_feeds(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
-    for handler in (*registry.handlers, *registry.feeds):
-        _check_shapes(registry, handler)
-
-
-def _check_shapes(registry: Registry, handler: Any) -> None:
-    """Of a payload that was read by its shape, the handler makes what it makes of protobuf's: message or refusal."""
-    name, payload_type = handler.route.name, handler.payload_type
-    shapes = Shapes({name: payload_type.DESCRIPTOR})
-    # what has presence is left out: required parts, and closed enums, of which not every number is one
-    numbers = [
-        field.name
-        for field in payload_type.DESCRIPTOR.fields
-        if field.cpp_type in _NUMBERS and not field.is_repeated and not field.has_presence
-    ]
-    for least in (0, 1, 100):
-        payload = payload_type(**{field: number for number, field in enumerate(numbers, least)})
-        datagram = registry.envelope(**{name: payload}).SerializePartialToString()
-        shapes.learn(datagram, name, payload)
-        read = shapes.read(datagram)
-        assert (read is not None) == (name in shapes._values)
-        assert read is None or _outcome(handler, read[1]) == _outcome(handler, payload)
-
-
-def _outcome(handler: Any, payload: Any) -> bytes | str:
-    try:
-        made: bytes = handler.to_cdr(payload)
-    except ConversionError as error:
-        return str(error)
-    return made
 
 
 def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
+
 import pytest
 
 from generator import units
 from generator.ir_standard import InterfaceType
 from generator.standard import definitions, extract, meanings
 from generator.standard.definitions import DistributionsDisagreeError
+from generator.targets.python.interfaces import OF_THE_RUNTIME
+from runtime import interfaces
+from runtime.messages import Message, fields_of
 
 
 def _type_at(message: str, path: str) -> InterfaceType | None:
@@ -68,7 +74,7 @@ def test_units_are_of_numbers(message: str) -> None:
         units.parse(unit)
 
 
-@pytest.mark.parametrize("table", [meanings.ZERO_MEANS, meanings.ABSENT_WHERE_MINUS_ONE, meanings.DEFAULTS])
+@pytest.mark.parametrize("table", [meanings.ZERO_MEANS, meanings.ABSENT_WHERE_MINUS_ONE])
 def test_what_is_known_is_about_fields(table: dict[str, dict[str, object]]) -> None:
     """Each field of which something is known exists."""
     assert [(name, path) for name, known in table.items() for path in known if _type_at(name, path) is None] == []
@@ -81,3 +87,28 @@ def test_the_outermost_message_knows_the_unit() -> None:
     odometry = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistWithCovariance", "geometry_msgs/msg/Twist")
     assert meanings.unit_of((*odometry, "geometry_msgs/msg/Vector3"), ("twist", "twist", "linear", "x")) == "m/s"
     assert meanings.unit_of(("geometry_msgs/msg/Vector3",), ("x",)) == ""
+
+
+def _of_the_runtime() -> dict[str, type[Message]]:
+    """The classes of `runtime.interfaces` that ROS 2's common interfaces have, but for the times, by full name."""
+    others = {"builtin_interfaces", "vision_msgs"}
+    packages = {module.name for module in pkgutil.iter_modules(interfaces.__path__)} - others
+    modules = [importlib.import_module(f"runtime.interfaces.{package}") for package in packages]
+    return {
+        one.__msgtype__: one
+        for module in modules
+        for one in vars(module).values()
+        if isinstance(one, type) and issubclass(one, Message) and one.__module__ == module.__name__
+    }
+
+
+def test_generated_code_takes_what_the_runtime_has() -> None:
+    """The generator knows each class of the runtime, which has the fields and constants of every distribution."""
+    classes = _of_the_runtime()
+    assert classes.keys() == OF_THE_RUNTIME
+    for name, one in classes.items():
+        for distribution in ("", *definitions.DISTRIBUTIONS):
+            interface = definitions.interface(name, distribution)
+            assert interface is not None
+            assert [field.name for field in fields_of(one)] == [field.name for field in interface.fields]
+            assert all(getattr(one, constant.name) == constant.value for constant in interface.constants)

@@ -28,11 +28,7 @@ class Walker:
         self._messages = {message.name: message for message in bridge.messages}
 
     def message(self, conversion: Conversion, payload: Payload) -> dict[str, Any]:
-        """The ROS message that a payload is, by field. Raises `RefusedError` where the payload is nested too deeply."""
-        for path in conversion.cut:
-            *holders, name = path.split(".")
-            if any(field.name == name for field, _ in reduce(getattr, holders, payload).ListFields()):
-                raise RefusedError
+        """The ROS message that a payload is, by field."""
         return {field.ros.name: self._taken(field, payload, conversion.ros) for field in conversion.fields}
 
     def _taken(self, field: FieldConversion, payload: Payload, ros: str) -> Any:

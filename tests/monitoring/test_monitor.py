@@ -20,7 +20,7 @@ from roverlink import screen
 from roverlink.console import LOG_FORMATS
 from runtime import Registry, SetupError, cdr, standard
 from runtime.account import Account, ThrottledWarnings
-from runtime.interfaces import DiagnosticArray
+from runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from runtime.monitoring import diagnostics, prometheus
 from runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
 from runtime.monitoring.monitor import Monitor

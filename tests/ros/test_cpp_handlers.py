@@ -27,7 +27,6 @@ _CASES = [
         "nested",
         "oneofs",
         "presence",
-        "recursive",
         "scalars",
     ),
     *("standard_absences", "standard_axes", "standard_enums", "standard_euler", "standard_lists"),

@@ -1,4 +1,4 @@
-"""Maps, oneofs, Any and messages that hold themselves: what generated code gets from the runtime."""
+"""Maps, oneofs and Any: what generated code gets from the runtime."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from google.protobuf.duration_pb2 import Duration
 from google.protobuf.struct_pb2 import Value
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from runtime import depth, oneof
+from runtime import oneof
 from runtime.any_of import check_empty, check_none, holds, packed, unpacked
 from runtime.entries import mapping
 from runtime.errors import ConversionError
@@ -36,14 +36,6 @@ def test_no_entry_of_a_map_is_lost() -> None:
     assert mapping([("a", 1), ("b", 2)], "counts") == {"a": 1, "b": 2}
     with pytest.raises(ConversionError, match=r"^counts: the key 'a' stands twice"):
         mapping([("a", 1), ("a", 1)], "counts")
-
-
-def test_what_goes_on_is_refused() -> None:
-    """A payload that is deeper than its ROS message is never cut off in silence."""
-    payload = Value(list_value={"values": []})
-    depth.check_end(payload, "struct_value")
-    with pytest.raises(ConversionError, match=r"^Value.list_value: .*deeply"):
-        depth.check_end(payload, "struct_value", "list_value")
 
 
 def test_an_any_holds_what_it_says() -> None:

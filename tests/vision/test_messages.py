@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import pkgutil
 from typing import Any
 
 import cv2
@@ -11,10 +13,10 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
-from runtime import cdr
+from runtime import cdr, interfaces
 from runtime.messages import Array, Message, Primitive, Sequence, Text, fields_of
 from tests.vision.seen import FACING, sighting
-from vision import CameraParameters, FieldPose, Pose, Sighting, interfaces, messages
+from vision import CameraParameters, FieldPose, Pose, Sighting, messages
 from vision.messages import FrameNames
 from vision.pose import quaternion_of, rotation_of
 
@@ -41,8 +43,15 @@ def _store() -> Any:
 
 
 STORE = _store()
-_ALL = [one for one in vars(interfaces).values() if isinstance(one, type) and issubclass(one, Message)]
-OURS = [one for one in _ALL if one is not Message and one.__module__ == interfaces.__name__]
+_PACKAGES = [
+    importlib.import_module(f"runtime.interfaces.{one.name}") for one in pkgutil.iter_modules(interfaces.__path__)
+]
+OURS = [
+    one
+    for package in _PACKAGES
+    for one in vars(package).values()
+    if isinstance(one, type) and issubclass(one, Message) and one.__module__ == package.__name__
+]
 
 
 def _read(message: Message) -> Any:

@@ -47,12 +47,6 @@ class Bodies:
 
     def to_ros(self) -> Iterator[str]:
         """The statements of ``to_ros``, which make ``message`` from ``payload``."""
-        for cut in self._conversion.cut:
-            *holders, name = cut.split(".")
-            holder, field = names.getter(tuple(holders)), names.accessor(name)
-            repeated = self._context.is_repeated(self._conversion.proto, (*holders, name))
-            goes_on = f"!{holder}.{field}().empty()" if repeated else f"{holder}.has_{field}()"
-            yield f"check_end({goes_on}, {self._shown(cut)});"
         yield f"{self._message} message;"
         for one in self._conversion.fields:
             yield from self._field_to_ros(one)

@@ -24,17 +24,10 @@ class Context:
     def __init__(self, bridge: ir.Bridge, converter_of: Callable[[str], Converter]) -> None:
         self.package, self.converter_of = bridge.package, converter_of
         self._fields = {(message.name, field.name): field for message in bridge.messages for field in message.fields}
-        self._wire = {(message.name, field.name): field for message in bridge.wire_messages for field in message.fields}
 
     def ros_field(self, message: str, field: str) -> ir.RosField:
         """A field of a ROS message."""
         return self._fields[message, field]
-
-    def is_repeated(self, proto: str, path: tuple[str, ...]) -> bool:
-        """Whether the field that a path leads to from a proto message is a list or a map."""
-        for name in path[:-1]:
-            proto = self._wire[proto, name].type
-        return self._wire[proto, path[-1]].label == "repeated"
 
     def struct(self, message: str) -> str:
         """The struct of one of the table's own messages."""

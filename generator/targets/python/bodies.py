@@ -79,12 +79,8 @@ class Bodies:
 
     def to_ros(self, message: str, indent: int) -> str:
         """The statements of ``to_ros``, without the indentation of the first."""
-        statements = []
-        if self._conversion.cut:
-            paths = [f'"{path}"' for path in self._conversion.cut]
-            statements.append(Group(f"{self._need('runtime', 'depth')}.check_end(", ["payload", *paths], ")"))
-        statements.append(Group(f"return {message}(", [self._to_ros_argument(field) for field in self._fields], ")"))
-        return _body(statements, indent)
+        arguments = [self._to_ros_argument(field) for field in self._fields]
+        return layout.statement(Group(f"return {message}(", arguments, ")"), indent)
 
     def _to_ros_argument(self, field: ir.FieldConversion) -> Item:
         *holders, name = field.proto_path
@@ -156,7 +152,8 @@ class Bodies:
         for name, local in which.items():
             inputs = [f"message.{name}", members_constant(name), self._shown(name)]
             statements.append(Group(f"{local} = {self._need('runtime', 'oneof')}.member(", inputs, ")"))
-        return _body([*statements, Group(f"return {payload}(", arguments, ")")], indent)
+        statements.append(Group(f"return {payload}(", arguments, ")"))
+        return f"\n{' ' * indent}".join(layout.statement(statement, indent) for statement in statements)
 
     def _arguments(self, fields: Iterable[ir.FieldConversion], which: Mapping[str, str], depth: int) -> Iterator[Item]:
         """Keyword arguments, and below them the entries of the mappings that stand for messages taken apart."""
@@ -223,7 +220,3 @@ class Bodies:
         local = f"google_{module}" if module == self._own_module else module
         self._need(package, module if local == module else f"{module} as {local}")
         return f"{local}.{proto.rpartition('.')[2]}"
-
-
-def _body(statements: Iterable[Group], indent: int) -> str:
-    return f"\n{' ' * indent}".join(layout.statement(statement, indent) for statement in statements)

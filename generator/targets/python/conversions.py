@@ -55,8 +55,7 @@ def view(
     bodies = Bodies(conversion, converters.of, place)
     payload, message = spelling.proto_class(conversion), spelling.message_class(conversion.ros)
     to_ros, from_ros = bodies.to_ros(message, indent + 4), bodies.from_ros(payload, indent + 4)
-    taken = "" if conversion.fields or conversion.cut else "_"
-    given = "" if conversion.fields else "_"
+    unused = "" if conversion.fields else "_"
     return ConversionView(
         imports=layout.import_block([*bodies.imports(), *extra_imports]),
         constants=bodies.constants(message),
@@ -64,8 +63,8 @@ def view(
         message=message,
         to_ros=to_ros,
         from_ros=from_ros,
-        to_ros_signature=layout.signature("to_ros", [f"{taken}payload: {payload}"], message, indent),
-        from_ros_signature=layout.signature("from_ros", [f"{given}message: {message}"], payload, indent),
+        to_ros_signature=layout.signature("to_ros", [f"{unused}payload: {payload}"], message, indent),
+        from_ros_signature=layout.signature("from_ros", [f"{unused}message: {message}"], payload, indent),
     )
 
 

@@ -116,7 +116,7 @@ class _Flattener:
 
     def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
         """Add what a conversion takes from the payload that is called ``holder``."""
-        if not conversion.fields or conversion.cut:
+        if not conversion.fields:
             raise _NotFlatError
         for field in conversion.fields:
             if field.ros.type.is_sequence or field.ros.type.name == "string" or len(self.values) > _LONGEST_PACK:

@@ -8,12 +8,22 @@ from collections.abc import Iterator
 from generator import ir
 from generator.ir_standard import Interface, InterfaceConstant, InterfaceField, InterfaceType
 from generator.rendering import Files, header, render
-from generator.standard import meanings
 from generator.targets.python import layout, spelling
 
 _TAKEN = frozenset({"Annotated", "Bound", "Byte", "Char", "Length"})
-_BY_HAND = "builtin_interfaces"
-"""The package whose messages stand in `runtime.interfaces`."""
+_TIMES = "builtin_interfaces"
+"""The package whose messages `runtime.interfaces` names itself."""
+OF_THE_RUNTIME = frozenset(
+    {
+        *(f"diagnostic_msgs/msg/{name}" for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseWithCovariance", "PoseWithCovarianceStamped")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Quaternion", "Transform", "TransformStamped", "Vector3")),
+        *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "RegionOfInterest")),
+        "std_msgs/msg/Header",
+        "tf2_msgs/msg/TFMessage",
+    }
+)
+"""The messages whose classes stand in `runtime.interfaces`; generated code takes them from there."""
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -21,7 +31,7 @@ def emit(bridge: ir.Bridge) -> Files:
     if not bridge.interfaces:
         return
     for package, interfaces in itertools.groupby(bridge.interfaces, lambda interface: interface.package):
-        if package != _BY_HAND:
+        if package != _TIMES:
             yield f"generated/interfaces/{package}.py", _module(bridge, package, list(interfaces))
     docstring = '"""The messages of other ROS 2 packages that are used here, one module a package."""'
     yield "generated/interfaces/__init__.py", f"{header(bridge.table)}\n{docstring}\n"
@@ -30,14 +40,14 @@ def emit(bridge: ir.Bridge) -> Files:
 def reference(name: str, within: str = "") -> str:
     """How code names the class of a message: ``sensor_msgs.Imu``, or ``Imu`` in the module of its own package."""
     package, _, local = name.partition("/msg/")
-    bare = package in (_BY_HAND, within)
-    return local if package == _BY_HAND else _class(local) if bare else f"{package}.{_class(local)}"
+    bare = package in (_TIMES, within)
+    return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
 
 
 def import_of(name: str) -> tuple[str, str]:
     """What `reference` needs: a module, and what is imported from it."""
     package, _, local = name.partition("/msg/")
-    return ("runtime.interfaces", local) if package == _BY_HAND else ("generated.interfaces", package)
+    return ("runtime.interfaces", local) if package == _TIMES else ("generated.interfaces", package)
 
 
 def _class(local: str) -> str:
@@ -45,16 +55,19 @@ def _class(local: str) -> str:
 
 
 def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
-    ordered = list(_holders_last(interfaces))
-    used = {field.type.name for interface in interfaces for field in interface.fields if field.type.is_message}
-    imports: dict[str, set[str]] = {"runtime.messages": {"Message"}}
+    ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
+    used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
+    imports: dict[str, set[str]] = {"runtime.messages": {"Message"}} if ours else {}
+    for interface in interfaces:
+        if interface.name in OF_THE_RUNTIME:
+            imports.setdefault(f"runtime.interfaces.{package}", set()).add(interface.local_name)
     for name in used:
         module, what = import_of(name)
         if what != package:
             imports.setdefault(module, set()).add(what)
-    for interface in interfaces:
+    for interface in ours:
         imports["runtime.messages"] |= {name for field in interface.fields for name in _marks(field.type)}
-    views = [_view(interface, package) for interface in ordered]
+    views = [_view(interface, package) for interface in ours]
     lines = [line for view in views for line in view["fields"]]
     return render(
         "interfaces.py.j2",
@@ -63,6 +76,7 @@ def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str
         uses_dataclasses=any("dataclasses." in line for line in lines),
         typing="Annotated, ClassVar" if any("Annotated[" in line for line in lines) else "ClassVar",
         imports=layout.in_import_order(layout.import_from(module, names) for module, names in imports.items()),
+        names=sorted(_class(interface.local_name) for interface in interfaces),
         messages=views,
     )
 
@@ -93,7 +107,7 @@ def _view(interface: Interface, package: str) -> dict[str, list[str]]:
         "docstring": layout.docstring(f"{interface.name}.", 4),
         "type_line": layout.line(f'__msgtype__: ClassVar[str] = "{interface.name}"', 4),
         "constants": [_constant(constant) for constant in interface.constants],
-        "fields": [_field(interface, field, package) for field in interface.fields],
+        "fields": [_field(field, package) for field in interface.fields],
     }
     return view  # type: ignore[return-value]  # the template's
 
@@ -138,9 +152,9 @@ def _annotation(type: InterfaceType, package: str) -> str:
     return container if type.bound is None else f"Annotated[{container}, Bound({type.bound})]"
 
 
-def _field(interface: Interface, field: InterfaceField, package: str) -> str:
+def _field(field: InterfaceField, package: str) -> str:
     head = f"{field.name}: {_annotation(field.type, package)} = "
-    default = _default(interface, field)
+    default = _default(field)
     if default:
         return layout.line(f"{head}{default}", 4)
     factory = layout.Group(f"{head}dataclasses.field(", [f"default_factory={_factory(field.type, package)}"], ")")
@@ -149,15 +163,14 @@ def _field(interface: Interface, field: InterfaceField, package: str) -> str:
     return layout.statement(factory, 4)
 
 
-def _default(interface: Interface, field: InterfaceField) -> str:
+def _default(field: InterfaceField) -> str:
     """A default that every message can share; empty where each needs one of its own."""
     type = field.type
     if type.is_many and type.name == "uint8":
         return 'b""' if type.length is None else f"bytes({type.length})"
     if type.is_many or type.is_message:
         return ""
-    known = meanings.DEFAULTS.get(interface.name, {}).get(field.name)
-    return spelling.default(ir.RosType(type.name)) if known is None else repr(known)
+    return spelling.default(ir.RosType(type.name))
 
 
 def _factory(type: InterfaceType, package: str) -> str:

@@ -88,8 +88,10 @@ def run(arguments: argparse.Namespace) -> int:
     if names := [name for name in ros.parameters if name != "use_sim_time"]:
         raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options, see --help")
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
-    if arguments.middleware is None:
-        arguments.middleware = NO_MIDDLEWARE if arguments.json or arguments.save else "auto"
+    if arguments.middleware is None and not (arguments.json or arguments.save):
+        arguments.middleware = "auto"
+    elif arguments.middleware == NO_MIDDLEWARE:
+        arguments.middleware = None
     from roverlink.tracking import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)

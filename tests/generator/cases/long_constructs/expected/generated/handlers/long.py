@@ -9,7 +9,6 @@ from google.protobuf import empty_pb2, field_mask_pb2, wrappers_pb2
 from generated.conversions import (
     a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it,
     long_an_any_field_with_a_name_so_long_that_nothing_fits_beside_it,
-    long_level2,
     short,
 )
 from generated.messages import (
@@ -130,12 +129,6 @@ class LongHandler(Handler[long_pb2.Long, Long]):
             ],
             mask_field_with_a_name_so_long_that_nothing_fits_beside_it=list(
                 payload.mask_field_with_a_name_so_long_that_nothing_fits_beside_it.paths,
-            ),
-            has_itself_field_with_a_name_so_long_that_nothing_fits_beside_it=payload.HasField(
-                "itself_field_with_a_name_so_long_that_nothing_fits_beside_it",
-            ),
-            itself_field_with_a_name_so_long_that_nothing_fits_beside_it=long_level2.to_ros(
-                payload.itself_field_with_a_name_so_long_that_nothing_fits_beside_it,
             ),
             messages_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.to_ros(
@@ -267,13 +260,6 @@ class LongHandler(Handler[long_pb2.Long, Long]):
             ],
             mask_field_with_a_name_so_long_that_nothing_fits_beside_it=field_mask_pb2.FieldMask(
                 paths=message.mask_field_with_a_name_so_long_that_nothing_fits_beside_it,
-            ),
-            itself_field_with_a_name_so_long_that_nothing_fits_beside_it=(
-                long_level2.from_ros(
-                    message.itself_field_with_a_name_so_long_that_nothing_fits_beside_it,
-                )
-                if message.has_itself_field_with_a_name_so_long_that_nothing_fits_beside_it
-                else None
             ),
             messages_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.from_ros(

@@ -9,40 +9,16 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.interfaces import std_msgs
-from runtime.messages import Float64, Message
+from runtime.interfaces.geometry_msgs import Point, Pose, Quaternion
+from runtime.messages import Message
 
-
-@dataclass(slots=True)
-class Point(Message):
-    """geometry_msgs/msg/Point."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Point"
-
-    x: Float64 = 0.0
-    y: Float64 = 0.0
-    z: Float64 = 0.0
-
-
-@dataclass(slots=True)
-class Quaternion(Message):
-    """geometry_msgs/msg/Quaternion."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Quaternion"
-
-    x: Float64 = 0.0
-    y: Float64 = 0.0
-    z: Float64 = 0.0
-    w: Float64 = 1.0
-
-
-@dataclass(slots=True)
-class Pose(Message):
-    """geometry_msgs/msg/Pose."""
-
-    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Pose"
-
-    position: Point = dataclasses.field(default_factory=Point)
-    orientation: Quaternion = dataclasses.field(default_factory=Quaternion)
+__all__ = [
+    "Point",
+    "Pose",
+    "PoseStamped",
+    "Quaternion",
+    "QuaternionStamped",
+]
 
 
 @dataclass(slots=True)

@@ -11,6 +11,11 @@ from typing import ClassVar
 from generated.interfaces import std_msgs
 from runtime.messages import Float32, Int8, Message, UInt8, UInt16
 
+__all__ = [
+    "NavSatStatus",
+    "Range",
+]
+
 
 @dataclass(slots=True)
 class NavSatStatus(Message):

@@ -11,6 +11,10 @@ from typing import ClassVar
 from runtime.interfaces import Duration
 from runtime.messages import Float64, Message
 
+__all__ = [
+    "JointTrajectoryPoint",
+]
+
 
 @dataclass(slots=True)
 class JointTrajectoryPoint(Message):

@@ -11,6 +11,14 @@ from typing import Annotated, ClassVar
 from generated.interfaces import geometry_msgs, std_msgs
 from runtime.messages import Float64, Length, Message
 
+__all__ = [
+    "FluidPressure",
+    "Illuminance",
+    "Imu",
+    "RelativeHumidity",
+    "Temperature",
+]
+
 
 @dataclass(slots=True)
 class FluidPressure(Message):

@@ -1,7 +1,4 @@
-"""Messages of ROS 2's common interfaces that the runtime itself speaks, or that generated messages hold.
-
-They are written by hand: the rover needs no rosbags.
-"""
+"""Messages of the ROS 2 package diagnostic_msgs."""
 
 from __future__ import annotations
 
@@ -9,37 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import Byte, Int32, Message, UInt32
-
-
-@dataclass(slots=True)
-class Time(Message):
-    """builtin_interfaces/msg/Time: seconds since 1970, and what is to be added to them."""
-
-    __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Time"
-
-    sec: Int32 = 0
-    nanosec: UInt32 = 0
-
-
-@dataclass(slots=True)
-class Duration(Message):
-    """builtin_interfaces/msg/Duration: seconds, rounded down, and what is to be added to them."""
-
-    __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Duration"
-
-    sec: Int32 = 0
-    nanosec: UInt32 = 0
-
-
-@dataclass(slots=True)
-class Header(Message):
-    """std_msgs/msg/Header."""
-
-    __msgtype__: ClassVar[str] = "std_msgs/msg/Header"
-
-    stamp: Time = dataclasses.field(default_factory=Time)
-    frame_id: str = ""
+from runtime.interfaces import std_msgs
+from runtime.messages import Byte, Message
 
 
 @dataclass(slots=True)
@@ -76,5 +44,5 @@ class DiagnosticArray(Message):
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticArray"
 
-    header: Header = dataclasses.field(default_factory=Header)
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     status: list[DiagnosticStatus] = dataclasses.field(default_factory=list)

@@ -1,0 +1,28 @@
+"""Messages of the ROS 2 package builtin_interfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.messages import Int32, Message, UInt32
+
+
+@dataclass(slots=True)
+class Time(Message):
+    """builtin_interfaces/msg/Time: seconds since 1970, and what is to be added to them."""
+
+    __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Time"
+
+    sec: Int32 = 0
+    nanosec: UInt32 = 0
+
+
+@dataclass(slots=True)
+class Duration(Message):
+    """builtin_interfaces/msg/Duration: seconds, rounded down, and what is to be added to them."""
+
+    __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Duration"
+
+    sec: Int32 = 0
+    nanosec: UInt32 = 0

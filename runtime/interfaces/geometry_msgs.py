@@ -1,0 +1,96 @@
+"""Messages of the ROS 2 package geometry_msgs."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from runtime.interfaces import std_msgs
+from runtime.messages import Float64, Length, Message
+
+
+@dataclass(slots=True)
+class Vector3(Message):
+    """geometry_msgs/msg/Vector3."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Vector3"
+
+    x: Float64 = 0.0
+    y: Float64 = 0.0
+    z: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class Point(Message):
+    """geometry_msgs/msg/Point."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Point"
+
+    x: Float64 = 0.0
+    y: Float64 = 0.0
+    z: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class Quaternion(Message):
+    """geometry_msgs/msg/Quaternion."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Quaternion"
+
+    x: Float64 = 0.0
+    y: Float64 = 0.0
+    z: Float64 = 0.0
+    w: Float64 = 1.0
+
+
+@dataclass(slots=True)
+class Transform(Message):
+    """geometry_msgs/msg/Transform."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Transform"
+
+    translation: Vector3 = dataclasses.field(default_factory=Vector3)
+    rotation: Quaternion = dataclasses.field(default_factory=Quaternion)
+
+
+@dataclass(slots=True)
+class TransformStamped(Message):
+    """geometry_msgs/msg/TransformStamped."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/TransformStamped"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    child_frame_id: str = ""
+    transform: Transform = dataclasses.field(default_factory=Transform)
+
+
+@dataclass(slots=True)
+class Pose(Message):
+    """geometry_msgs/msg/Pose."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/Pose"
+
+    position: Point = dataclasses.field(default_factory=Point)
+    orientation: Quaternion = dataclasses.field(default_factory=Quaternion)
+
+
+@dataclass(slots=True)
+class PoseWithCovariance(Message):
+    """geometry_msgs/msg/PoseWithCovariance."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
+
+    pose: Pose = dataclasses.field(default_factory=Pose)
+    covariance: Annotated[list[Float64], Length(36)] = dataclasses.field(default_factory=lambda: [0.0] * 36)
+
+
+@dataclass(slots=True)
+class PoseWithCovarianceStamped(Message):
+    """geometry_msgs/msg/PoseWithCovarianceStamped."""
+
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovarianceStamped"
+    __typehash__: ClassVar[str] = "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    pose: PoseWithCovariance = dataclasses.field(default_factory=PoseWithCovariance)

@@ -1,0 +1,55 @@
+"""Messages of the ROS 2 package sensor_msgs."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from runtime.interfaces import std_msgs
+from runtime.messages import Bool, Float64, Length, Message, UInt32
+
+
+@dataclass(slots=True)
+class RegionOfInterest(Message):
+    """sensor_msgs/msg/RegionOfInterest."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/RegionOfInterest"
+
+    x_offset: UInt32 = 0
+    y_offset: UInt32 = 0
+    height: UInt32 = 0
+    width: UInt32 = 0
+    do_rectify: Bool = False
+
+
+@dataclass(slots=True)
+class CameraInfo(Message):
+    """sensor_msgs/msg/CameraInfo."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/CameraInfo"
+    __typehash__: ClassVar[str] = "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    height: UInt32 = 0
+    width: UInt32 = 0
+    distortion_model: str = ""
+    d: list[Float64] = dataclasses.field(default_factory=list)
+    k: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
+    r: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)
+    p: Annotated[list[Float64], Length(12)] = dataclasses.field(default_factory=lambda: [0.0] * 12)
+    binning_x: UInt32 = 0
+    binning_y: UInt32 = 0
+    roi: RegionOfInterest = dataclasses.field(default_factory=RegionOfInterest)
+
+
+@dataclass(slots=True)
+class CompressedImage(Message):
+    """sensor_msgs/msg/CompressedImage."""
+
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/CompressedImage"
+    __typehash__: ClassVar[str] = "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    format: str = ""
+    data: bytes = b""

@@ -1,0 +1,63 @@
+"""Messages of the ROS 2 package vision_msgs, as they are since Humble."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from runtime.interfaces import geometry_msgs, std_msgs
+from runtime.messages import Float64, Message
+
+
+@dataclass(slots=True)
+class ObjectHypothesis(Message):
+    """vision_msgs/msg/ObjectHypothesis."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/ObjectHypothesis"
+
+    class_id: str = ""
+    score: Float64 = 0.0
+
+
+@dataclass(slots=True)
+class ObjectHypothesisWithPose(Message):
+    """vision_msgs/msg/ObjectHypothesisWithPose."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/ObjectHypothesisWithPose"
+
+    hypothesis: ObjectHypothesis = dataclasses.field(default_factory=ObjectHypothesis)
+    pose: geometry_msgs.PoseWithCovariance = dataclasses.field(default_factory=geometry_msgs.PoseWithCovariance)
+
+
+@dataclass(slots=True)
+class BoundingBox3D(Message):
+    """vision_msgs/msg/BoundingBox3D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/BoundingBox3D"
+
+    center: geometry_msgs.Pose = dataclasses.field(default_factory=geometry_msgs.Pose)
+    size: geometry_msgs.Vector3 = dataclasses.field(default_factory=geometry_msgs.Vector3)
+
+
+@dataclass(slots=True)
+class Detection3D(Message):
+    """vision_msgs/msg/Detection3D."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection3D"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    results: list[ObjectHypothesisWithPose] = dataclasses.field(default_factory=list)
+    bbox: BoundingBox3D = dataclasses.field(default_factory=BoundingBox3D)
+    id: str = ""
+
+
+@dataclass(slots=True)
+class Detection3DArray(Message):
+    """vision_msgs/msg/Detection3DArray."""
+
+    __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection3DArray"
+    __typehash__: ClassVar[str] = "RIHS01_793f5eab9595ac1c0da07873cc859db42eae51f0ee76056db8562515d830e018"
+
+    header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
+    detections: list[Detection3D] = dataclasses.field(default_factory=list)
