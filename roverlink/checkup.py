@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.console import project_folder
 from roverlink.packages import installed_version
 from runtime import Registry, RoverlinkError, load_registry, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
@@ -23,7 +24,13 @@ from runtime.parameters import Parameters
 from runtime.ros_args import RosArguments
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
-_EXTRAS = {"mcap": "record", "foxglove-sdk": "foxglove", "pyarrow": "parquet", "rosbags": "standard"}
+_EXTRAS = {
+    "mcap": "record",
+    "foxglove-sdk": "foxglove",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+    "nanopb": "nanopb",
+}
 _GROUP, _GROUP_PORT = "239.255.0.1", 7400  # where DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
 _COMMAND_S = 5.0
@@ -45,10 +52,10 @@ class Diagnosis:
 
 
 def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
-    """Look at everything. Raises nothing that a check finds."""
+    """Look at everything; ``project`` is what the command line names. Raises nothing that a check finds."""
     found = list(_python())
     try:
-        registry = load_registry(project)
+        registry = load_registry(project_folder(project))
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
         return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 
 from roverlink.camera_source import open_source
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
-from roverlink.console import OK, project_folder
+from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
 from runtime import Registry, cdr, load_registry
@@ -131,7 +131,12 @@ def _outputs(
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
-            tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
+            try:
+                registry = load_registry(project_folder(arguments.project))
+            except NoProjectError as error:  # a camera is of use without a bridge
+                logger.warning("the basestation is not told where the rover is: %s", error)
+                return
+            tell = place_teller(middleware, registry, ros.topic, logger.warning)
             yield lambda view: tell(view.place.pose.translation) if view.place else None
 
 
