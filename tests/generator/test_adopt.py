@@ -12,7 +12,7 @@ import pytest
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
 from generator.adopt import Adoption, Wanted, adopt
-from generator.adopt.words import words
+from generator.adopt.role_words import words
 from generator.findings import FindingsError
 from generator.linting import Question, lint_project
 from generator.pipeline import compile_table
