@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,11 +13,12 @@ from generator.adopt.draft import Draft
 from generator.adopt.fitting import fit
 from generator.adopt.guesses import guess_rows
 from generator.adopt.lint_levels import lower
+from generator.adopt.new_project import check_the_way
 from generator.adopt.proto_tree import Tree, owner, read_tree
 from generator.adopt.retired_numbers import AdoptedPast, read_past
 from generator.adopt.table_text import text_of
 from generator.declarations import parse
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
+from generator.findings import Finding, in_order
 from generator.ledger import Ledger
 from generator.nanopb import read_bounds
 from generator.pipeline import Compiled, compile_text
@@ -26,10 +27,6 @@ from generator.resolve import resolve_envelope
 from generator.rules import lint
 from generator.subject import Subject
 from generator.write import Change
-
-IN_THE_WAY = Rule("ADO103", "file-in-the-way", Severity.FATAL)
-
-_OURS = "Regenerate with: roverlink generate"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +88,7 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
     lower(draft, lint(subject), subject.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
-    _check_the_way(changes, f"{shown_root}/{tree.envelope.file}")
+    check_the_way(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
     findings += lint(dataclasses.replace(subject, table=read.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
@@ -122,16 +119,3 @@ def _foreign(project: Path, root: Path) -> str:
         return "its folder is not in this project's"
     inner = next((one for one in (root, *root.parents) if one != project and (one / ".git").exists()), None)
     return "its folder is a repository of its own" if inner and inner.is_relative_to(project) else ""
-
-
-def _check_the_way(changes: Sequence[Change], envelope: str) -> None:
-    """Refuse to overwrite what somebody else wrote. Raises `FindingsError`."""
-    theirs = [
-        change.path
-        for change in changes
-        if change.before is not None and change.path != envelope and _OURS not in change.before
-    ]
-    if theirs:
-        raise FindingsError(
-            [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
-        )
