@@ -48,17 +48,21 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
     return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
 
 
+def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
+    """Compile a table that is not written yet; the changes of the disk have the table's own among them.
+
+    Raises `FindingsError` as `compile_table`.
+    """
+    compiled = _compiled(table_path, text)
+    return compiled, compare(table_path.resolve().parent, {**compiled.files, table_path.name: text}, compiled.folders)
+
+
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
     """What a table compiles to without a number's row, and the changes of the disk, the table's own among them.
 
     Raises `FindingsError` where no row has the number, and as `compile_table`.
     """
-    file = table_path.name
-    text = read_text(table_path, file)
-    read.parse(text, file, [])  # what is no table is reported as such
-    text = with_retired(text, number, file)
-    compiled = _compiled(table_path, text)
-    return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
+    return compile_text(table_path, with_retired(_table_text(table_path), number, table_path.name))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
@@ -66,12 +70,14 @@ def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[
 
     Raises `FindingsError` where the rows are not written one below the other, and as `compile_table`.
     """
-    file = table_path.name
-    text = read_text(table_path, file)
-    read.parse(text, file, [])  # what is no table is reported as such
-    text = with_row(text, row, file)
-    compiled = _compiled(table_path, text)
-    return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
+    return compile_text(table_path, with_row(_table_text(table_path), row, table_path.name))
+
+
+def _table_text(table_path: Path) -> str:
+    """Read a table that is to be edited. Raises `FindingsError` for what is no table."""
+    text = read_text(table_path, table_path.name)
+    read.parse(text, table_path.name, [])
+    return text
 
 
 def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:

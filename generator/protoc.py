@@ -89,19 +89,23 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     """What the files of a tree declare that do compile; a finding for each error in one that does not."""
     findings: list[Finding] = []
     left = list(files)
-    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
-        out, result = Path(folder), Path(folder, "set")
-        while left:
-            try:
-                _protoc([root], left, [f"--descriptor_set_out={result}"], out, shown_root)
-            except FindingsError as error:
-                findings += [finding for finding in error.findings if finding not in findings]
-                broken = {finding.span.file for finding in error.findings}
-                kept = [file for file in left if shown(shown_root, file) not in broken]
-                left = kept if len(kept) < len(left) else []
-            else:
-                return schema_of(FileDescriptorSet.FromString(result.read_bytes()), shown_root), findings
+    while left:
+        try:
+            return schema_of(compile_descriptors(root, left, shown_root), shown_root), findings
+        except FindingsError as error:
+            findings += [finding for finding in error.findings if finding not in findings]
+            broken = {finding.span.file for finding in error.findings}
+            kept = [file for file in left if shown(shown_root, file) not in broken]
+            left = kept if len(kept) < len(left) else []
     return schema_of(FileDescriptorSet(), shown_root), findings
+
+
+def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
+    """Compile files to descriptors, those that they import included. Raises `FindingsError` with protoc's messages."""
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
+        result = Path(folder, "set")
+        _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
+        return FileDescriptorSet.FromString(result.read_bytes())
 
 
 def _protoc(

@@ -41,7 +41,7 @@ def read_text(path: Path, file: str) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
-        help = "give the table with --table, or run this in the folder that holds mapping.yaml"
+        help = "give the table with --table, run this in a project, or start one with `roverlink init`"
         raise FindingsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
     except UnicodeDecodeError as error:
         raise FindingsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error

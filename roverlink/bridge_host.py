@@ -41,10 +41,17 @@ class BridgeHost(Protocol):
 class BridgeProcess:
     """``roverlink run`` as a child, over DDS."""
 
-    def __init__(self, project: Path | None, ports: dict[str, int], log_level: str = "warn") -> None:
+    def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
-        command += ["--project", str(project)] if project else []
-        command += ["--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'"]
+        command += [
+            "--project",
+            str(project),
+            "--ros-args",
+            "-p",
+            "listen_port:=0",
+            "-p",
+            "listen_address:='127.0.0.1'",
+        ]
         command += ["--log-level", log_level]
         for name, port in ports.items():
             command += ["-p", f"{name}:={port}"]

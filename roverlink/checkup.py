@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.console import project_folder
 from roverlink.packages import installed_version
 from runtime import Registry, RoverlinkError, load_registry, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
@@ -29,6 +30,7 @@ _EXTRAS = {
     "prometheus-client": "metrics",
     "pyarrow": "parquet",
     "rosbags": "standard",
+    "nanopb": "nanopb",
 }
 _GROUP, _GROUP_PORT = "239.255.0.1", 7400  # where DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
@@ -51,10 +53,10 @@ class Diagnosis:
 
 
 def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
-    """Look at everything. Raises nothing that a check finds."""
+    """Look at everything; ``project`` is what the command line names. Raises nothing that a check finds."""
     found = list(_python())
     try:
-        registry = load_registry(project)
+        registry = load_registry(project_folder(project))
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
         return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+from runtime.errors import SetupError
+
 N = TypeVar("N", int, float)
 
 OK = 0
@@ -22,6 +24,10 @@ UNABLE = 2
 TABLE = "mapping.yaml"
 _A_YEAR_S = 366 * 24 * 3600
 Subparsers = Any  # argparse names its type only in private
+
+
+class NoProjectError(SetupError):
+    """A command that needs a project runs outside of one."""
 
 
 def complain(message: str) -> None:
@@ -113,15 +119,18 @@ def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what
     raise argparse.ArgumentTypeError(f"{text!r} is not {what}")
 
 
-def project_folder(given: Path | None) -> Path | None:
-    """The folder of the generated code: what was given, else the nearest; None takes the installed one."""
+def project_folder(given: Path | None) -> Path:
+    """Return the folder of the generated code: what was given, else the nearest. Raises `NoProjectError`."""
     if given is not None:
         return given
     here = Path.cwd()
     for folder in (here, *here.parents):
         if os.path.lexists(folder / TABLE) or (folder / "generated" / "registry.py").is_file():
             return folder
-    return None
+    raise NoProjectError(
+        f"there is no {TABLE} in {here} or a folder above it; `roverlink init` starts a project here, "
+        "and --project DIR names one elsewhere"
+    )
 
 
 def keep_to_ourselves() -> None:

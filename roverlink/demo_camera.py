@@ -34,7 +34,7 @@ class DemoCamera:
     tells = (ROW,)
     """The rows whose topics it publishes."""
 
-    def __init__(self, project: Path | None, middleware: str) -> None:
+    def __init__(self, project: Path, middleware: str) -> None:
         """`middleware` is the child's: dds, or anything else for none; then `publish_on` has to tell."""
         self._film = render_film()
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
@@ -44,8 +44,7 @@ class DemoCamera:
         self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
         self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
-        self._command += ["--project", str(project)] if project else []
-        self._command += ["--ros-args", "--log-level", "warn"]
+        self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
         self._tell: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0

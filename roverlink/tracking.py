@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 from roverlink.camera_source import open_source
-from roverlink.console import OK, project_folder
+from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
 from runtime import load_registry
@@ -128,6 +128,10 @@ def _outputs(
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
-            registry = load_registry(project_folder(arguments.project))
+            try:
+                registry = load_registry(project_folder(arguments.project))
+            except NoProjectError as error:  # a camera is of use without a bridge
+                logger.warning("the basestation is not told where the rover is: %s", error)
+                return
             tell = position_publisher(middleware, registry, ros.topic, logger.warning)
             yield lambda view: tell(view.place.pose.translation) if view.place else None

@@ -1,17 +1,18 @@
-"""Taking over a tree of .proto files that was written without a table: mapping.yaml is drafted, tried, and corrected.
+"""Taking over a tree of .proto files that was written without a table: mapping.yaml is drafted in one pass.
 
-- `tree`: which message is the envelope, and which files compile together;
+- `proto_tree`: which message is the envelope, and which files compile together;
 - `guesses`: who sends what to whom, from names, folders and comments;
-- `past`: the numbers that history shows were used;
-- `draft`: what will stand in the table, and `text`, how it is written;
-- `trial`: the draft is compiled and linted in a copy; what does not fit is renamed, left out, or counted for less,
-  each time with the reason beside it.
+- `retired_numbers`: the numbers that history shows were used;
+- `fitting`: names that ROS 2 allows, and fields that it cannot have;
+- `lint_levels`: the rules that the tree breaks already;
+- `draft`: what will stand in the table, and `table_text`, how it is written.
 
-Nothing of the project is written here.
+`new_project` starts a project where there is nothing to take over. Nothing of the project is written here.
 """
 
 from __future__ import annotations
 
 from generator.adopt.adoption import Adoption, Wanted, adopt
+from generator.adopt.new_project import NewProject, new_project
 
-__all__ = ["Adoption", "Wanted", "adopt"]
+__all__ = ["Adoption", "NewProject", "Wanted", "adopt", "new_project"]

@@ -1,28 +1,32 @@
-"""The whole of taking over: read, guess, write as text, try, correct, until it compiles."""
+"""Taking over a tree in one pass: read, guess, fit, lint, compile."""
 
 from __future__ import annotations
 
+import dataclasses
 import os
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.adopt.cures import cure
+from generator import envelope_file, read
 from generator.adopt.draft import Draft
+from generator.adopt.fitting import fit
 from generator.adopt.guesses import guess_rows
-from generator.adopt.past import AdoptedPast, read_past
-from generator.adopt.text import text_of
-from generator.adopt.tree import Tree, owner, read_tree
-from generator.adopt.trial import Trial, tried
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
-from generator.pipeline import Compiled
-from generator.write import Change, compare
-
-IN_THE_WAY = Rule("ADO103", "file-in-the-way", Severity.FATAL)
-
-_MOST_ATTEMPTS = 20
-_OURS = "Regenerate with: roverlink generate"
+from generator.adopt.lint_levels import lower
+from generator.adopt.new_project import check_the_way
+from generator.adopt.proto_tree import Tree, owner, read_tree
+from generator.adopt.retired_numbers import AdoptedPast, read_past
+from generator.adopt.table_text import text_of
+from generator.context import Subject
+from generator.declarations import parse
+from generator.findings import Finding, in_order
+from generator.ledger import Ledger
+from generator.nanopb import read_bounds
+from generator.pipeline import Compiled, compile_text
+from generator.protoc import compile_protos
+from generator.resolve import resolve_envelope
+from generator.rules import lint
+from generator.write import Change
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +48,7 @@ class Adoption:
     past: AdoptedPast
     compiled: Compiled
     findings: tuple[Finding, ...]
-    """What the lint finds in it, counted for as little as the table says."""
+    """What lint and compiler say of it; rules of the lint count for as little as the table says."""
     changes: tuple[Change, ...]
     """What is to be written, the table among it."""
     scalars: tuple[str, ...]
@@ -78,11 +82,35 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
         rows=rows,
         retired=past.retired,
     )
-    text, trial = _corrected(draft, tree, project, table_path.name)
-    files = {**trial.compiled.files, table_path.name: text}
-    changes = compare(project, files, trial.compiled.folders)
-    _check_the_way(changes, f"{shown_root}/{tree.envelope.file}")
-    return Adoption(draft, past, trial.compiled, trial.findings, tuple(changes), tuple(tree.scalars))
+    fit(draft, tree.schema, table_path.name)
+    findings: list[Finding] = []
+    subject = _subject(draft, tree, table_path.name, findings)
+    lower(draft, lint(subject), subject.schema or tree.schema)
+    text = text_of(draft)
+    compiled, changes = compile_text(table_path, text)
+    check_the_way(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
+    findings += lint(dataclasses.replace(subject, table=read.parse(text, table_path.name, [])))
+    found = tuple(in_order([*findings, *compiled.warnings]))
+    return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
+
+
+def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Finding]) -> Subject:
+    """Make what the rules look at: the draft, and the tree with the envelope that generate will write."""
+    table = read.parse(text_of(draft), table_file, [])
+    schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
+    if draft.owner == "mapping":
+        places = {row.proto: schema.messages[row.proto].file for row in table.rows}
+        text = envelope_file.text(resolve_envelope(table, places, Ledger()), table.file)
+        files[draft.file] = parse(text)
+        schema = compile_protos(tree.root, list(files), {draft.file: text}, draft.root).schema
+    return Subject(
+        table=table,
+        schema=schema,
+        ledger=Ledger(),
+        files=files,
+        excluded_files={file: tree.files[file] for file in tree.exclude},
+        bounds=read_bounds(schema, tree.root, draft.root, findings),
+    )
 
 
 def _foreign(project: Path, root: Path) -> str:
@@ -91,32 +119,3 @@ def _foreign(project: Path, root: Path) -> str:
         return "its folder is not in this project's"
     inner = next((one for one in (root, *root.parents) if one != project and (one / ".git").exists()), None)
     return "its folder is a repository of its own" if inner and inner.is_relative_to(project) else ""
-
-
-def _corrected(draft: Draft, tree: Tree, project: Path, table: str) -> tuple[str, Trial]:
-    """The text of the table that compiles, and what it compiles to."""
-    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
-        for _ in range(_MOST_ATTEMPTS):
-            text = text_of(draft)
-            try:
-                trial = tried(text, table, tree.root, project, Path(folder))
-            except FindingsError as error:
-                if not cure(draft, tree, text, table, error.findings):
-                    raise
-            else:
-                if not cure(draft, tree, text, table, trial.findings):
-                    return text, trial
-    raise AssertionError("each cure takes away one of finitely many findings")
-
-
-def _check_the_way(changes: list[Change], envelope: str) -> None:
-    """Refuse to overwrite what somebody else wrote. Raises `FindingsError`."""
-    theirs = [
-        change.path
-        for change in changes
-        if change.before is not None and change.path != envelope and _OURS not in change.before
-    ]
-    if theirs:
-        raise FindingsError(
-            [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
-        )

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from generator.adopt.draft import DraftPeer, DraftRow
-from generator.adopt.tree import Tree
-from generator.adopt.words import (
+from generator.adopt.proto_tree import Tree
+from generator.adopt.role_words import (
     COMMANDS,
     GENERIC_FOLDERS,
     OPERATORS,

@@ -1,4 +1,4 @@
-"""What nanopb's options come to for each message and field."""
+"""nanopb's options in force for each message and field."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from generator.findings import Span
 
 @dataclass(frozen=True, slots=True)
 class FieldBounds:
-    """The options that hold for a field."""
+    """The options that hold for a field, by nanopb's names."""
 
     max_size: int | None = None
     """Bytes of a `bytes` field; of a string, with the zero byte at its end."""
@@ -19,13 +19,11 @@ class FieldBounds:
     max_count: int | None = None
     """Elements of a repeated field."""
     fixed_length: bool = False
-    """Whether a `bytes` field always has ``max_size`` bytes."""
+    """True for a `bytes` field that always has ``max_size`` bytes."""
     fixed_count: bool = False
-    """Whether a repeated field always has ``max_count`` elements."""
+    """True for a repeated field that always has ``max_count`` elements."""
     type: str = "FT_DEFAULT"
-    """How nanopb stores it: ``FT_STATIC``, ``FT_POINTER``, ``FT_CALLBACK``..."""
-    fallback_type: str = "FT_CALLBACK"
-    """The same for a field of type ``FT_DEFAULT`` without a bound."""
+    """How nanopb stores the field: ``FT_STATIC``, ``FT_POINTER``, ``FT_CALLBACK``..."""
     int_size: int = 0
     """Bits of an integer; 0 for those of its type in the .proto file."""
     type_override: str = ""
@@ -33,9 +31,9 @@ class FieldBounds:
     label_override: str = ""
     """``repeated``, ``required`` or ``optional``, as for the type."""
     ignored: bool = False
-    """Whether nanopb leaves it out, alone or with its oneof."""
+    """True for a field that nanopb leaves out, alone or with its oneof."""
     said: Mapping[str, Span] = field(default_factory=dict, hash=False)
-    """Where an option was given, by its name; as exactly as that is known."""
+    """The place of each option that is set, by its name; as exactly as that is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +41,7 @@ class MessageBounds:
     """The options that hold for a message."""
 
     skipped: bool = False
-    """Whether nanopb leaves it out."""
+    """True for a message that nanopb leaves out."""
     separate: frozenset[str] = frozenset()
     """Its oneofs of which every member has a place of its own (``no_unions``)."""
 
@@ -56,13 +54,13 @@ class Bounds:
     """By full name."""
     fields: Mapping[tuple[str, str], FieldBounds] = field(default_factory=dict)
     """By the full name of the message and the name of the field."""
-    worked_out: list[Mapping[str, int]] = field(default_factory=list, repr=False, compare=False)
-    """Room for `largest_size` to keep the sizes that it has worked out; one entry or none."""
+    sizes: list[Mapping[str, int]] = field(default_factory=list, repr=False, compare=False)
+    """Cache of `message_sizes`: the size of every message that has one, as the only entry."""
 
     def of_message(self, full_name: str) -> MessageBounds:
-        """Those of a message."""
+        """Return the options of a message."""
         return self.messages.get(full_name, MessageBounds())
 
     def of_field(self, message: str, name: str) -> FieldBounds:
-        """Those of a field of a message."""
+        """Return the options of a field of a message."""
         return self.fields.get((message, name), FieldBounds())

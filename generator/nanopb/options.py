@@ -12,13 +12,10 @@ from google.protobuf.message import DecodeError, Message
 from google.protobuf.unknown_fields import UnknownFieldSet
 
 from generator.findings import nearest
-from generator.nanopb.vocabulary import EXTENSION, NAMES, SIZES, Carrier, Options
+from generator.nanopb.vocabulary import EXTENSION, vocabulary
 
-Value = int | str
-"""Of an option: a number, a text, the name of one of the values that it may have, or whether it is on."""
-
-Values = Mapping[str, Value]
-"""Options that are set, by name."""
+Values = Mapping[str, Any]  # nanopb.proto says of which type an option is
+"""Options that are set, by name; an enum's value by its name."""
 
 _POSITION = re.compile(r"\d+:\d+ : (?:'.*': )?(?=\w)", re.DOTALL)
 _UNKNOWN = re.compile(r'Message type "[^"]+" has no field named "(?P<name>[^"]*)"')
@@ -31,86 +28,79 @@ class OptionsError(ValueError):
         super().__init__(message)
         self.help = help
         self.column = column
-        """Where in the text, from 1; 0 where that is not known."""
+        """Position in the text, from 1; 0 where that is not known."""
 
 
 def parse_options(text: str) -> Values:
-    """The options in a line of a .options file, behind its pattern."""
-    options = Options()
+    """Parse the options in a line of a .options file, behind its pattern. Raises `OptionsError`."""
+    options = vocabulary().options()
     try:
         text_format.Merge(text, options)
     except text_format.ParseError as error:
-        raise _readable(error) from error
+        raise _readable(error, options) from error
     values = _values(options)
-    for fault in _negative(values):
-        raise OptionsError(fault)
+    for name in _negative(values):
+        raise OptionsError(f"{name} cannot be {values[name]}")
     return values
 
 
-def _readable(error: text_format.ParseError) -> OptionsError:
+def _readable(error: text_format.ParseError, options: Message) -> OptionsError:
     said = _POSITION.sub("", str(error), count=1)
     column = error.GetColumn() or 0
     if match := _UNKNOWN.search(said):
         name = match["name"]
-        return OptionsError(f"nanopb has no option {name!r}", nearest(name, NAMES.values()), column)
+        return OptionsError(f"nanopb has no option {name!r}", nearest(name, options.DESCRIPTOR.fields_by_name), column)
     return OptionsError(said, column=column)
 
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """What is of interest in the serialized options of something in a .proto file."""
+    """nanopb's options in the serialized options of a declaration."""
 
     values: Values
-    deprecated: bool
-    faults: tuple[str, ...]
-    """What of nanopb's options cannot be read; ``values`` are the others."""
+    deprecated: bool = False
+    faults: tuple[str, ...] = ()
+    """The options that cannot be read, which are not among ``values``."""
 
 
-def decode_options(serialized: bytes) -> Decoded:
-    """Read nanopb's options in the serialized options of a file, message, enum or field."""
+def decode_options(host: str, serialized: bytes) -> Decoded:
+    """Decode the serialized options of one of `vocabulary.HOSTS`."""
+    words = vocabulary()
     try:
-        carrier: Any = Carrier.FromString(serialized)  # a class that is made at run time
+        carrier: Any = words.hosts[host].FromString(serialized)  # a class that is made at run time
     except DecodeError:
-        return Decoded({}, False, ("the options are no protobuf message",))
-    values = _values(carrier.options)
-    faults = tuple(_unknown(carrier)) + tuple(_negative(values))
-    read = {name: value for name, value in values.items() if not (name in SIZES and _is_negative(value))}
+        return Decoded({}, faults=("the options are no protobuf message",))
+    options = carrier.Extensions[words.extensions[host]]
+    values = _values(options)
+    negative = _negative(values)
+    faults = (*_unknown(carrier, options), *(f"{name} cannot be {values[name]}" for name in negative))
+    read = {name: value for name, value in values.items() if name not in negative}
     return Decoded(read, carrier.deprecated, faults)
 
 
-def _unknown(carrier: Any) -> Iterator[str]:
-    """Options, and values of options, that are newer than this vocabulary, or broken."""
+def _unknown(carrier: Message, options: Message) -> Iterator[str]:
+    """Describe options, and values of options, that are newer than the installed nanopb, or broken."""
     if any(number == EXTENSION for number, _ in _unknown_fields(carrier)):
         yield "nanopb's options are no message"
-    for number, value in _unknown_fields(carrier.options):
-        name = NAMES.get(number)
-        yield f"{name} cannot be {value!r}" if name else f"nanopb's option number {number} is not known"
+    for number, value in _unknown_fields(options):
+        known = options.DESCRIPTOR.fields_by_number.get(number)
+        yield f"{known.name} cannot be {value!r}" if known else f"nanopb's option number {number} is not known"
 
 
 def _unknown_fields(message: Message) -> Iterator[tuple[int, object]]:
-    """Numbers and values of what a message does not declare, or not so."""
+    """Yield numbers and values that the message's type does not declare, or declares with another type."""
     fields = UnknownFieldSet(message)
     for index in range(len(fields)):
         yield fields[index].field_number, fields[index].data
 
 
-def _negative(values: Values) -> Iterator[str]:
-    for name, value in values.items():
-        if name in SIZES and _is_negative(value):
-            yield f"{name} cannot be {value}"
+def _negative(values: Values) -> list[str]:
+    """Return the names of options with a negative value: every number of nanopb's counts something."""
+    return [name for name, value in values.items() if isinstance(value, int) and value < 0]
 
 
-def _is_negative(value: Value) -> bool:
-    return isinstance(value, int) and value < 0
-
-
-def _values(options: Message) -> dict[str, Value]:
-    values: dict[str, Value] = {}
-    for field, value in options.ListFields():
-        if field.enum_type:
-            values[field.name] = field.enum_type.values_by_number[value].name
-        elif isinstance(value, (int, str)):
-            values[field.name] = value
-        else:
-            values[field.name] = " ".join(value)  # of the lists of files to include, and not to
-    return values
+def _values(options: Message) -> Values:
+    return {
+        field.name: field.enum_type.values_by_number[value].name if field.enum_type else value
+        for field, value in options.ListFields()
+    }

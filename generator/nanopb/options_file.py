@@ -12,7 +12,7 @@ from fnmatch import translate
 from pathlib import Path, PurePosixPath
 
 from generator.findings import Finding, Span, shown
-from generator.nanopb.faults import UNREADABLE_OPTIONS
+from generator.nanopb.option_rules import UNREADABLE_OPTIONS
 from generator.nanopb.options import OptionsError, Values, parse_options
 
 _BLOCK_COMMENT = re.compile(r"/\*.*?\*/")

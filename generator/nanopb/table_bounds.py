@@ -8,7 +8,7 @@ from pathlib import Path
 
 from generator import ir
 from generator.findings import Finding, Span, nearest, shown
-from generator.nanopb.faults import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
+from generator.nanopb.option_rules import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
 from generator.nanopb.options import Values
 from generator.nanopb.options_file import OptionsLine, options_file_of
 from generator.protos import ProtoField, ProtoMessage, Schema

@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     return FINDINGS if missing else OK
 
 
-def _camera(console: Console, project: Path | None, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
+def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
     """A camera that tells where the rover is, where OpenCV is installed."""
     try:
         from roverlink.demo_camera import DemoCamera
@@ -102,7 +102,7 @@ def _peer_socket() -> socket.socket:
     return sock
 
 
-def _host(middleware: str, project: Path | None, registry: Registry, sockets: dict[str, socket.socket]) -> BridgeHost:
+def _host(middleware: str, project: Path, registry: Registry, sockets: dict[str, socket.socket]) -> BridgeHost:
     ports = {peer.port_parameter: int(sockets[peer.name].getsockname()[1]) for peer in registry.peers}
     if middleware == "dds":
         return bridge_host.BridgeProcess(project, ports)

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from roverlink import checkup
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command
 from runtime import NODE, ros_args
 
 _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
@@ -33,7 +33,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print what was found; exit code 1 where something is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    found = checkup.examine(project_folder(arguments.project), ros)
+    found = checkup.examine(arguments.project, ros)
     if arguments.json:
         print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
     else:

@@ -1,17 +1,23 @@
-"""``roverlink init``: take over a tree of .proto files."""
+"""``roverlink init``: start a project, in an empty folder or from a tree of .proto files."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
-from generator.adopt import Adoption, Wanted, adopt
+from generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
 from generator.findings import FindingsError, Severity
-from generator.write import write
+from generator.write import Change, write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.progress import progress
 from runtime.errors import SetupError
+
+_EXAMPLE = """\
+roverlink init
+         roverlink init --from proto --envelope components/common/envelope.proto --message PBEnvelope"""
+_IN_TOP_FOLDER = (".github/workflows/roverlink.yml", ".pre-commit-config.yaml")
 
 
 def add(commands: Subparsers) -> None:
@@ -19,21 +25,25 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "init",
-        "take over a tree of .proto files: draft mapping.yaml from it, and generate",
-        "roverlink init --from proto --envelope components/common/envelope.proto --message PBEnvelope",
-        "Take over a tree of .proto files: draft a mapping.yaml in this folder, with a row for each member of the\n"
-        "envelope's oneof, and generate. What had to be guessed is marked. Files that cannot be compiled with the\n"
-        "rest are left out, numbers that were used in git's history are retired. Nothing that is there is\n"
-        "overwritten, but for the envelope's file where it holds the oneof and nothing else.",
+        "start a project here, with one board and one message, or with the .proto files that there are",
+        _EXAMPLE,
+        "Start a project in this folder: mapping.yaml with one message of one board, its .proto file, a GitHub\n"
+        "workflow, a pre-commit hook and .gitignore; and generate. With --from, take over a tree of .proto files:\n"
+        "draft mapping.yaml from it, with a row for each member of the envelope's oneof, and generate. What had to\n"
+        "be guessed is marked. Files that cannot be compiled with the rest are left out, numbers that were used in\n"
+        "git's history are retired. Nothing that is there is overwritten, but for the envelope's file where it\n"
+        "holds the oneof and nothing else.",
     )
     parser.add_argument(
-        "--from", dest="root", type=Path, required=True, metavar="PROTO_ROOT", help="the folder that imports start from"
+        "--from", dest="root", type=Path, metavar="PROTO_ROOT", help="take over the .proto files of this folder"
     )
-    parser.add_argument("--envelope", default="", metavar="FILE", help="the envelope's file, below PROTO_ROOT")
+    parser.add_argument("--envelope", default="", metavar="FILE", help="with --from: the envelope's file, below it")
     parser.add_argument(
-        "--message", default="", metavar="NAME", help="the envelope (default: who has the largest oneof)"
+        "--message", default="", metavar="NAME", help="with --from: the envelope (default: who has the largest oneof)"
     )
-    parser.add_argument("--oneof", default="", metavar="NAME", help="the oneof of the payloads (default: the largest)")
+    parser.add_argument(
+        "--oneof", default="", metavar="NAME", help="with --from: the oneof of the payloads (default: the largest)"
+    )
     parser.add_argument(
         "--package", default="comms", metavar="NAME", help="the ROS 2 package to be made (default: %(default)s)"
     )
@@ -42,25 +52,54 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Draft and generate in one go; where either cannot be, nothing is written."""
+    """Make the files and write them in one go; where that cannot be, nothing is written."""
     table = Path(TABLE)
     if table.exists():
         raise SetupError(f"{table} is there already; `roverlink add` adds a row to it")
-    wanted = Wanted(arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package)
+    if arguments.root is None and any((arguments.envelope, arguments.message, arguments.oneof)):
+        raise SetupError("--envelope, --message and --oneof are about the .proto files that --from names")
     try:
+        if arguments.root is None:
+            started = new_project(Path.cwd(), arguments.package)
+            if _write(started.changes, arguments.dry_run):
+                _tell_started(started)
+            return OK
+        wanted = Wanted(arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package)
         with progress("reading history") as report:
             adoption = adopt(table, wanted, report)
-        if arguments.dry_run:
-            text = next(change.after for change in adoption.changes if change.path == TABLE)
-            sys.stdout.write(text or "")
-            return OK
-        write(Path.cwd(), adoption.changes)
+        if _write(adoption.changes, arguments.dry_run):
+            _tell(adoption)
     except FindingsError as error:
         print(error, file=sys.stderr)
         print("nothing was written", file=sys.stderr)
         return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS
-    _tell(adoption)
     return OK
+
+
+def _write(changes: Iterable[Change], dry_run: bool) -> bool:
+    """Write the files, or print the table alone; return whether they were written."""
+    if dry_run:
+        sys.stdout.writelines(change.after or "" for change in changes if change.path == TABLE)
+    else:
+        write(Path.cwd(), changes)
+    return not dry_run
+
+
+def _tell_started(started: NewProject) -> None:
+    """Say what is there now, and what comes next."""
+    for path in started.kept:
+        print(f"kept {path}, which was there already")
+    own = [change.path for change in started.changes if not change.path.startswith("generated/")]
+    print(f"wrote {', '.join(own)} and {len(started.changes) - len(own)} files in generated/")
+    here = Path.cwd()
+    top = next((folder for folder in (here, *here.parents) if (folder / ".git").exists()), here)
+    if top != here:
+        print(f"GitHub and pre-commit look for {' and '.join(_IN_TOP_FOLDER)} in the top folder of the repository:")
+        print(f"move them to {top}, and let their commands run in {here.relative_to(top)}")
+    print("next:")
+    print("  roverlink run                                        the bridge, until Ctrl-C")
+    print("  roverlink echo board_status                          in a second terminal: what comes to the topic")
+    print("  roverlink send board_status battery_voltage=11.7     in a third one: a datagram, as the board sends it")
 
 
 def _tell(adoption: Adoption) -> None:

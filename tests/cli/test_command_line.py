@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from roverlink.__main__ import COMMANDS, main
-from roverlink.console import node_logger, project_folder
+from roverlink.console import NoProjectError, node_logger, project_folder
 
 _SUBCOMMANDS = ["aruco track", "aruco calibrate", "aruco board"]
 
@@ -129,6 +129,28 @@ def test_a_project_without_generated_code_is_told(
     assert f"roverlink: no generated code in {tmp_path}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["run", "record", "replay", "send", "listen", "echo", "pub", "simulate", "demo"])
+def test_outside_of_a_project_the_way_to_start_one_is_told(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each command that needs a project ends with exit code 2 where there is none, and names `roverlink init`."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "1")  # which the demo sets for itself
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.chdir(tmp_path)
+    more = {
+        "record": ["a.mcap"],
+        "replay": ["a.mcap"],
+        "send": ["imu_info"],
+        "listen": ["--port", "0"],
+        "echo": ["a"],
+        "pub": ["a"],
+    }
+    assert main([command, *more.get(command, [])]) == 2
+    errors = capsys.readouterr().err
+    assert f"roverlink: there is no mapping.yaml in {tmp_path} or a folder above it" in errors
+    assert "`roverlink init`" in errors
+
+
 def test_commands_work_from_any_folder_of_a_project(done: Start) -> None:
     """The project is found from a folder below it."""
     code, output, _ = done("send", "--list", folder=_ROOT / "proto" / "components")
@@ -144,7 +166,8 @@ def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypat
     inner = tmp_path / "outer" / "inner" / "deep"
     inner.mkdir(parents=True)
     monkeypatch.chdir(inner)
-    assert project_folder(None) is None
+    with pytest.raises(NoProjectError, match=r"roverlink init"):
+        project_folder(None)
     (tmp_path / "outer" / "mapping.yaml").touch()
     assert project_folder(None) == tmp_path / "outer"
     (inner.parent / "generated").mkdir()

@@ -179,7 +179,7 @@ class _Child:
 )
 def test_a_bridge_that_does_not_end_well_is_told(code: int | None, expected: str) -> None:
     """A bridge that hangs or fails when it is stopped is an error of the demo's, not a traceback."""
-    process = BridgeProcess(None, {})
+    process = BridgeProcess(Path.cwd(), {})
     process._child = _Child(code)  # type: ignore[assignment]
     with pytest.raises(SetupError, match=expected):
         process.stop()

@@ -1,14 +1,17 @@
-"""`roverlink init`: from a folder of .proto files to a bridge that carries a message."""
+"""`roverlink init`: from nothing, or from a folder of .proto files, to a bridge that carries a message."""
 
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 sys.path.append(str(Path(__file__).parents[1] / "generator"))
 
@@ -55,6 +58,121 @@ def test_from_protos_to_a_bridge_that_carries_a_message(name: str, tmp_path: Pat
     assert bridge.interrupt()[0] == 0
 
 
+# --- a new project ----------------------------------------------------------------------------------------------
+
+_STARTED = {
+    *(".github", ".gitignore", ".pre-commit-config.yaml", "docs", "generated", "mapping.lock", "mapping.yaml"),
+    "proto",
+}
+
+
+@pytest.mark.parametrize("within_a_repository", [False, True])
+def test_an_empty_folder_becomes_a_project_that_runs(
+    within_a_repository: bool, tmp_path: Path, start: Start, done: Start
+) -> None:
+    """One command, and `generate --check` and `lint` are clean, and the bridge takes what the board sends."""
+    if within_a_repository:
+        subprocess.run(["git", "init", "--quiet", "-b", "main", tmp_path], check=True)
+    code, said, errors = done("init", folder=tmp_path)
+    assert (code, errors) == (0, "")
+    assert {path.name for path in tmp_path.iterdir()} - {".git"} == _STARTED
+    steps = [line.split("  ")[1] for line in said.partition("next:\n")[2].splitlines()]
+    assert steps == ["roverlink run", "roverlink echo board_status", "roverlink send board_status battery_voltage=11.7"]
+    assert done("generate", "--check", folder=tmp_path)[0] == 0
+    assert done("lint", folder=tmp_path)[0] == 0
+    bridge = start("run", "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0", folder=tmp_path)
+    port = json.loads(bridge.wait_for("port", bridge.output))["port"]
+    send = steps[2].split()[1:]
+    assert done(*send, "--to", f"127.0.0.1:{port}", folder=tmp_path)[0] == 0
+    assert bridge.interrupt()[0] == 0
+    account = json.loads(bridge.output[-1])
+    assert (account["received"], account["published"], account["dropped"]) == (1, 1, {})
+
+
+def test_files_that_are_there_stay_as_they_are(tmp_path: Path, done: Start) -> None:
+    """What a user wrote is named and left alone; what would clash with generated files is refused."""
+    plant(tmp_path, {".gitignore": "*.bag\n", "proto/board.proto": _BOARD})
+    code, said, _ = done("init", folder=tmp_path)
+    assert code == 0
+    assert "kept proto/board.proto, which was there already\nkept .gitignore, which was there already\n" in said
+    assert (tmp_path / ".gitignore").read_text() == "*.bag\n"
+    assert (tmp_path / "proto" / "board.proto").read_text() == _BOARD
+    assert "voltage" in (tmp_path / "generated" / "ros" / "comms" / "msg" / "BoardStatus.msg").read_text()
+
+
+_BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n'
+
+
+@pytest.mark.parametrize(
+    ("there", "expected"),
+    [
+        ({"mapping.yaml": "version: 1\n"}, "mapping.yaml is there already"),
+        ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] is there already, and was not generated"),
+        ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` takes the folder over"),
+    ],
+)
+def test_a_project_is_not_started_over_another(
+    there: dict[str, str], expected: str, tmp_path: Path, done: Start
+) -> None:
+    """Where files are in the way, nothing is written, and the exit code is 2."""
+    plant(tmp_path, there)
+    code, _, errors = done("init", folder=tmp_path)
+    assert code == 2
+    assert expected in errors
+    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()] == [*there]
+
+
+def test_what_the_workflow_runs_compares_with_the_base_branch(tmp_path: Path, done: Start) -> None:
+    """The lint of the workflow passes where the base branch has no project yet, and finds what breaks one."""
+    plant(tmp_path, {"README.md": "A rover.\n"})
+    commit(tmp_path, "First")
+    assert done("init", folder=tmp_path)[0] == 0
+    assert _lint_of_the_workflow(tmp_path) == (0, "")
+    commit(tmp_path, "Start a project")
+    proto = tmp_path / "proto" / "board.proto"
+    proto.write_text(proto.read_text().replace("uint32 uptime_ms", "string uptime_ms"))
+    code, said = _lint_of_the_workflow(tmp_path)
+    assert code == 1
+    assert said.startswith("::error file=proto/board.proto")
+
+
+def _lint_of_the_workflow(folder: Path) -> tuple[int, str]:
+    """Run the last step of the workflow as GitHub does, with the last commit as the base branch."""
+    subprocess.run(["git", "update-ref", "refs/remotes/origin/main", "HEAD"], cwd=folder, check=True)
+    workflow = yaml.safe_load((folder / ".github" / "workflows" / "roverlink.yml").read_text())
+    step = workflow["jobs"]["lint"]["steps"][-1]
+    assert step["env"] == {"BASE": "origin/${{ github.base_ref || github.ref_name }}"}
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-e", "-c", step["run"]],
+        cwd=folder,
+        env={**os.environ, "BASE": "origin/main", "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stdout
+
+
+def test_below_the_top_of_a_repository_the_way_of_two_files_is_told(tmp_path: Path, done: Start) -> None:
+    """GitHub and pre-commit read their files in the top folder only."""
+    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
+    (tmp_path / "software" / "rover").mkdir(parents=True)
+    code, said, _ = done("init", folder=tmp_path / "software" / "rover")
+    assert code == 0
+    assert f"move them to {tmp_path}, and let their commands run in software/rover\n" in said
+
+
+def test_the_options_of_taking_over_need_a_folder(tmp_path: Path, done: Start) -> None:
+    """--message, --envelope and --oneof without --from are a mistake."""
+    code, _, errors = done("init", "--message", "Envelope", folder=tmp_path)
+    assert code == 2
+    assert "--from" in errors
+
+
+# --- what is never written --------------------------------------------------------------------------------------
+
+
 def test_a_table_is_never_overwritten(tmp_path: Path, done: Start) -> None:
     """Where there is a mapping.yaml, init says so, and leaves everything as it is."""
     plant(tmp_path / "protos", FLAT)
@@ -71,6 +189,10 @@ def test_a_dry_run_prints_the_table(tmp_path: Path, done: Start) -> None:
     code, said, _ = done("init", "--from", "protos", "--dry-run", folder=tmp_path)
     assert code == 0
     assert "proto: ArmJoints" in said
+    assert {path.name for path in tmp_path.iterdir()} == {"protos"}
+    code, said, _ = done("init", "--dry-run", folder=tmp_path)
+    assert code == 0
+    assert "proto: BoardStatus" in said
     assert {path.name for path in tmp_path.iterdir()} == {"protos"}
 
 

@@ -12,7 +12,7 @@ import pytest
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
 from generator.adopt import Adoption, Wanted, adopt
-from generator.adopt.words import words
+from generator.adopt.role_words import words
 from generator.findings import FindingsError
 from generator.lint_engine import Question, lint_project
 from generator.pipeline import compile_table
@@ -167,6 +167,28 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
     assert 'name: "off"' in _table(adoption)
+
+
+_FAULTY = {"envelope.proto": """
+syntax = "proto3";
+message Ring { Pair pair = 1; int32 size = 2; }
+message Pair { Ring ring = 1; bool on = 2; bool On = 3; }
+message Holder { Part part = 1; Part none = 2; int32 kept = 3; }
+message Part { Deep deep = 1; }
+message Deep { Deep again = 1; }
+message E { oneof payload { Ring ring = 1; Pair pair = 2; Holder holder = 3; } }
+"""}
+
+
+def test_a_fault_is_put_down_to_the_fields_that_have_it(tmp_path: Path) -> None:
+    """A payload's own field is renamed or left out in its row alone; for a message inside, the fields that hold it."""
+    plant(tmp_path / "protos", _FAULTY)
+    rows = {row.name: row for row in _adopted(tmp_path).draft.rows}
+    assert {name: (list(row.ignore), row.fields) for name, row in rows.items()} == {
+        "ring": ([], {}),
+        "pair": (["ring"], {"On": "on_field"}),
+        "holder": (["part", "none"], {}),
+    }
 
 
 def test_a_tree_that_is_a_repository_of_its_own_is_only_checked(tmp_path: Path) -> None:

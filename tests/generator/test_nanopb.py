@@ -25,6 +25,7 @@ from hypothesis import strategies as st
 from generator.descriptors import schema_of
 from generator.findings import Finding, Span
 from generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
+from generator.nanopb.vocabulary import vocabulary
 from generator.protos import Schema
 
 # It would choose protobuf's pure Python implementation for all processes that this one starts.
@@ -555,6 +556,36 @@ def test_a_file_that_cannot_be_read_is_a_finding(tmp_path: Path) -> None:
     (tmp_path / "a.options").unlink()
     (tmp_path / "a.options").mkdir()
     assert _found(tmp_path, {}) == ["proto/a.options: error[NPB101] the file cannot be read: Is a directory"]
+
+
+@pytest.mark.parametrize(
+    ("files", "expected"),
+    [
+        ({"a.proto": _HOST, "a.options": "p.q.M.s max_size:5"}, "proto/a.options"),
+        ({"a.proto": _proto3("message M { string s = 1 [(nanopb).max_size = 5]; }")}, "proto/a.proto:2:13"),
+        ({"a.proto": _proto3("", "option (nanopb_fileopt).max_size = 5;")}, "proto/a.proto"),
+        ({"a.proto": _HOST.replace("string s = 1", "string s = 1 [deprecated = true]")}, ""),
+    ],
+)
+def test_options_without_nanopb_are_one_finding(
+    tmp_path: Path, files: Mapping[str, str], expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where nanopb is not installed, options are reported once with the command that installs it; else all is read."""
+    schema, findings = (
+        schema_of(_compiled(_written(tmp_path, files), ["a.proto"], "--include_source_info"), "proto"),
+        [],
+    )
+    vocabulary.cache_clear()
+    monkeypatch.setattr("generator.nanopb.vocabulary.find_spec", lambda name: None)
+    bounds = read_bounds(schema, tmp_path, "proto", findings)
+    vocabulary.cache_clear()
+    assert (bounds is None) is bool(expected)
+    assert [finding.render() for finding in findings] == [
+        f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, and nanopb is not installed\n"
+        "  help: install it: pip install 'roverlink[nanopb]'"
+        for place in [expected]
+        if place
+    ]
 
 
 def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:

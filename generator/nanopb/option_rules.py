@@ -15,3 +15,6 @@ BOUNDS_IN_TWO_PLACES = Rule("NPB104", "bounds-in-two-places")
 
 PATTERN_WITHOUT_MATCH = Rule("NPB102", "nanopb-pattern-without-match", Severity.WARNING)
 """A line of a .options file is for nothing that its .proto file declares."""
+
+NANOPB_MISSING = Rule("NPB105", "nanopb-not-installed", Severity.FATAL)
+"""There are options of nanopb, and the package that says what they mean is not installed."""

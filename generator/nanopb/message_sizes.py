@@ -6,15 +6,15 @@ from the innermost messages on; a message that this never reaches has none, and 
 
 from __future__ import annotations
 
-from collections import defaultdict
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 
 from generator.findings import Span
+from generator.nanopb.bounded_field import BoundedField, fields_of, varint_size
 from generator.nanopb.bounds import Bounds
-from generator.nanopb.gaps import gap_in
-from generator.nanopb.reckoning import BoundedField, fields_of, message_size, varint_size
-from generator.protos import Schema
+from generator.protos import ProtoMessage, Schema
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,34 +54,42 @@ def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str,
     found = [
         (field.field.name, field.size(schema, sizes))
         for field in fields_of(schema.messages[message], bounds)
-        if not gap_in(field, schema, bounds) and (not field.inner or field.inner in sizes)
+        if not field.gap(schema, bounds) and (not field.inner or field.inner in sizes)
     ]
     return sorted(found, key=lambda named: (-named[1], named[0]))
 
 
 def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
     """The size of every message that has one."""
-    if not bounds.worked_out:
-        bounds.worked_out.append(_from_the_innermost(schema, bounds))
-    return bounds.worked_out[0]
+    if not bounds.sizes:
+        bounds.sizes.append(_from_the_innermost(schema, bounds))
+    return bounds.sizes[0]
 
 
 def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
-    sizes: dict[str, int] = {}
-    users: defaultdict[str, list[str]] = defaultdict(list)
-    missing = _inner_messages(schema, bounds)
-    for name, inner in missing.items():
-        for used in inner:
-            users[used].append(name)
-    ready = [name for name, inner in missing.items() if not inner]
-    while ready:
-        name = ready.pop()
-        sizes[name] = message_size(schema.messages[name], schema, bounds, sizes)
-        for user in users[name]:
-            missing[user].discard(name)
-            if not missing[user]:
-                ready.append(user)
+    inner = _inner_messages(schema, bounds)
+    order, sizes = TopologicalSorter(inner), dict[str, int]()
+    with contextlib.suppress(CycleError):  # the order goes on as far as it can without the messages in the cycle
+        order.prepare()
+    while ready := order.get_ready():
+        for name in ready:
+            if name in inner and inner[name] <= sizes.keys():
+                sizes[name] = _message_size(schema.messages[name], schema, bounds, sizes)
+        order.done(*ready)
     return sizes
+
+
+def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: Mapping[str, int]) -> int:
+    """Return the largest size of a message of which every field has a bound."""
+    total = 0
+    largest: dict[str, int] = {}
+    for field in fields_of(message, bounds):
+        size = field.size(schema, known)
+        if field.in_union:
+            largest[field.field.oneof] = max(largest.get(field.field.oneof, 0), size)
+        else:
+            total += size
+    return total + sum(largest.values())
 
 
 def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
@@ -90,7 +98,7 @@ def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
     for message in schema.messages.values():
         fields = list(fields_of(message, bounds))
         skipped = bounds.of_message(message.full_name).skipped
-        if not skipped and not any(gap_in(field, schema, bounds) for field in fields):
+        if not skipped and not any(field.gap(schema, bounds) for field in fields):
             found[message.full_name] = {field.inner for field in fields if field.inner}
     return found
 
@@ -117,7 +125,7 @@ def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message
 def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
     """The first field of a message that keeps it from having a size; why, unless it is for the message in it."""
     for field in fields_of(schema.messages[message], bounds):
-        reason = gap_in(field, schema, bounds)
+        reason = field.gap(schema, bounds)
         if reason or (field.inner and field.inner not in sizes):
             return field, reason
     raise AssertionError(f"{message} has a size")  # and then nobody asks

@@ -1,4 +1,4 @@
-"""What a field adds to the size of its message."""
+"""The largest size of a field in its message, or the reason why it has none."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ _FIXED = {
     "float": 4,
     "bool": 1,
 }
+_STATIC = frozenset({"FT_DEFAULT", "FT_STATIC", "FT_INLINE"})
 _BITS = {"uint32": 32, "sint32": 32, "uint64": 64, "sint64": 64}
 
 
@@ -75,6 +76,36 @@ class BoundedField:
         # The zero byte of a string is not sent, though nanopb counts it in the length that it leaves room for.
         return varint_size(length) + length - (1 if self.type == "string" else 0)
 
+    def gap(self, schema: Schema, bounds: Bounds) -> str:
+        """Say why the field has no largest size, be there a message in it or not; empty where it has one.
+
+        nanopb refuses a file for some of these; for most it leaves a field to functions that the user writes, and then
+        nobody knows how much those encode.
+        """
+        return next(self._gaps(schema, bounds), "")
+
+    def _gaps(self, schema: Schema, bounds: Bounds) -> Iterator[str]:
+        types, bounded = (self.type, self.field.type), self.capacity is not None
+        if self.given.type not in _STATIC:
+            yield f"its type is {self.given.type}"
+        if self.repeated and self.given.max_count is None:
+            held = schema.messages.get(self.field.type_name)
+            yield f"{'a map' if held and held.map_entry else 'repeated'} without max_count"
+        elif self.given.fixed_count and self.given.max_count is None:
+            yield "fixed_count without max_count"
+        if "string" in types and not bounded:
+            yield "a string without max_size or max_length"
+        if "bytes" in types and not bounded:
+            yield "bytes without max_size"
+        if self.type == "group":
+            yield "a group, which nanopb does not support"
+        if self.type == "message" and self.inner not in schema.messages:
+            yield "type_override names a message, and it has none"
+        if self.type == "enum" and self.field.type_name not in schema.enums:
+            yield "type_override names an enum, and it has none"
+        if self.inner and bounds.of_message(self.inner).skipped:
+            yield f"nanopb leaves {self.inner} out"
+
 
 def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
     """The fields of a message that nanopb does not leave out."""
@@ -83,19 +114,6 @@ def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
         given = bounds.of_field(message.full_name, field.name)
         if not given.ignored:
             yield BoundedField(field, given, bool(field.oneof) and field.oneof not in separate)
-
-
-def message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: Mapping[str, int]) -> int:
-    """The largest size of a message of which every field has a bound."""
-    total = 0
-    largest: dict[str, int] = {}
-    for field in fields_of(message, bounds):
-        size = field.size(schema, known)
-        if field.in_union:
-            largest[field.field.oneof] = max(largest.get(field.field.oneof, 0), size)
-        else:
-            total += size
-    return total + sum(largest.values())
 
 
 def varint_size(number: int) -> int:

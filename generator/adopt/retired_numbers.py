@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.adopt.draft import DraftRetired, DraftRow
-from generator.adopt.tree import Tree
+from generator.adopt.proto_tree import Tree
 from generator.git import GitError
 from generator.history import Usage, read_history
 from generator.naming import distinct

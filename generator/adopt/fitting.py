@@ -1,0 +1,97 @@
+"""What of the payloads fits into ROS 2: messages and fields get names that it allows, and the rest is left out.
+
+Every row is resolved once, as generate resolves it, and each fault is put down to the fields that cause it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+
+from generator import naming, read
+from generator.adopt.draft import Draft, DraftRow
+from generator.adopt.table_text import text_of
+from generator.findings import Finding, Severity, Span
+from generator.protos import ProtoField, Schema
+from generator.ros_fields import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
+from generator.ros_messages import RosMessages
+
+
+def fit(draft: Draft, schema: Schema, table: str) -> None:
+    """Rename messages and fields, and leave out what cannot be converted, each with the reason.
+
+    ``table`` is the file that the draft is for. A fault of a payload as a whole stays; generate reports it.
+    """
+    _name_messages(draft.rows, schema)
+    findings: list[Finding] = []
+    parsed = read.parse(text_of(draft), table, [])
+    messages = RosMessages(parsed, schema, findings)
+    for row in parsed.rows:
+        messages.route(row)
+    declared = _declarations(schema)
+    for finding in findings:
+        if finding.severity.rank <= Severity.ERROR.rank and finding.span in declared:
+            _fit(draft.rows, *declared[finding.span], finding, schema)
+
+
+def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
+    """Give every payload a name in ROS that is allowed, and that no other message has."""
+    protos = {row.proto: row.name for row in rows}
+    nested = schema.reachable(*protos)[0] - protos.keys()
+    taken = {
+        naming.message_name(name, schema.packages[schema.messages[name].file])
+        for name in nested
+        if not name.startswith("google.protobuf.")
+    }
+    names: dict[str, str] = {}
+    for proto, member in protos.items():
+        last = proto.rpartition(".")[2]
+        camel = [naming.camel_case(re.sub(r"\W", "_", name)) for name in (last, proto, f"{member}_message")]
+        free = [name for name in (last, *camel) if naming.is_message_name(name) and name not in taken]
+        names[proto] = next(iter(free), last)
+        taken.add(names[proto])
+    for row in rows:
+        name = names[row.proto]
+        row.ros = name if name != row.proto.rpartition(".")[2] else ""
+
+
+def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]]:
+    """Return the message or enum that stands at each place, and the field, for one of a field."""
+    found: dict[Span, tuple[str, ProtoField | None]] = {enum.span: (name, None) for name, enum in schema.enums.items()}
+    for message in schema.messages.values():
+        found[message.span] = message.full_name, None
+        found |= {field.span: (message.full_name, field) for field in message.fields}
+    return {span: one for span, one in found.items() if span.line}
+
+
+def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Finding, schema: Schema) -> None:
+    """Rename a field of a payload, or leave out the payloads' fields in which the fault is."""
+    payloads = {row.proto for row in rows}
+    for row in rows:
+        own = schema.messages[row.proto].fields
+        if row.proto == type and field is not None:
+            if finding.rule in (FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN):
+                row.fields[field.name] = _free_name(field, own)
+            else:
+                row.ignore[field.name] = finding.message
+        elif type not in payloads:
+            inside = (one.name for one in own if type in _inside(one.type_name, schema, payloads))
+            row.ignore.update((name, finding.message) for name in inside if name not in row.ignore)
+
+
+def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
+    taken = {naming.field_name(one.name) for one in fields}
+    name = f"{naming.field_name(field.name)}_field"
+    return name if name not in taken else f"field_{field.number}"
+
+
+def _inside(type: str, schema: Schema, payloads: Collection[str]) -> set[str]:
+    """Return the messages and enums in a field of a type, but for what is in payloads: those have rows of their own."""
+    found: set[str] = set()
+    waiting = [type]
+    while waiting:
+        name = waiting.pop()
+        if name not in found and name in schema.messages and name not in payloads:
+            waiting += [field.type_name for field in schema.messages[name].fields]
+        found.add(name)
+    return found

@@ -1,0 +1,39 @@
+"""How much the rules of the lint count in a tree that breaks them already: a hint each, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import groupby
+
+from generator.adopt.draft import Draft, DraftRow
+from generator.findings import Finding, Severity
+from generator.protos import Schema
+from generator.rules import modules
+
+_MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
+"""Rules without which what is generated would make no sense."""
+_MANY_ROWS = 3
+
+
+def lower(draft: Draft, findings: Iterable[Finding], schema: Schema) -> None:
+    """Let what the lint found count as a hint: in the rows that it is about, or everywhere where those are many."""
+    grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
+    may_count_less = modules().keys() - _MUST_HOLD
+    ids = sorted((finding for finding in grave if finding.rule.id in may_count_less), key=lambda one: one.rule.id)
+    for rule, found in groupby(ids, key=lambda one: one.rule.id):
+        listed = list(found)
+        about = [_rows_about(finding, draft, schema) for finding in listed]
+        rows = {row.number: row for of_one in about for row in of_one}
+        if all(about) and len(rows) <= _MANY_ROWS:
+            for row in rows.values():
+                row.lint[rule] = "it was so when the tree was taken over"
+        else:
+            times = "once" if len(listed) == 1 else f"{len(listed)} times"
+            draft.lint[rule] = f"the tree had it {times} when it was taken over"
+
+
+def _rows_about(finding: Finding, draft: Draft, schema: Schema) -> list[DraftRow]:
+    """Return the rows that a finding is about, as the table's own settings of a row are understood."""
+    if finding.type in ("", draft.message):
+        return [row for row in draft.rows if row.number == finding.number]
+    return [row for row in draft.rows if any(finding.type in kind for kind in schema.reachable(row.proto))]

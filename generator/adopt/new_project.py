@@ -1,0 +1,89 @@
+"""Starting a project in a folder without a table: one board, one message, and what checks them."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator import ledger
+from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.pipeline import compile_table
+from generator.rendering import REGENERATE, render
+from generator.write import Change, compare
+
+IN_THE_WAY = Rule("ADO103", "file-in-the-way", Severity.FATAL)
+PROTOS_WITHOUT_TABLE = Rule("ADO104", "protos-without-table", Severity.FATAL)
+
+_TABLE, _PROTOS = "mapping.yaml", "proto"
+_TEMPLATES = {
+    _TABLE: "mapping.yaml.j2",
+    f"{_PROTOS}/board.proto": "board.proto.j2",
+    ".github/workflows/roverlink.yml": "workflow.yml.j2",
+    ".pre-commit-config.yaml": "pre-commit-config.yaml.j2",
+    ".gitignore": "gitignore.j2",
+}
+"""The files that belong to the user, and the template of each."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewProject:
+    """The files of a project that is to be started."""
+
+    changes: tuple[Change, ...]
+    """The files that are to be written."""
+    kept: tuple[str, ...]
+    """The files that are there already, and stay as they are."""
+
+
+def new_project(folder: Path, package: str) -> NewProject:
+    """Make the files of a project with one board and one message, for a folder without a table. Nothing is written.
+
+    ``package`` is the ROS 2 package's name. Raises `FindingsError` where files are in the way.
+    """
+    if findings := list(_foreign_protos(folder)):
+        raise FindingsError(findings)
+    kept = tuple(path for path in _TEMPLATES if (folder / path).exists())
+    own = {
+        path: render(f"project/{template}", package=package)
+        for path, template in _TEMPLATES.items()
+        if path not in kept
+    }
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as copy:  # lest a fault leave half a project
+        for path in (*kept, ledger.NAME):  # a ledger without a table still knows which numbers are taken
+            if (folder / path).is_file():
+                _put(Path(copy, path), (folder / path).read_bytes())
+        for path, text in own.items():
+            _put(Path(copy, path), text.encode())
+        compiled = compile_table(Path(copy, _TABLE))
+    changes = compare(folder, {**own, **compiled.files}, compiled.folders)
+    check_the_way(changes)
+    return NewProject(tuple(changes), kept)
+
+
+def _put(target: Path, data: bytes) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_bytes(data)
+
+
+def _foreign_protos(folder: Path) -> Iterable[Finding]:
+    """Find .proto files that a new project would not know."""
+    for path in sorted((folder / _PROTOS).rglob("*.proto")):
+        name = path.relative_to(folder).as_posix()
+        if name not in _TEMPLATES:
+            help = f"`roverlink init --from {_PROTOS}` takes the folder over"
+            yield PROTOS_WITHOUT_TABLE.at(Span(name), "is there already, and a new project has no row for it", help)
+
+
+def check_the_way(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
+    """Refuse to overwrite what was not generated, but for some files. Raises `FindingsError`."""
+    theirs = [
+        change.path
+        for change in changes
+        if change.before is not None and change.path not in besides and REGENERATE not in change.before
+    ]
+    if theirs:
+        raise FindingsError(
+            [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
+        )

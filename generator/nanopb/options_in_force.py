@@ -1,0 +1,203 @@
+"""nanopb's options of a schema, from all the places where they can stand, each where it holds.
+
+What is said of a file holds for its messages, and what is said of a message for its fields and oneofs; not for the
+messages inside, nor does a oneof hand its options on. At each of these levels, a line of the .options file goes before
+what comes from above, a later line before an earlier one, and options inside the .proto file before them all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from generator.findings import Finding, Span, shown
+from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
+from generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from generator.nanopb.options import Decoded, decode_options
+from generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
+from generator.nanopb.vocabulary import has_options, vocabulary
+from generator.protos import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
+
+_Options = Mapping[str, tuple[Any, Span]]  # nanopb.proto says of which type an option is
+"""Options that hold somewhere, by name, each with the place where it was said."""
+
+
+def read_bounds(
+    schema: Schema,
+    root: Path,
+    shown_root: str,
+    findings: list[Finding],
+    of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
+) -> Bounds | None:
+    """Read nanopb's options that hold for the messages and fields of a schema.
+
+    ``root`` is the folder of its .proto files, and ``shown_root`` how findings call it; ``of_table`` are the lines that
+    the table has for them, by file. A line of a .options file that cannot be read, or matches nothing, becomes a
+    finding, as does an option in a .proto file that cannot be read. Where there are options, and nanopb is not
+    installed, that is the only finding, and the result is None.
+    """
+    place = _place_of_options(schema, root, shown_root)
+    if place is not None:
+        try:
+            vocabulary()
+        except ModuleNotFoundError:
+            told = "the sizes of messages depend on options of nanopb, and nanopb is not installed"
+            findings.append(NANOPB_MISSING.at(place, told, "install it: pip install 'roverlink[nanopb]'"))
+            return None
+    messages: dict[str, MessageBounds] = {}
+    fields: dict[tuple[str, str], FieldBounds] = {}
+    readers: dict[str, _FileReader] = {}
+    for file in schema.files:
+        lines = read_options_file(root, options_file_of(file), shown_root, findings) + of_table.get(file, [])
+        readers[file] = _FileReader(schema, file, shown(shown_root, file), lines, findings, place is not None)
+    for message in schema.messages.values():
+        readers[message.file].read_message(message, messages, fields)
+    for enum in schema.enums.values():
+        readers[enum.file].read_enum(enum)
+    for extension in schema.extensions:
+        readers[extension.file].read_extension(extension)
+    for file, reader in readers.items():
+        for line in reader.unused():
+            told = f"nothing in {file} has a name that matches {line.pattern}"
+            help = "a name is that of a message, then the field's, package included: pkg.Message.field"
+            findings.append(PATTERN_WITHOUT_MATCH.at(line.span, told, help))
+    return Bounds(messages, fields)
+
+
+def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:
+    """Return the first place with options of nanopb; None where only the table has any."""
+    for file in schema.files:
+        if (root / options_file_of(file)).exists():
+            return Span(shown(shown_root, options_file_of(file)))
+        if has_options(schema.file_options.get(file, b"")):
+            return Span(shown(shown_root, file))
+    parts = [part for message in schema.messages.values() for part in (message, *message.fields)]
+    return next((part.span for part in (*parts, *schema.enums.values()) if has_options(part.options)), None)
+
+
+class _FileReader:
+    """Reads the options of one file and of all that it declares."""
+
+    def __init__(
+        self,
+        schema: Schema,
+        file: str,
+        shown_file: str,
+        lines: Sequence[OptionsLine],
+        findings: list[Finding],
+        decodes: bool,
+    ) -> None:
+        """Read the file's own options; with ``decodes`` false, no options inside .proto files are nanopb's."""
+        self._lines, self._findings, self._decodes = lines, findings, decodes
+        self._used: set[int] = set()
+        package, span = schema.packages[file], Span(shown_file)
+        decoded = self._decoded("File", schema.file_options.get(file, b""), span)
+        self._of_file = self._in_force({}, file, decoded, span)
+        self._package = f"{package}." if package else ""
+        self._prefix, self._flat = _mangling(package, self._of_file)
+
+    def unused(self) -> list[OptionsLine]:
+        """Return the lines that matched nothing."""
+        return [line for index, line in enumerate(self._lines) if index not in self._used]
+
+    def read_enum(self, enum: ProtoEnum) -> None:
+        """Match the lines with an enum, of which no option changes a size."""
+        decoded = self._decoded("Enum", enum.options, enum.span)
+        self._in_force(self._of_file, self._name(enum.full_name), decoded, enum.span)
+
+    def read_extension(self, extension: ProtoExtension) -> None:
+        """Match the lines with a field of another message, which counts in no size."""
+        scope = f"{extension.scope}." if extension.scope else self._package
+        self._field(self._of_file, self._name(f"{scope}{extension.field.name}"), extension.field)
+
+    def _name(self, full_name: str) -> str:
+        """Return the name that patterns are matched with."""
+        inner = full_name.removeprefix(self._package)
+        return inner.rpartition(".")[2] if self._flat else self._prefix + inner
+
+    def read_message(
+        self,
+        message: ProtoMessage,
+        messages: dict[str, MessageBounds],
+        fields: dict[tuple[str, str], FieldBounds],
+    ) -> None:
+        """Add what holds for a message and its fields."""
+        name = self._name(message.full_name)
+        inside = self._decoded("Message", message.options, message.span)
+        options = self._in_force(self._of_file, name, inside, message.span)
+        # To nanopb, the options inside a message are those inside its oneofs as well, and go before lines for a oneof.
+        oneofs = {one: self._in_force(options, f"{name}.{one}", inside, message.span) for one in message.oneofs}
+        for part in _further_parts(message):
+            self._in_force(options, f"{name}.{part}", inside, message.span)
+        separate = frozenset(one for one, of_one in oneofs.items() if _value(of_one, "no_unions"))
+        ignored = {one for one, of_one in oneofs.items() if _value(of_one, "type") == "FT_IGNORE"} - separate
+        skipped = _value(options, "skip_message") or (inside.deprecated and _value(options, "discard_deprecated"))
+        messages[message.full_name] = MessageBounds(bool(skipped), separate)
+        for field in message.fields:
+            of_field, deprecated = self._field(options, f"{name}.{field.name}", field)
+            left_out = field.oneof in ignored or (deprecated and _value(of_field, "discard_deprecated"))
+            fields[message.full_name, field.name] = _field_bounds(of_field, bool(left_out))
+
+    def _field(self, inherited: _Options, name: str, field: ProtoField) -> tuple[_Options, bool]:
+        """Return what holds for a field, and whether it is deprecated."""
+        span = field.at("options")
+        decoded = self._decoded("Field", field.options, span)
+        return self._in_force(inherited, name, decoded, span), decoded.deprecated
+
+    def _decoded(self, host: str, options: bytes, span: Span) -> Decoded:
+        decoded = decode_options(host, options) if options and self._decodes else Decoded({})
+        self._findings.extend(UNREADABLE_OPTIONS.at(span, fault) for fault in decoded.faults)
+        return decoded
+
+    def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:
+        """Return inherited options, overridden by the lines for a name and by the options inside the .proto file."""
+        options = dict(inherited)
+        for index, line in enumerate(self._lines):
+            if line.matches(name):
+                self._used.add(index)
+                options |= {option: (value, line.span) for option, value in line.values.items()}
+        return options | {option: (value, span) for option, value in decoded.values.items()}
+
+
+def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
+    """Return what nanopb puts before names in place of their package, and whether it takes only their last parts."""
+    mangling = _value(of_file, "mangle_names")
+    used = "" if mangling == "M_STRIP_PACKAGE" else _value(of_file, "package") or package
+    if mangling == "M_PACKAGE_INITIALS":
+        used = "".join(part[0] for part in used.split(".") if part)
+    return f"{used}." if used else "", mangling == "M_FLATTEN"
+
+
+def _further_parts(message: ProtoMessage) -> Iterator[str]:
+    """Yield what else nanopb takes for a part of a message, besides its fields and oneofs."""
+    if message.extendable:
+        yield "extensions"  # the place in C for what other files add
+    for field in message.fields:
+        if field.declared_optional:
+            yield f"_{field.name}"  # the oneof that protoc makes for `optional` in proto3
+
+
+def _value(options: _Options, name: str) -> Any:
+    """Return an option's value; None where it is not set."""
+    return options[name][0] if name in options else None
+
+
+def _field_bounds(options: _Options, left_out: bool) -> FieldBounds:
+    """Return the bounds of a field; ``left_out`` where nanopb leaves it out for another reason than its type."""
+    values = {name: value for name, (value, _) in options.items()}
+    bits = values.get("int_size", "").removeprefix("IS_")
+    return FieldBounds(
+        max_size=values.get("max_size"),
+        max_length=values.get("max_length"),
+        max_count=values.get("max_count"),
+        fixed_length=values.get("fixed_length", False),
+        fixed_count=values.get("fixed_count", False),
+        type=values.get("type", "FT_DEFAULT"),
+        int_size=int(bits) if bits.isdigit() else 0,
+        type_override=values.get("type_override", "").removeprefix("TYPE_").lower(),
+        label_override=values.get("label_override", "").removeprefix("LABEL_").lower(),
+        ignored=left_out or values.get("type") == "FT_IGNORE",
+        said={name: span for name, (_, span) in options.items()},
+    )
