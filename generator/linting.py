@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import ledger, read, tree
+from generator import buf, ledger, read, tree
 from generator.declarations import File, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
@@ -34,6 +34,8 @@ class Question:
 
     against: str | None = None
     """Another state: a folder, a descriptor set, or a git ref."""
+    with_buf: bool = False
+    """Whether buf compares the two states as well."""
     history: bool = False
     """Whether every number's past is judged."""
     branches: bool = False
@@ -91,6 +93,8 @@ def lint_tree(root: Path, envelope: tree.EnvelopeName, question: Question) -> Li
 
 
 def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
+    if question.with_buf:
+        buf.require()
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
@@ -123,7 +127,8 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
         bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
     )
-    findings += lint(subject)
+    theirs = _of_buf(state.schema, schema, shown_root, findings) if question.with_buf and state else []
+    findings += lint(subject, theirs)
     return Linted(tuple(in_order(findings)), project, _blame(project, state), subject)
 
 
@@ -150,6 +155,15 @@ def _other_state(question: Question, project: Path, layout: Layout, findings: li
     except FindingsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
+
+
+def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Finding]) -> list[Finding]:
+    """List what buf finds; if buf fails, the rest is linted all the same."""
+    try:
+        return buf.breaking(before, after, shown_root)
+    except FindingsError as error:
+        findings += error.findings
+        return []
 
 
 def _changes(schema: Schema, state: State | None, published: ledger.Ledger) -> tuple[Change, ...]:

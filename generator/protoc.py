@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -96,8 +96,9 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
                 kept = [file for file in left if shown(shown_root, file) not in broken]
                 left = kept if len(kept) < len(left) else []
             else:
-                return schema_of(FileDescriptorSet.FromString(result.read_bytes()), shown_root), findings
-    return schema_of(FileDescriptorSet(), shown_root), findings
+                schema = schema_of(FileDescriptorSet.FromString(result.read_bytes()), shown_root)
+                return replace(schema, uncompiled=tuple(file for file in files if file not in left)), findings
+    return Schema((), {}, {}, uncompiled=tuple(files)), findings
 
 
 def _protoc(
