@@ -36,6 +36,7 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
         file_options={file.name: file.options.SerializeToString() for file in compiled.file},
         packages={file.name: file.package for file in compiled.file},
         syntaxes={file.name: syntax_of_file(file) for file in compiled.file},
+        descriptors=compiled,
     )
 
 

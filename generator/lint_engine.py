@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import bare_tree, ledger, read
+from generator import bare_tree, buf, ledger, read
 from generator.baseline import Baseline, Layout, open_baseline
 from generator.changes import Change
 from generator.consumer_pins import read_pins
@@ -34,6 +34,8 @@ class Question:
 
     against: str | None = None
     """Another state: a folder, a descriptor set, or a git ref."""
+    with_buf: bool = False
+    """Whether buf compares the two states as well."""
     history: bool = False
     """Whether every number's past is judged."""
     branches: bool = False
@@ -91,6 +93,8 @@ def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) 
 
 
 def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
+    if question.with_buf:
+        buf.require()
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
@@ -123,7 +127,8 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
         bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
         past=past,
     )
-    findings += lint(subject)
+    theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
+    findings += lint(subject, theirs)
     return Linted(tuple(in_order(findings)), project, _blame(project, baseline), subject)
 
 
@@ -150,6 +155,15 @@ def _baseline(question: Question, project: Path, layout: Layout, findings: list[
     except FindingsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
+
+
+def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Finding]) -> list[Finding]:
+    """List what buf finds; if buf fails, the rest is linted all the same."""
+    try:
+        return buf.breaking(before, after, shown_root)
+    except FindingsError as error:
+        findings += error.findings
+        return []
 
 
 def _changes(schema: Schema, baseline: Baseline | None, published: ledger.Ledger) -> tuple[Change, ...]:

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -91,13 +91,15 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     left = list(files)
     while left:
         try:
-            return schema_of(compile_descriptors(root, left, shown_root), shown_root), findings
+            schema = schema_of(compile_descriptors(root, left, shown_root), shown_root)
         except FindingsError as error:
             findings += [finding for finding in error.findings if finding not in findings]
             broken = {finding.span.file for finding in error.findings}
             kept = [file for file in left if shown(shown_root, file) not in broken]
             left = kept if len(kept) < len(left) else []
-    return schema_of(FileDescriptorSet(), shown_root), findings
+        else:
+            return replace(schema, uncompiled=tuple(file for file in files if file not in left)), findings
+    return Schema((), {}, {}, uncompiled=tuple(files)), findings
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
 from generator import ir
 from generator.findings import Span
 
@@ -185,6 +187,10 @@ class Schema:
     packages: Mapping[str, str] = field(default_factory=dict)
     """The package of each file; empty for one without."""
     syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
+    descriptors: FileDescriptorSet = field(default_factory=FileDescriptorSet, repr=False, compare=False)
+    """What the schema was read from, for other programs; empty for a schema of the ledger."""
+    uncompiled: tuple[str, ...] = ()
+    """The files that should be part of the schema and do not compile."""
 
     def syntax_of(self, file: str) -> Syntax:
         """How a file is written, as far as that is known."""

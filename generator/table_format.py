@@ -28,7 +28,7 @@ _DEADMAN = Object(
     }
 )
 _LOWERED = MapOf(
-    Text(r"[A-Z]{3}[0-9]{3}", "ENV106"),
+    Text(r"[A-Z]{3}[0-9]{3}|[A-Z]+(_[A-Z0-9]+)+", "ENV106"),
     Object(
         {
             "severity": Key(Text(choices=("warning", "hint", "off")), "What its findings count as.", True),

@@ -10,10 +10,11 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import pkgutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Protocol, cast
 
+from generator.buf import unstated
 from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.table import Lowered
@@ -40,10 +41,10 @@ def modules() -> Mapping[str, RuleModule]:
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
 
 
-def lint(subject: Subject) -> list[Finding]:
-    """What every rule finds, counting for as much as the table says."""
+def lint(subject: Subject, of_buf: Sequence[Finding] = ()) -> list[Finding]:
+    """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
-    said = _without_repetitions(found, subject.table.envelope.message)
+    said = [*_without_repetitions(found, subject.table.envelope.message), *unstated(of_buf, found)]
     return [finding for finding in (_as_the_table_says(finding, subject) for finding in said) if finding is not None]
 
 

@@ -22,6 +22,7 @@ import importlib
 from collections.abc import Iterator, Mapping
 from functools import cache
 
+from generator import buf
 from generator.context import Subject
 from generator.findings import Finding, Rule, Severity
 from generator.table import Lowered
@@ -40,7 +41,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Finding]:
-    rule = _rules().get(lowered.rule)
+    rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
     if rule is None:
         message = f"there is no rule {lowered.rule} that a table could lower"
         yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)

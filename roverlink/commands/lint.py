@@ -30,6 +30,11 @@ def add(commands: Subparsers) -> None:
     add_subject(parser)
     parser.add_argument("--against", metavar="STATE", help="a folder, a descriptor set, or a git ref to compare with")
     parser.add_argument(
+        "--with-buf",
+        action="store_true",
+        help="with --against: also show what an installed buf finds about generated code and JSON",
+    )
+    parser.add_argument(
         "--history",
         nargs="?",
         type=Path,
@@ -80,10 +85,13 @@ def _lint(arguments: argparse.Namespace) -> Linted:
     of_history: Path | None = arguments.history if isinstance(arguments.history, Path) else None
     if of_history is not None and arguments.root is not None:
         raise SetupError(f"two trees are named, {arguments.root} and {of_history}: one lint looks at one")
+    if arguments.with_buf and not arguments.against:
+        raise SetupError("--with-buf compares two states: name the other one with --against")
     root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
             against=arguments.against,
+            with_buf=arguments.with_buf,
             history=arguments.history is not None,
             branches=arguments.branches,
             pins=tuple(arguments.pins),

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +13,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+
+from generator.buf import executable
 
 CATEGORIES = ("FILE", "WIRE_JSON", "WIRE")
 
@@ -42,12 +42,6 @@ class BufFinding:
 
 class BufError(Exception):
     """What buf says of states that it cannot compare, such as files that do not compile or no files at all."""
-
-
-@cache
-def executable() -> str | None:
-    """The buf of this Python's environment (it is on PyPI as buf-bin), else the one on the PATH."""
-    return shutil.which("buf", path=str(Path(sys.executable).parent)) or shutil.which("buf")
 
 
 needs_buf = pytest.mark.skipif(executable() is None, reason="there is no buf; pip install buf-bin")

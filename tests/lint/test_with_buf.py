@@ -1,0 +1,480 @@
+"""`roverlink lint --against X --with-buf`: what an installed buf finds, beside our own findings, in all our formats."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import buf
+import pytest
+from buf import needs_buf
+from comparing import ROOT, changes_found, compiled
+from mutations import MUTATIONS, together, write
+
+from generator.buf import breaking, unstated
+from generator.findings import Finding
+from generator.protoc import compile_tree
+from generator.protos import Schema
+from roverlink.__main__ import main
+
+_BEFORE = """\
+syntax = "proto3";
+
+package rover;
+
+message Imu {
+  int32 heading = 1;
+  int32 turns = 2;
+  float speed = 3;
+  float spare = 4;
+}
+
+enum Mode {
+  MODE_IDLE = 0;
+  MODE_DRIVE = 1;
+}
+"""
+_AFTER = """\
+syntax = "proto3";
+
+package rover;
+
+message Imu {
+  int32 heading = 1 [json_name = "yaw"];
+  int64 turns = 2;
+  string speed = 3;
+}
+
+enum Mode {
+  MODE_IDLE = 0;
+  MODE_DRIVING = 1;
+}
+"""
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
+ros: {package: rover}
+peers: {board: {}}
+messages:
+  - {number: 1, name: imu, proto: rover.Imu, topic: imu, direction: board_to_ros}
+"""
+_ENVELOPE = 'syntax = "proto3";\nimport "imu.proto";\nmessage Envelope { oneof payload { rover.Imu imu = 1; } }\n'
+
+_BUF = buf.executable() or ""
+
+Said = tuple[int, str, str]
+Lint = Callable[..., Said]
+
+
+@pytest.fixture
+def lint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Lint:
+    """Lint the tree `after` against `before`, with further arguments."""
+    for name, text in (("before", _BEFORE), ("after", _AFTER)):
+        write({"imu.proto": text}, tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str, against: str = "before") -> Said:
+        code = main(["lint", "after", "--against", against, "--with-buf", *arguments])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def project(tmp_path: Path, lint: Lint, capsys: pytest.CaptureFixture[str]) -> Lint:
+    """Lint a project with a table against its earlier state, with these lines behind the table."""
+    for name, text in (("was", _BEFORE), (".", _AFTER)):
+        write({"mapping.yaml": _TABLE, "proto/envelope.proto": _ENVELOPE, "proto/imu.proto": text}, tmp_path / name)
+
+    def run(row: str = "", behind: str = "") -> Said:
+        table = _TABLE.replace("board_to_ros}", f"board_to_ros{row}}}") + behind
+        (tmp_path / "mapping.yaml").write_text(table)
+        code = main(["lint", "--against", "was", "--with-buf", "--format", "json"])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def other_bin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the Python interpreter, which has no buf; neither has the PATH."""
+    folder = tmp_path / "bin"
+    python = _executable(folder / "python", f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    monkeypatch.setattr(sys, "executable", str(python))
+    monkeypatch.setenv("PATH", str(tmp_path / "nowhere"))
+    return folder
+
+
+def _executable(path: Path, text: str) -> Path:
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    path.chmod(0o755)
+    return path
+
+
+def _ids(out: str) -> list[str]:
+    return [finding["id"] for finding in json.loads(out)]
+
+
+# --- what is shown ------------------------------------------------------------------------------------------------
+
+
+@needs_buf
+def test_text_has_both_and_no_fault_twice(lint: Lint) -> None:
+    """Buf's findings have buf's names; of a field that ours is about, there is ours alone."""
+    assert lint() == (
+        1,
+        """\
+after/imu.proto:5:1: error[WIR102] spare = 4 is gone from rover.Imu, and its number is not reserved
+5 | message Imu {
+  | ^
+  before/imu.proto:9:3: it was `float spare = 4;` here
+  help: put back `float spare = 4;`, or write `reserved 4; reserved "spare";`
+
+after/imu.proto:6:22: warning[FIELD_SAME_JSON_NAME] Field "1" with name "heading" on message "Imu" changed option \
+"json_name" from "heading" to "yaw".
+6 |   int32 heading = 1 [json_name = "yaw"];
+  |                      ^
+  help: https://buf.build/docs/breaking/rules/#field_same_json_name says what that breaks
+
+after/imu.proto:7:3: warning[FIELD_SAME_TYPE] Field "2" with name "turns" on message "Imu" changed type from "int32" \
+to "int64".
+7 |   int64 turns = 2;
+  |   ^
+  help: https://buf.build/docs/breaking/rules/#field_same_type says what that breaks
+
+after/imu.proto:8:3: error[WIR101] speed = 3 was float and is string now: what the one side sends, the other skips as \
+unknown
+8 |   string speed = 3;
+  |   ^
+  before/imu.proto:8:3: it was `float speed = 3;` here
+  help: put back `float speed = 3;`; or give it a new number, 5 is free: `string speed = 5; reserved 3;`
+
+after/imu.proto:13:18: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mode" changed name from "MODE_DRIVE" to \
+"MODE_DRIVING".
+13 |   MODE_DRIVING = 1;
+   |                  ^
+  help: https://buf.build/docs/breaking/rules/#enum_value_same_name says what that breaks
+
+2 errors, 3 warnings
+""",
+        "",
+    )
+
+
+@needs_buf
+def test_json_has_what_scripts_ask_for(lint: Lint) -> None:
+    """A finding of buf's has type and number as ours have."""
+    code, out, _ = lint("--format", "json")
+    [finding] = [finding for finding in json.loads(out) if finding["id"] == "FIELD_SAME_TYPE"]
+    assert (code, finding) == (
+        1,
+        {
+            "id": "FIELD_SAME_TYPE",
+            "name": "buf-breaking",
+            "severity": "warning",
+            "message_type": "rover.Imu",
+            "number": 2,
+            "path": "imu.proto",
+            "line": 7,
+            "column": 3,
+            "message": 'Field "2" with name "turns" on message "Imu" changed type from "int32" to "int64".',
+            "help": "https://buf.build/docs/breaking/rules/#field_same_type says what that breaks",
+            "history": [],
+            "also": [],
+        },
+    )
+
+
+@needs_buf
+def test_sarif_declares_the_rules_that_are_broken(lint: Lint) -> None:
+    """Buf's findings are results of rules of their names."""
+    code, out, _ = lint("--format", "sarif")
+    [run] = json.loads(out)["runs"]
+    results = {result["ruleId"]: result for result in run["results"]}
+    assert code == 1
+    assert results.keys() == {"WIR101", "WIR102", "FIELD_SAME_JSON_NAME", "FIELD_SAME_TYPE", "ENUM_VALUE_SAME_NAME"}
+    assert results.keys() <= {rule["id"] for rule in run["tool"]["driver"]["rules"]}
+    assert results["FIELD_SAME_TYPE"]["level"] == "warning"
+    [location] = results["FIELD_SAME_TYPE"]["locations"]
+    assert location["physicalLocation"] == {
+        "artifactLocation": {"uri": "after/imu.proto"},
+        "region": {"startLine": 7, "startColumn": 3},
+    }
+
+
+@needs_buf
+def test_github_and_junit_have_them_too(lint: Lint) -> None:
+    """A workflow command each, and a failed test for each rule."""
+    _, out, _ = lint("--format", "github")
+    assert "::warning file=after/imu.proto,line=7,col=3,title=FIELD_SAME_TYPE buf-breaking::Field " in out
+    _, out, _ = lint("--format", "junit")
+    suite = ElementTree.fromstring(out)  # noqa: S314  # our own output
+    failed = [case.get("name") for case in suite if case.find("failure") is not None]
+    assert "FIELD_SAME_TYPE buf-breaking" in failed
+
+
+@needs_buf
+def test_exit_codes(lint: Lint, tmp_path: Path) -> None:
+    """0 if buf and we find nothing; buf's findings are warnings, which --fail-on error lets pass."""
+    write({"imu.proto": _BEFORE.replace("int32 turns", "int64 turns")}, tmp_path / "after")
+    assert lint()[0] == 1
+    assert lint("--fail-on", "error")[0] == 0
+    write({"imu.proto": _BEFORE}, tmp_path / "after")
+    assert lint() == (0, "nothing to find fault with\n", "")
+
+
+@needs_buf
+def test_a_deleted_file_is_named(lint: Lint, tmp_path: Path) -> None:
+    """What has no place any more is at the folder."""
+    write({"gone.proto": 'syntax = "proto3";\npackage rover;\nmessage Gone {}\n'}, tmp_path / "before")
+    _, out, _ = lint()
+    assert 'after: warning[FILE_NO_DELETE] Previously present file "gone.proto" was deleted.\n' in out
+
+
+@needs_buf
+def test_deletion_with_care(lint: Lint, tmp_path: Path) -> None:
+    """A reserved field that is gone is buf's, beside one whose number is not reserved, which is ours."""
+    gone = _BEFORE.replace("  int32 turns = 2;\n  float speed = 3;\n", '  reserved 2;\n  reserved "turns";\n')
+    write({"imu.proto": gone}, tmp_path / "after")
+    _, out, _ = lint("--format", "json")
+    assert [(one["id"], one["number"]) for one in json.loads(out)] == [("FIELD_NO_DELETE", 2), ("WIR102", 3)]
+
+
+@needs_buf
+def test_reserved_names_are_for_buf_and_numbers_are_ours(lint: Lint, tmp_path: Path) -> None:
+    """Of what is not reserved any more, the numbers are said once."""
+    write(
+        {"imu.proto": _BEFORE.replace("{\n", '{\n  reserved 8, 20 to 29;\n  reserved "old";\n', 1)}, tmp_path / "before"
+    )
+    write({"imu.proto": _BEFORE.replace("{\n", "{\n  reserved 22 to 25;\n", 1)}, tmp_path / "after")
+    _, out, _ = lint("--format", "json")
+    assert [one["message"] for one in json.loads(out) if one["id"] != "WIR106"] == [
+        'Previously present reserved name "old" on message "Imu" was deleted.'
+    ]
+    assert _ids(out).count("WIR106") == 2
+
+
+# --- other states, and what is around -----------------------------------------------------------------------------
+
+
+@needs_buf
+def test_a_git_ref_and_a_descriptor_set(lint: Lint, tmp_path: Path) -> None:
+    """Buf compares with whatever the lint compares with."""
+    expected = _ids(lint("--format", "json")[1])
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.com", "-C", str(tmp_path / "after")]
+    write({"imu.proto": _BEFORE}, tmp_path / "after")
+    for arguments in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "Add the IMU"]):
+        subprocess.run([*git, *arguments], check=True)
+    write({"imu.proto": _AFTER}, tmp_path / "after")
+    assert _ids(lint("--format", "json", against="HEAD")[1]) == expected
+    schema, _ = compile_tree(tmp_path / "before", ["imu.proto"], "before")
+    (tmp_path / "set.binpb").write_bytes(schema.descriptors.SerializeToString())
+    assert _ids(lint("--format", "json", against="set.binpb")[1]) == expected
+
+
+@needs_buf
+def test_no_network_and_no_configuration(lint: Lint, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither a buf.yaml, be it broken or with dependencies elsewhere, nor a home folder is asked."""
+    expected = lint()
+    broken = "version: v2\ndeps: [buf.build/googleapis/googleapis]\nbreaking: {use: [NO_SUCH]}\nwrong: [\n"
+    for folder in (".", "before", "after"):
+        write({"buf.yaml": broken, "buf.work.yaml": broken}, tmp_path / folder)
+    for name in ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name in ("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9")
+    assert lint() == expected
+
+
+@needs_buf
+@pytest.mark.parametrize("side", ["before", "after"])
+def test_what_does_not_compile_is_not_deleted(lint: Lint, tmp_path: Path, side: str) -> None:
+    """A file that protoc refuses is one finding; buf compares the others."""
+    other = 'syntax = "proto3";\npackage rover;\nmessage Other {}\n'
+    write({"other.proto": other}, tmp_path / "before")
+    write({"other.proto": other}, tmp_path / "after")
+    write({"other.proto": f"{other}message {{\n"}, tmp_path / side)
+    code, out, _ = lint("--format", "json")
+    assert code == (2 if side == "before" else 1)
+    refused = "STA102" if side == "before" else "PRO101"
+    assert set(_ids(out)) == {
+        refused,
+        "WIR101",
+        "WIR102",
+        "FIELD_SAME_JSON_NAME",
+        "FIELD_SAME_TYPE",
+        "ENUM_VALUE_SAME_NAME",
+    }
+
+
+@needs_buf
+def test_nothing_compiles(lint: Lint, tmp_path: Path) -> None:
+    """Buf, which takes no empty state, is not asked."""
+    write({"imu.proto": "message {\n"}, tmp_path / "after")
+    code, out, _ = lint("--format", "json")
+    assert (code, _ids(out)) == (1, ["PRO101"])
+
+
+@needs_buf
+def test_a_missing_baseline(lint: Lint) -> None:
+    """It is what it is without buf."""
+    code, out, err = lint("--format", "json", against="v0.1")
+    assert (code, _ids(out), err) == (2, ["STA101"], "")
+
+
+@needs_buf
+@pytest.mark.parametrize(
+    ("row", "behind", "left"),
+    [
+        ("", "", "warning"),
+        ("", "lint:\n  FIELD_SAME_TYPE: {severity: hint, reason: agreed}\n", "hint"),
+        ("", 'lint:\n  FIELD_SAME_TYPE: {severity: "off", reason: agreed}\n', None),
+        (", lint: {FIELD_SAME_TYPE: {severity: hint, reason: agreed}}", "", "hint"),
+    ],
+)
+def test_the_table_lowers_them(project: Lint, row: str, behind: str, left: str | None) -> None:
+    """Settings under `lint` take buf's names, of the whole table or of a row."""
+    _, out, _ = project(row=row, behind=behind)
+    found = {finding["id"]: finding["severity"] for finding in json.loads(out)}
+    assert found.get("FIELD_SAME_TYPE") == left
+    assert found["FIELD_SAME_JSON_NAME"] == "warning"
+    assert "TAB108" not in found
+
+
+@needs_buf
+def test_a_setting_that_does_not_lower(project: Lint) -> None:
+    """Buf's findings are warnings anyway."""
+    _, out, _ = project(behind="lint:\n  FIELD_SAME_TYPE: {severity: warning, reason: agreed}\n")
+    [finding] = [finding for finding in json.loads(out) if finding["id"] == "TAB108"]
+    assert finding["message"] == "FIELD_SAME_TYPE (buf-breaking) is a warning anyway; warning is no lower"
+
+
+@needs_buf
+def test_a_payload_of_the_envelope_is_said_once(project: Lint, tmp_path: Path) -> None:
+    """Of a payload's number, the rules for the envelope say more than buf does."""
+    write({"proto/imu.proto": _BEFORE}, tmp_path)
+    write({"proto/envelope.proto": _ENVELOPE.replace("imu = 1", "imu = 2")}, tmp_path)
+    _, out, _ = project()
+    assert [one for one in json.loads(out) if one["name"] == "buf-breaking" and one["message_type"] == "Envelope"] == []
+    assert any(id.startswith("ENV") for id in _ids(out))
+
+
+# --- without buf, and with one that fails -------------------------------------------------------------------------
+
+
+def test_another_state_is_needed(lint: Lint, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without --against there is nothing for buf to compare."""
+    assert main(["lint", "after", "--with-buf"]) == 2
+    assert "--with-buf compares two states: name the other one with --against" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("format", ["text", "json", "sarif"])
+def test_buf_is_not_installed(lint: Lint, other_bin: Path, format: str) -> None:
+    """One message with the command that installs it."""
+    assert lint("--format", format) == (
+        2,
+        "",
+        "--with-buf: fatal[BUF101] there is no buf beside this Python interpreter or on the PATH; nothing was linted\n"
+        f"  help: {other_bin}/python -m pip install buf-bin\n",
+    )
+
+
+@needs_buf
+def test_a_buf_on_the_path(lint: Lint, other_bin: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It need not be installed with pip."""
+    (tmp_path / "nowhere").mkdir()
+    (tmp_path / "nowhere" / "buf").symlink_to(_BUF)
+    assert "FIELD_SAME_TYPE" in _ids(lint("--format", "json")[1])
+
+
+_FAILURES = {
+    "it fails": ("#!/bin/sh\necho 'Failure: out of luck' >&2\nexit 1\n", "Failure: out of luck"),
+    "another version": ("#!/bin/sh\necho 'Failure: unknown flag: --config' >&2\nexit 1\n", "unknown flag: --config"),
+    "it fails in silence": ("#!/bin/sh\nexit 3\n", "exit code 3"),
+    "it names nothing": ("#!/bin/sh\nexit 100\n", "exit code 100"),
+    "it crashes": ("#!/bin/sh\nkill -9 $$\n", "exit code -9"),
+    "it is something else": ("#!/bin/sh\necho 'Usage: buf FILE'\n", "not a list of findings: Usage: buf FILE"),
+    "not a finding": ("#!/bin/sh\necho '{\"say\": 1}'\nexit 100\n", 'not a list of findings: {"say": 1}'),
+    "not an object": ("#!/bin/sh\necho 7\nexit 100\n", "not a list of findings: 7"),
+    "no rule": ('#!/bin/sh\necho \'{"type": "COMPILE", "message": "no"}\'\nexit 100\n', "not a list of findings"),
+    "no text": ("#!/bin/sh\nprintf '\\377\\376\\n'\nexit 100\n", "not a list of findings"),
+    "no program": ("", "it cannot be run: "),
+}
+
+
+@pytest.mark.parametrize("stub", _FAILURES)
+def test_buf_fails(lint: Lint, other_bin: Path, stub: str) -> None:
+    """That is one finding and exit code 2; our own findings are shown all the same."""
+    program, why = _FAILURES[stub]
+    _executable(other_bin / "buf", program)
+    code, out, err = lint("--format", "json")
+    [failure, *ours] = json.loads(out)
+    assert (code, err, failure["id"], failure["severity"]) == (2, "", "BUF102", "fatal")
+    assert failure["message"].startswith(f"{other_bin}/buf did not compare the two states: ")
+    assert why in failure["message"]
+    assert failure["help"] == f"if this buf is old or broken: {other_bin}/python -m pip install --upgrade buf-bin"
+    assert [finding["id"] for finding in ours] == ["WIR102", "WIR101"]
+
+
+# --- beside buf by itself -----------------------------------------------------------------------------------------
+
+
+_ALONE = {"package_changed", "no_package"}
+"""Mutations that say what they say only by themselves."""
+_SOURCE_AND_JSON = {
+    *("ENUM_NO_DELETE", "ENUM_SAME_JSON_FORMAT", "ENUM_SAME_TYPE", "ENUM_VALUE_NO_DELETE", "ENUM_VALUE_SAME_NAME"),
+    *("EXTENSION_MESSAGE_NO_DELETE", "EXTENSION_NO_DELETE", "FIELD_NO_DELETE", "FIELD_SAME_CARDINALITY"),
+    *("FIELD_SAME_CPP_STRING_TYPE", "FIELD_SAME_JAVA_UTF8_VALIDATION", "FIELD_SAME_JSON_NAME", "FIELD_SAME_JSTYPE"),
+    *("FIELD_SAME_NAME", "FIELD_SAME_ONEOF", "FIELD_SAME_TYPE", "FIELD_SAME_UTF8_VALIDATION", "FILE_NO_DELETE"),
+    *("MESSAGE_NO_DELETE", "MESSAGE_NO_REMOVE_STANDARD_DESCRIPTOR_ACCESSOR", "MESSAGE_SAME_JSON_FORMAT"),
+    *("ONEOF_NO_DELETE", "RESERVED_ENUM_NO_DELETE", "RESERVED_MESSAGE_NO_DELETE"),
+}
+"""Rules of buf's that find what ours do not."""
+
+
+@pytest.mark.slow
+@needs_buf
+def test_nothing_of_bufs_is_lost(tmp_path: Path) -> None:
+    """What buf finds in files that it compiles itself is shown, but for what ours say of the same line."""
+    alone = [mutation for mutation in MUTATIONS if mutation.name in _ALONE]
+    rest = together([mutation for mutation in MUTATIONS if mutation not in alone])
+    for mutation in (*alone, rest):
+        before, after = tmp_path / mutation.name / "before", tmp_path / mutation.name / "after"
+        states = compiled(mutation.before, before), compiled(mutation.after, after)
+        found = breaking(*states, ROOT)
+        by_itself = [
+            one for one in buf.breaking(before, after, ["FILE"]) if not _is_of_an_entry(one.message, states[0])
+        ]
+        assert _places(found) == {(one.rule, one.path, one.line) for one in by_itself}
+        ours = changes_found(*states)
+        shown = set(unstated(found, ours))
+        dropped = [one for one in found if one not in shown]
+        assert [one.render() for one in dropped if not any(_is_about_the_same(one, other) for other in ours)] == []
+        assert {one.rule.id for one in shown} >= _SOURCE_AND_JSON if mutation is rest else shown
+
+
+def _is_about_the_same(theirs: Finding, ours: Finding) -> bool:
+    """Whether two findings are in one line, or in one file about one number."""
+    return theirs.span.file == ours.span.file and (
+        theirs.span.line == ours.span.line or f'"{ours.number}"' in theirs.message
+    )
+
+
+def _places(found: list[Finding]) -> set[tuple[str, str, int]]:
+    return {(one.rule.id, one.span.file.removeprefix(ROOT).lstrip("/"), one.span.line or 1) for one in found}
+
+
+def _is_of_an_entry(message: str, before: Schema) -> bool:
+    """Whether a finding says that the entry of a map was deleted, which nobody wrote."""
+    deleted = re.fullmatch(r'Previously present message "(.*)" was deleted from file.', message)
+    entries = [name for name, message in before.messages.items() if message.map_entry]
+    return deleted is not None and any(f".{name}".endswith(f".{deleted[1]}") for name in entries)
