@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import ledger, read, tree
+from generator import ledger, tree
 from generator.declarations import File, parse
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
@@ -21,7 +21,7 @@ from generator.resolve import locate
 from generator.rules import lint
 from generator.states import Layout, State, open_state
 from generator.subject import Change, Subject, since_last_generate
-from generator.table import Table
+from generator.table import Table, reader
 
 NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
 UNREADABLE_HISTORY = Rule("STA105", "unreadable-history", Severity.FATAL)
@@ -79,7 +79,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     """Lint the project of a table. Raises `FindingsError` where nothing can be looked at."""
     project = table_path.resolve().parent
     findings: list[Finding] = []
-    table = read.read(table_path, findings, table_path.name)
+    table = reader.read(table_path, findings, table_path.name)
     published = ledger.read(project / ledger.NAME, findings)
     return _lint(project, table, published, question, findings)
 

@@ -50,7 +50,7 @@ class RosMessages:
         conversion = None if row.feed else self._conversion(self.schema.messages[row.proto], 1)
         if row.recursion is not None:
             self._check_recursion(row, conversion)
-        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward)
+        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
 
     def _check_recursion(self, row: Row, conversion: ir.Conversion | None) -> None:

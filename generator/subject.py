@@ -11,8 +11,7 @@ from generator.findings import Span, shown
 from generator.ledger import NAME as LEDGER
 from generator.ledger import Entry, Ledger, as_schema
 from generator.protos import Schema
-from generator.table import Table
-from generator.table_format import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER
+from generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Table
 
 if TYPE_CHECKING:
     from generator.nanopb import Bounds

@@ -16,8 +16,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.generated_code import load_project
 from roverlink.packages import installed_version
-from runtime import Registry, RoverlinkError, load_registry, parameters, udp
+from runtime import Registry, RoverlinkError, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
 from runtime.parameters import Parameters
 from runtime.ros_args import RosArguments
@@ -48,7 +49,7 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
     """Look at everything. Raises nothing that a check finds."""
     found = list(_python())
     try:
-        registry = load_registry(project)
+        registry = load_project(project)
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
         return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]

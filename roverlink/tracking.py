@@ -13,9 +13,10 @@ from contextlib import ExitStack
 from roverlink.camera_source import open_source
 from roverlink.commands.aruco.track import NO_MIDDLEWARE
 from roverlink.console import OK, project_folder
+from roverlink.generated_code import load_project
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
-from runtime import Registry, cdr, load_registry
+from runtime import Registry, cdr
 from runtime.errors import SetupError
 from runtime.middleware import Middleware, open_middleware
 from runtime.ros_args import RosArguments
@@ -131,7 +132,7 @@ def _outputs(
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
-            tell = place_teller(middleware, load_registry(project_folder(arguments.project)), ros.topic, logger.warning)
+            tell = place_teller(middleware, load_project(project_folder(arguments.project)), ros.topic, logger.warning)
             yield lambda view: tell(view.place.pose.translation) if view.place else None
 
 

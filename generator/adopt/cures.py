@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from generator import naming, read
+from generator import naming
 from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.tree import Tree
 from generator.findings import Finding, Severity, Span
 from generator.protos import ProtoMessage, Schema
 from generator.rules import modules
+from generator.table import reader
 
 _FIELD_NAMES, _ROS_NAME = ("CNV104", "CNV105"), "ROS101"
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
@@ -76,7 +77,7 @@ def _rows_by_span(draft: Draft, text: str, table: str) -> Mapping[Span, list[Dra
     """The rows by the places of their keys in the table."""
     by_number = {row.number: row for row in draft.rows}
     found: defaultdict[Span, list[DraftRow]] = defaultdict(list)
-    for row in read.parse(text, table, []).rows:
+    for row in reader.parse(text, table, []).rows:
         for span in {row.span, *row.spans.values()}:
             found[span].append(by_number[row.number])
     return found

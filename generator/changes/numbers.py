@@ -8,7 +8,7 @@ from generator.changes.ranges import Range
 from generator.declarations import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from generator.protos import Schema
 from generator.subject import Subject
-from generator.table_format import IMPLEMENTATION_NUMBERS
+from generator.table import IMPLEMENTATION_NUMBERS
 
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generator import read, rules, tree
+from generator import rules, tree
 from generator.declarations import parse
 from generator.findings import Finding, Rule, Severity, Span
 from generator.ledger import Entry, Ledger
@@ -16,7 +16,7 @@ from generator.nanopb import Bounds, FieldBounds
 from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.subject import Change, Subject
-from generator.table import Table
+from generator.table import Table, reader
 
 _HEAD = """\
 version: 1
@@ -34,7 +34,7 @@ _PAYLOADS = 'syntax = "proto3";\nmessage Imu { float x = 1; }\nmessage Gps { flo
 def _table(folder: Path, rows: str, more: str = "", owner: str = "mapping") -> Table:
     path = folder / "mapping.yaml"
     path.write_text(_HEAD.replace("OWNER", owner) + rows + more, encoding="utf-8")
-    return read.read(path, [], "mapping.yaml")
+    return reader.read(path, [], "mapping.yaml")
 
 
 def _schema(folder: Path, files: Mapping[str, str], shown_root: str = "proto") -> Schema:

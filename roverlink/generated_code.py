@@ -1,0 +1,26 @@
+"""The generated code of a project, found by what its table says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from generator.findings import Finding, FindingsError
+from generator.table import reader
+from roverlink.console import TABLE
+from runtime import Registry, load_registry
+
+
+def load_project(folder: Path | None) -> Registry:
+    """Load the registry of a project, or the installed ``generated`` if there is no folder.
+
+    The import name is that of the table (``python.package``); without a table that can be read, it is ``generated``.
+    Raises `RegistryError` as `load_registry`.
+    """
+    table = None if folder is None else folder / TABLE
+    if table is None or not table.is_file():
+        return load_registry(folder)
+    ignored: list[Finding] = []  # `generate` and `lint` show them
+    try:
+        return load_registry(folder, reader.read(table, ignored).python.package)
+    except FindingsError:
+        return load_registry(folder)
