@@ -9,7 +9,7 @@ SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
 HAND_WRITTEN := generator runtime vision roverlink bench tests
 
-.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate clean
+.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -57,6 +57,9 @@ pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md and docs
 
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
+
+docs-reference: $(VENV)/ready-dev  ## the tables of keys and parameters in docs/mapping.md and README.md, from their declarations
+	$(BIN)/python tests/docs/reference.py
 
 clean:  ## remove what was made here, the environment included
 	rm -rf $(VENV) build .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -11,10 +11,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from generator import ir
 from generator.findings import Finding, FindingsError, Rule, Severity, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Row, Table
+from generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
 
 NO_ENVELOPE_MESSAGE = Rule("STA104", "no-envelope-message", Severity.FATAL)
 
@@ -36,17 +35,12 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
         file=file,
         whole=False,
         numbers=frozenset(),
-        proto=ProtoSettings(here, {}, "", ()),
-        envelope=EnvelopeSettings(here, {}, file, envelope.message, "", "proto"),
-        package="",
-        package_span=here,
-        maintainer="",
+        version=FORMAT_VERSION,
+        proto=ProtoSettings(span=here, root=""),
+        envelope=EnvelopeSettings(span=here, file=file, message=envelope.message, oneof="", owner="proto"),
+        ros=RosSettings(span=here, package=""),
         peers=(),
         rows=(),
-        retired=(),
-        enums=(),
-        outputs=Outputs(here, {}, (), ()),
-        lint=(),
     )
 
 
@@ -125,10 +119,4 @@ def _row(field: ProtoField) -> Row:
         ros=field.wire_type.rpartition(".")[2],
         topic="",
         direction="",
-        qos=ir.Qos(),
-        bounds={},
-        fields={},
-        ignore=(),
-        forward=(),
-        lint=(),
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError
 
-from generator import ledger, read
+from generator import ledger
 from generator.descriptors import schema_of
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
 from generator.git import Commit, GitError, Repository
@@ -19,7 +19,7 @@ from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from generator.proto_files import read_protos
 from generator.protoc import compile_tree
 from generator.protos import Schema
-from generator.table import Table
+from generator.table import Table, reader
 
 NO_SUCH_STATE = Rule("STA101", "no-such-state", Severity.FATAL)
 UNREADABLE_STATE = Rule("STA102", "unreadable-state", Severity.FATAL)
@@ -116,7 +116,7 @@ def _baseline_in(
 ) -> Baseline:
     """The state in a folder: a project, the folder of its protos, or any tree of them."""
     own: list[Finding] = []  # faults of the state's own, which nobody can mend there
-    table = read.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
+    table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = ledger.read(folder / ledger.NAME, own, shown(name, ledger.NAME))
     root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
     shown_root = shown(name, root) if root else name

@@ -14,8 +14,7 @@ from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds
 from generator.pinned_numbers import Pinned
 from generator.protos import Schema
-from generator.table import Table
-from generator.table_format import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER
+from generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Table
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[Change, ...]:

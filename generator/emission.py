@@ -6,39 +6,42 @@ from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
-from generator import envelope_file, ir, ledger, mapping_schema, targets, template_folder
+from generator import envelope_file, ir, ledger, targets, template_folder
 from generator.findings import Finding, FindingsError, Rule, Span, nearest
 from generator.rendering import Files
-from generator.table import Outputs
+from generator.table import Table, json_schema
 
 UNKNOWN_TARGET = Rule("OUT102", "unknown-target")
 TARGET_FAILED = Rule("OUT103", "target-failed")
 FORBIDDEN_PATH = Rule("OUT104", "forbidden-path")
 
 FOLDER = "generated"
-"""Where the files go, but for a few that have a place of their own."""
+"""The folder of what is generated, as targets name it; `placed` tells where it is."""
 
 
-def emit(
-    bridge: ir.Bridge, outputs: Outputs, proto_root: str, published: ledger.Ledger, project: Path
-) -> dict[str, str]:
+def placed(path: str, bridge: ir.Bridge) -> str:
+    """Return where a target's file goes: from ``generated/`` to the folder of the project's Python package."""
+    return f"{bridge.folder}{path.removeprefix(FOLDER)}" if path.startswith(f"{FOLDER}/") else path
+
+
+def emit(bridge: ir.Bridge, table: Table, published: ledger.Ledger, project: Path) -> dict[str, str]:
     """Every file that a table compiles to: its path, relative to the table, and its text.
 
     ``published`` is what the ledger had before; ``project`` is the folder from which those of templates are named.
     Raises `FindingsError` with everything that is wrong with targets and templates.
     """
     collected = _Collected()
-    collected.add(Span(bridge.table), mapping_schema.emit())
+    collected.add(Span(bridge.table), [(f"{bridge.folder}/{json_schema.FILE}", json_schema.text())])
     collected.add(Span(bridge.table), [(ledger.NAME, ledger.render(bridge, published))])
     if bridge.envelope.ours:
-        path = f"{proto_root}/{bridge.envelope.file}"
+        path = f"{table.proto.root}/{bridge.envelope.file}"
         collected.add(Span(bridge.table), [(path, envelope_file.text(bridge.envelope, bridge.table))])
-    for name in outputs.targets:
-        span = outputs.at(f"targets.{name}")
-        collected.add(span, _of_target(name, bridge, span))
-    for folder in outputs.templates:
-        span = outputs.at(f"templates.{folder}")
-        collected.add(span, _below_folder(template_folder.emit(bridge, project, folder, span), span))
+    for name in table.targets:
+        span = table.at(f"targets.{name}")
+        collected.add(span, _placed(_of_target(name, bridge, span), bridge))
+    for folder in table.templates:
+        span = table.at(f"templates.{folder}")
+        collected.add(span, _placed(_below_folder(template_folder.emit(bridge, project, folder, span), span), bridge))
     return collected.files()
 
 
@@ -89,6 +92,10 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
         raise FindingsError([TARGET_FAILED.at(span, message)]) from error
+
+
+def _placed(files: Files, bridge: ir.Bridge) -> Files:
+    return ((placed(path, bridge), text) for path, text in files)
 
 
 def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:

@@ -13,7 +13,7 @@ from generator.changes.pairing import written
 from generator.context import Subject
 from generator.declarations import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from generator.protos import Schema
-from generator.table_format import IMPLEMENTATION_NUMBERS
+from generator.table import IMPLEMENTATION_NUMBERS
 
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal
 
 from generator.ir_standard import Feed, Interface
 
@@ -222,9 +223,9 @@ class AnyConversion:
 class Qos:
     """The quality of service of a topic; the defaults are rclcpp's."""
 
-    reliability: str = "reliable"
-    durability: str = "volatile"
-    history: str = "keep_last"
+    reliability: Literal["reliable", "best_effort"] = "reliable"
+    durability: Literal["volatile", "transient_local"] = "volatile"
+    history: Literal["keep_last", "keep_all"] = "keep_last"
     depth: int = 10
 
 
@@ -342,6 +343,8 @@ class Bridge:
     table: str
     """The table's file name."""
     package: str
+    python_package: str
+    """Import name of the generated package."""
     maintainer: str
     """``Name <address>``, of the package."""
     envelope: Envelope
@@ -359,6 +362,11 @@ class Bridge:
     """The standard messages that the rows need, by name."""
     modules: Mapping[str, str]
     """Text of each module that protoc generated, by path."""
+
+    @property
+    def folder(self) -> str:
+        """The folder of everything that is generated, relative to the table: that of the Python package."""
+        return self.python_package.replace(".", "/")
 
     def conversions(self) -> dict[str, Conversion]:
         """Every conversion, by its ROS message."""

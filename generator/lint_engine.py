@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import bare_tree, buf, ledger, read
+from generator import bare_tree, buf, ledger
 from generator.baseline import Baseline, Layout, open_baseline
 from generator.changes import Change
 from generator.consumer_pins import read_pins
@@ -21,7 +21,7 @@ from generator.protoc import DOES_NOT_COMPILE, compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
-from generator.table import Table
+from generator.table import Table, reader
 
 NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
 UNREADABLE_HISTORY = Rule("STA105", "unreadable-history", Severity.FATAL)
@@ -81,7 +81,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
     """Lint the project of a table. Raises `FindingsError` where nothing can be looked at."""
     project = table_path.resolve().parent
     findings: list[Finding] = []
-    table = read.read(table_path, findings, table_path.name)
+    table = reader.read(table_path, findings, table_path.name)
     published = ledger.read(project / ledger.NAME, findings)
     return _lint(project, table, published, question, findings)
 

@@ -1,30 +1,21 @@
-"""The parameters of the node that runs what is generated, as `config/udp.yaml` shows them.
+"""The parameters that the node has whatever the table says.
 
-`runtime.parameters` reads them; generator and runtime do not import each other, so a test holds the two together.
+The runtime declares them in a file, which is read here as data: generator and runtime do not import each other.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+_DECLARATIONS = Path(__file__).parents[1] / "runtime" / "node_parameters.yaml"
 
 
-@dataclass(frozen=True, slots=True)
-class NodeParameter:
-    """A parameter that the node has whatever the table says."""
-
-    name: str
-    default: int | str
-    meaning: str
-
-
-_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines
-
-NODE_PARAMETERS = (
-    NodeParameter("listen_port", 5000, "UDP port for the datagrams of all peers; 0 takes a free one"),
-    NodeParameter("listen_address", _EVERY_ADDRESS, "address of the interface to listen on"),
-    NodeParameter("dst_ip", "127.0.0.1", "the host that has the peers' ports"),
-    NodeParameter("forward_policy", "mapping", "mapping: as each row's forward says; all: every datagram to all peers"),
-    NodeParameter("source_policy", "mapping", "mapping: who may speak as each peer's sources say; any: everybody"),
-    NodeParameter("max_datagram", 1472, "longest datagram in bytes that is taken"),
-    NodeParameter("receive_buffer", 4_194_304, "bytes that the kernel is asked to hold for the bridge"),
-)
+@cache
+def node_parameters() -> dict[str, dict[str, Any]]:
+    """Return what is declared of each parameter, by its name: ``default``, ``description``, ``unit`` and limits."""
+    declared: dict[str, dict[str, Any]] = yaml.safe_load(_DECLARATIONS.read_text(encoding="utf-8"))
+    return declared

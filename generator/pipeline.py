@@ -8,18 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import context, emission, envelope_file, ir, ledger, naming, read, resolve
-from generator.add import with_row
+from generator import context, emission, envelope_file, ir, ledger, naming, resolve
 from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations, read_protos
 from generator.protoc import Compilation, compile_protos
-from generator.retire import with_retired
 from generator.rules import lint
-from generator.table import Table
-from generator.table_format import IMPLEMENTATION_NUMBERS
+from generator.table import IMPLEMENTATION_NUMBERS, Table, reader
+from generator.table.edit import with_retired, with_row
+from generator.table.yaml_items import read_text
 from generator.write import Change, compare
-from generator.yaml_items import read_text
 
 NO_PROTO_ROOT = Rule("PRO107", "no-proto-root")
 NO_ENVELOPE = Rule("PRO108", "no-envelope-file")
@@ -76,7 +74,7 @@ def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[
 def _table_text(table_path: Path) -> str:
     """Read a table that is to be edited. Raises `FindingsError` for what is no table."""
     text = read_text(table_path, table_path.name)
-    read.parse(text, table_path.name, [])
+    reader.parse(text, table_path.name, [])
     return text
 
 
@@ -93,7 +91,7 @@ def _compiled(
 ) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Finding] = []
-    table = read.parse(text, table_path.name, findings)
+    table = reader.parse(text, table_path.name, findings)
     published = published or ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
     files = {} if index is None else resolve.locate(table, index, findings)
@@ -112,8 +110,8 @@ def _compiled(
         bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
         raise FindingsError(in_order(findings))
-    folders = (emission.FOLDER, *([table.proto.root] if envelope.ours else []))
-    files = emission.emit(bridge, table.outputs.and_further(*further), table.proto.root, published, project)
+    folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
+    files = emission.emit(bridge, table.and_further(*further), published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))
 
 

@@ -125,8 +125,9 @@ def resolve(
     reached, enums = schema.reachable(envelope.message, *sorted(listed))
     return ir.Bridge(
         table=table.file,
-        package=table.package,
-        maintainer=table.maintainer,
+        package=table.ros.package,
+        python_package=table.python.package,
+        maintainer=table.ros.maintainer,
         envelope=envelope,
         peers=tuple(
             ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros, peer.sources, peer.source_rate)

@@ -42,7 +42,7 @@ class RosMessages:
     def route(self, row: Row) -> ir.Route:
         """A row, with the conversion of its payload to a message of the package, where it becomes one."""
         conversion = None if row.feed else self._conversion(self.schema.messages[row.proto])
-        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.qos, row.forward)
+        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
 
     def check_enums(self) -> None:

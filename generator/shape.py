@@ -32,7 +32,7 @@ def shapes_of(table: Table, findings: list[Finding]) -> dict[str, Shape]:
     for row in table.rows:
         if row.feed:
             continue
-        shape = Shape(row.ros, row.fields, row.ignore, row)
+        shape = Shape(row.ros, row.renames, row.ignore, row)
         first = shapes.setdefault(row.proto, shape)
         if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):
             message = f"{row.proto} becomes {row.ros} here, and something else in another row"

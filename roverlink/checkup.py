@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.console import project_folder
+from roverlink.generated_code import load_project
 from roverlink.packages import installed_version
-from runtime import Registry, RoverlinkError, load_registry, parameters, udp
+from runtime import Registry, RoverlinkError, parameters, udp
 from runtime.middleware import NodeIdentity, open_middleware
 from runtime.parameters import Parameters
 from runtime.ros_args import RosArguments
@@ -56,7 +57,7 @@ def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
     """Look at everything; ``project`` is what the command line names. Raises nothing that a check finds."""
     found = list(_python())
     try:
-        registry = load_registry(project_folder(project))
+        registry = load_project(project_folder(project))
         settings = parameters.read(registry, ros.parameters)
     except RoverlinkError as error:
         return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]

@@ -8,6 +8,7 @@ from typing import Any
 
 from generator import ir, ir_standard
 from generator.context import Subject
+from generator.emission import FOLDER, placed
 from generator.feed_names import named_feeds
 from generator.feeds import words
 from generator.lint_engine import Question, lint_project
@@ -17,9 +18,9 @@ from generator.protos import ProtoField
 from generator.table import Row
 from generator.targets.python import spelling
 from generator.type_hashes import type_hashes
+from roverlink.generated_code import load_project
 from roverlink.simulation import payload_at
 from roverlink.wire_lines import wire_lines
-from runtime import load_registry
 from runtime.errors import RoverlinkError
 
 _EXAMPLE_S = 1.0  # the simulated board's clock
@@ -155,19 +156,20 @@ class Project:
     def _files(self, route: ir.Route) -> list[str]:
         """The generated files that are about it and its message alone."""
         bridge = self.compiled.bridge
-        folder, module = spelling.proto_module(self._member(route.number).file)
+        file = self._member(route.number).file
         wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
         wanted += [f"generated/feeds/{one.file}.py" for one in named_feeds(bridge) if one.route.number == route.number]
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")
-        wanted.append(f"{folder.replace('.', '/')}/{module}.py")
-        return [path for path in wanted if path in self.compiled.files]
+        folder = spelling.proto_package(FOLDER, file).replace(".", "/")
+        wanted.append(f"{folder}/{spelling.proto_module(file)}.py")
+        return [path for path in (placed(path, bridge) for path in wanted) if path in self.compiled.files]
 
     def _example(self, row: Row) -> dict[str, Any]:
         """The bytes of an envelope that a simulated board would send; else the reason why there are none."""
         try:
-            registry = load_registry(self.folder)
+            registry = load_project(self.folder)
             handler = registry.by_name[row.name]
             envelope = registry.envelope(**{row.name: payload_at(handler.payload_type, _EXAMPLE_S)})
         except (RoverlinkError, KeyError, RecursionError) as error:

@@ -12,9 +12,9 @@ from contextlib import ExitStack
 
 from roverlink.camera_source import open_source
 from roverlink.console import OK, NoProjectError, project_folder
+from roverlink.generated_code import load_project
 from roverlink.progress import progress
 from roverlink.tracking_log import TrackingLog
-from runtime import load_registry
 from runtime.errors import SetupError
 from runtime.middleware import open_middleware
 from runtime.ros_args import RosArguments
@@ -129,7 +129,7 @@ def _outputs(
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:
             try:
-                registry = load_registry(project_folder(arguments.project))
+                registry = load_project(project_folder(arguments.project))
             except NoProjectError as error:  # a camera is of use without a bridge
                 logger.warning("the basestation is not told where the rover is: %s", error)
                 return

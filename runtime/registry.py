@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -77,35 +78,46 @@ class Registry:
         return {peer.name: peer for peer in self.peers}
 
 
-def load_registry(project: str | Path | None = None) -> Registry:
+def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:
     """Import the generated registry and check that it fits the descriptors that are loaded.
 
-    ``project`` is the folder that holds ``generated/``; without it, ``generated`` is taken from the import path.
-    Raises `RegistryError` where there is no generated code, where it does not import, or where a loaded descriptor is
-    not the one from which it was generated.
+    ``project`` is the folder of the table; without it, the package is taken from the import path. ``package`` is the
+    import name of the generated package, as the table has it under ``python``. Raises `RegistryError` if there is no
+    generated code, if it does not import, if a package of that name is loaded from elsewhere (of two projects in one
+    process, each needs a name of its own), or if a loaded descriptor is not the one from which it was generated.
     """
     if project is not None:
-        _put_first(Path(project).resolve())
+        _put_first(Path(project).resolve(), package)
     try:
-        registry = importlib.import_module("generated.registry").REGISTRY
-        check: Callable[[], None] = importlib.import_module("generated.checks").check
+        registry = importlib.import_module(f"{package}.registry").REGISTRY
+        check: Callable[[], None] = importlib.import_module(f"{package}.checks").check
     except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
-        if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] == "generated":
+        if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
             where = project if project is not None else "the import path"
             raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
         raise RegistryError(f"the generated code does not load: {error}; run `roverlink generate`") from error
     if not isinstance(registry, Registry):
-        raise RegistryError("generated.registry.REGISTRY is no registry; run `roverlink generate`")
+        raise RegistryError(f"{package}.registry.REGISTRY is no registry; run `roverlink generate`")
     check()
     return registry
 
 
-def _put_first(project: Path) -> None:
-    """Let ``import generated`` find the project's own code before any other of that name."""
-    if not (project / "generated" / "registry.py").is_file():
-        raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
-    loaded = sys.modules.get("generated")
-    if loaded is not None and Path(str(loaded.__file__)).resolve().parent.parent != project:
-        raise RegistryError(f"the generated code of another project is loaded already: {loaded.__file__}")
+def _concerns(module: str, package: str) -> bool:
+    """Return whether a module is the package, holds it, or is in it."""
+    return f"{package}.".startswith(f"{module}.") or module.startswith(f"{package}.")
+
+
+def _put_first(project: Path, package: str) -> None:
+    """Let the import of the package find the project's own code before any other of that name."""
+    if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
+        raise RegistryError(f"no generated code in {project} that is called {package}; run `roverlink generate` there")
+    folder = project
+    for name in itertools.accumulate(package.split("."), "{}.{}".format):
+        folder /= name.rpartition(".")[2]
+        loaded = [Path(path).resolve() for path in getattr(sys.modules.get(name), "__path__", [folder])]
+        if folder not in loaded:
+            what = "generated code" if name == package else f"package {name}"
+            where = ", ".join(map(str, loaded))
+            raise RegistryError(f"the {what} of another project is loaded already: {where}; one process loads one")
     if str(project) not in sys.path:
         sys.path.insert(0, str(project))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import envelope_file, read
+from generator import envelope_file
 from generator.adopt.draft import Draft
 from generator.adopt.fitting import fit
 from generator.adopt.guesses import guess_rows
@@ -26,6 +26,7 @@ from generator.pipeline import Compiled, compile_text
 from generator.protoc import compile_protos
 from generator.resolve import resolve_envelope
 from generator.rules import lint
+from generator.table import reader
 from generator.write import Change
 
 
@@ -89,14 +90,14 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
     check_the_way(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
-    findings += lint(dataclasses.replace(subject, table=read.parse(text, table_path.name, [])))
+    findings += lint(dataclasses.replace(subject, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
 
 
 def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Finding]) -> Subject:
     """Make what the rules look at: the draft, and the tree with the envelope that generate will write."""
-    table = read.parse(text_of(draft), table_file, [])
+    table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
     if draft.owner == "mapping":
         places = {row.proto: schema.messages[row.proto].file for row in table.rows}

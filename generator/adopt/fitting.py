@@ -8,13 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 
-from generator import naming, read
+from generator import naming
 from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.table_text import text_of
 from generator.findings import Finding, Severity, Span
 from generator.protos import ProtoField, Schema
 from generator.ros_fields import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
 from generator.ros_messages import RosMessages
+from generator.table import reader
 
 
 def fit(draft: Draft, schema: Schema, table: str) -> None:
@@ -24,7 +25,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
     """
     _name_messages(draft.rows, schema)
     findings: list[Finding] = []
-    parsed = read.parse(text_of(draft), table, [])
+    parsed = reader.parse(text_of(draft), table, [])
     messages = RosMessages(parsed, schema, findings)
     for row in parsed.rows:
         messages.route(row)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from generator.adopt.draft import Draft, DraftRow
-from generator.yaml_text import quoted, scalar
+from generator.table.edit import quoted, scalar
 
 _WIDTH = 110
 

@@ -8,12 +8,13 @@ from fractions import Fraction
 from generator import units
 from generator.feeds import faults
 from generator.feeds.leaves import Leaves
-from generator.feeds.options import KEYS, Options
+from generator.feeds.options import Options
 from generator.feeds.places import Place, Places
 from generator.feeds.sources import Sources
 from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
 from generator.table import Form
+from generator.table.keys import OPTIONS
 
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 _QUATERNION = "geometry_msgs/msg/Quaternion"
@@ -77,7 +78,7 @@ class Filling:
             if key in entries:
                 message = f"{place.shown} is a message, and `{key}` is for a single value"
                 self._wrong(entries[key].span, message, place.path)
-        parts = {name: entry for name, entry in entries.items() if name not in KEYS}
+        parts = {name: entry for name, entry in entries.items() if name not in OPTIONS}
         if "axes" not in entries:
             for name, entry in parts.items():
                 self.add((*place.path, name), entry, options)
@@ -169,8 +170,8 @@ class Filling:
         if form.entries is None:
             return self._leaves.constant(place, form, options.negated)
         entries = form.entries
-        if others := [name for name in entries if name not in KEYS]:
-            help = nearest(others[0], KEYS, f"known here: {', '.join(KEYS)}")
+        if others := [name for name in entries if name not in OPTIONS]:
+            help = nearest(others[0], OPTIONS, f"known here: {', '.join(OPTIONS)}")
             message = f"{place.shown} is a {place.type} and has no part {others[0]!r}"
             self._report(faults.UNKNOWN_TARGET.at(entries[others[0]].span, message, help))
             return None

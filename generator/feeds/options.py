@@ -14,8 +14,6 @@ from generator.findings import Finding, Span
 from generator.ir_standard import Scaling, Source
 from generator.table import Form
 
-KEYS = ("from", "value", "unit", "to", "scale", "fixed_point", "offset", "narrow", "default", "enum", "axes", "euler")
-"""The options; any other key of a mapping is a part of the target."""
 SHARED = ("unit", "to", "scale", "fixed_point", "offset", "narrow", "default")
 """The options that stand for all parts."""
 

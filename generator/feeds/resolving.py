@@ -23,7 +23,7 @@ class Feeds:
     """Makes the feeds of the rows, and keeps the definitions of the messages that they need."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Finding], None]) -> None:
-        self._distro, self._schema, self._report = table.distro, schema, report
+        self._distro, self._schema, self._report = table.ros.distro or "", schema, report
         self._definitions: dict[str, Interface] = {}
 
     @property
@@ -57,7 +57,7 @@ class Feeds:
         file = self._schema.messages[row.proto].file
         return Feed(
             settings.topic,
-            settings.qos,
+            settings.profile,
             row.proto,
             self._schema.packages.get(file, ""),
             file,

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 
 from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.table_format import IMPLEMENTATION_NUMBERS
+from generator.table import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("ENV104", "field-number-out-of-range")
 

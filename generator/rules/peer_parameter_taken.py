@@ -21,21 +21,21 @@ from collections.abc import Iterator
 
 from generator.context import Subject
 from generator.findings import Finding, Rule
-from generator.node_parameters import NODE_PARAMETERS
+from generator.node_parameters import node_parameters
 from generator.table import PeerSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken")
-_OF_THE_NODE = frozenset({"use_sim_time", *(parameter.name for parameter in NODE_PARAMETERS)})
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Peers whose parameter another peer has, or the node itself."""
     seen: dict[str, PeerSettings] = {}
+    of_the_node = {"use_sim_time", *node_parameters()}
     for peer in subject.table.peers:
         first = seen.setdefault(peer.parameter, peer)
         if first is not peer:
             message = f"the parameter {peer.parameter} of {peer.name} is already that of {first.name}"
             yield RULE.at(peer.at("parameter"), message, "give each peer a parameter of its own")
-        elif peer.parameter in _OF_THE_NODE:
+        elif peer.parameter in of_the_node:
             message = f"the parameter {peer.parameter} of {peer.name} is one of the node's own"
             yield RULE.at(peer.at("parameter"), message, f"call it dst_{peer.name}_port")

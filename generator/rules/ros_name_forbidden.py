@@ -27,9 +27,9 @@ RULE = Rule("ROS101", "ros-name-forbidden")
 def check(subject: Subject) -> Iterator[Finding]:
     """The package, and the messages and topics of the rows."""
     table = subject.table
-    if table.package and not naming.is_package_name(table.package):
+    if table.ros.package and not naming.is_package_name(table.ros.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
-        yield RULE.at(table.package_span, f"ROS forbids the package name {table.package!r}", help)
+        yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)
     for row in filter(_reaches_ros, table.rows):
         if row.feed is None and not naming.is_message_name(row.ros):
             nearest = naming.camel_case(row.ros)

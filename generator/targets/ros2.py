@@ -6,7 +6,7 @@ import itertools
 
 from generator import ir
 from generator.msg_types import msg_type
-from generator.node_parameters import NODE_PARAMETERS
+from generator.node_parameters import node_parameters
 from generator.rendering import Files, header, render
 
 
@@ -19,7 +19,12 @@ def emit(bridge: ir.Bridge) -> Files:
     comment = header(bridge.table)
     others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
     yield f"{folder}/CMakeLists.txt", render(
-        "CMakeLists.txt.j2", header=comment, package=bridge.package, messages=names, others=others
+        "CMakeLists.txt.j2",
+        header=comment,
+        package=bridge.package,
+        messages=names,
+        others=others,
+        project="/".join([".."] * (2 + len(bridge.python_package.split(".")))),
     )
     name, _, address = bridge.maintainer.partition(" <")
     xml = header(bridge.table, "<!--", " -->")
@@ -33,9 +38,11 @@ def emit(bridge: ir.Bridge) -> Files:
         spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
     )
     yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
-    yield f"{folder}/scripts/{bridge.package}_node.py", render("node.py.j2", header=comment, package=bridge.package)
+    yield f"{folder}/scripts/{bridge.package}_node.py", render(
+        "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
+    )
     yield f"{folder}/config/udp.yaml", render(
-        "udp.yaml.j2", header=comment, parameters=NODE_PARAMETERS, peers=bridge.peers
+        "udp.yaml.j2", header=comment, parameters=node_parameters(), peers=bridge.peers
     )
 
 

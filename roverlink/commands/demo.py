@@ -19,8 +19,9 @@ from roverlink import bridge_host, crossings, topics
 from roverlink.bridge_host import BridgeHost
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
 from roverlink.crossings import Crossing
+from roverlink.generated_code import load_project
 from roverlink.simulation import payload_at
-from runtime import Registry, SetupError, Translator, cdr, load_registry
+from runtime import Registry, SetupError, Translator, cdr
 from runtime.middleware import Middleware, Publisher
 from runtime.registry import AnyHandler
 from runtime.values import message_to_values, payload_to_values
@@ -59,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Show the bridge at work; exit code 1 where a message did not cross."""
     keep_to_ourselves()
     project = project_folder(arguments.project)
-    registry = load_registry(project)
+    registry = load_project(project)
     console = Console()
     with contextlib.ExitStack() as stack:
         camera = _camera(console, project, arguments.middleware, stack)

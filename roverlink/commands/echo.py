@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 from roverlink import topics
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
-from runtime import Qos, cdr, load_registry
+from roverlink.generated_code import load_project
+from runtime import Qos, cdr
 from runtime.middleware import NAMES, open_middleware
 from runtime.values import message_to_values
 
@@ -36,7 +37,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print until interrupted, until ``--count`` messages came (0), or until ``--timeout`` (1)."""
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     message_type, published = topics.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability
     qos = Qos(reliability, published.durability, depth=1000)

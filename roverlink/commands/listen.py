@@ -8,7 +8,8 @@ import sys
 from typing import Any
 
 from roverlink.console import OK, Subparsers, add_project, command, count, port, project_folder
-from runtime import DatagramError, Registry, Translator, load_registry, udp
+from roverlink.generated_code import load_project
+from runtime import DatagramError, Registry, Translator, udp
 from runtime.envelope import payload_numbers, restore
 from runtime.values import payload_to_values
 
@@ -34,7 +35,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print until interrupted, or until ``--count`` datagrams came."""
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0
     with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:

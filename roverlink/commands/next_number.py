@@ -9,7 +9,7 @@ from pathlib import Path
 from generator.context import Subject
 from generator.findings import FindingsError
 from generator.lint_engine import Question
-from generator.table_format import LARGEST_NUMBER
+from generator.table import LARGEST_NUMBER
 from roverlink.console import UNABLE, Subparsers, command, table_file
 from roverlink.linted import add_subject, in_repository, linted, say_limits
 from roverlink.progress import progress

@@ -8,7 +8,8 @@ import time
 
 from roverlink import topics
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
-from runtime import SetupError, cdr, load_registry, yaml_text
+from roverlink.generated_code import load_project
+from runtime import SetupError, cdr, yaml_text
 from runtime.middleware import NAMES, Publisher, open_middleware
 from runtime.values import message_from_values
 
@@ -39,7 +40,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Publish, once somebody listens."""
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     message_type, qos = topics.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
     with open_middleware(arguments.middleware, topics.identity("pub")) as middleware:

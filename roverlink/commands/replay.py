@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from roverlink import topics
 from roverlink.commands.send import destination_of
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, rate, seconds
-from runtime import SetupError, load_registry, parameters
+from roverlink.generated_code import load_project
+from runtime import SetupError, parameters
 from runtime.middleware import NAMES, Publisher, open_middleware
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     from runtime.recording.reading import Recording
     from runtime.recording.replaying import BoardReplay, RosReplay
 
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     recording = Recording(arguments.recording)
     with ExitStack() as stack:
         if arguments.role == "board":

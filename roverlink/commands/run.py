@@ -11,8 +11,9 @@ from pathlib import Path
 
 from roverlink import watching
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
+from roverlink.generated_code import load_project
 from roverlink.watching import Watching
-from runtime import NODE, Bridge, Registry, load_registry, parameters, ros_args
+from runtime import NODE, Bridge, Registry, parameters, ros_args
 from runtime.middleware import NAMES, open_middleware
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
@@ -61,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Bridge until a signal comes; then exit code 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
     with ExitStack() as stack:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))

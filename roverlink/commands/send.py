@@ -9,7 +9,8 @@ import time
 from google.protobuf.message import EncodeError
 
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
-from runtime import Registry, SetupError, load_registry, parameters, udp
+from roverlink.generated_code import load_project
+from runtime import Registry, SetupError, parameters, udp
 from runtime.assignments import payload_from_assignments
 from runtime.errors import nearest
 from runtime.registry import AnyHandler
@@ -44,7 +45,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Send, or list."""
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     if arguments.list:
         _list(registry)
         return OK

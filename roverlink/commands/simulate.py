@@ -27,11 +27,12 @@ from roverlink.console import (
     rate,
     seconds,
 )
+from roverlink.generated_code import load_project
 from roverlink.reckoning import Reckoning, fate, resident_bytes
 from roverlink.scenarios import SCENARIOS, Stream, World, emissions
 from roverlink.simulated_peers import Arrivals, Senders
 from roverlink.simulation import payload_at
-from runtime import Registry, Translator, load_registry, parameters
+from runtime import Registry, Translator, parameters
 from runtime.middleware import Middleware, Publisher
 from runtime.registry import AnyHandler
 
@@ -92,7 +93,7 @@ def _summary(name: str) -> str:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 where a bridge of our own does not add up."""
-    registry = load_registry(project_folder(arguments.project))
+    registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
     world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
     hertz = arguments.rate or _RATE_OF_A_ROW_HZ * len(world.inbound)

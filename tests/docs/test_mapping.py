@@ -8,15 +8,15 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import reference
 from page import ROOT, blocks
 
 import generator
-from generator import read
 from generator.findings import Rule
 from generator.pipeline import compile_table
 from generator.rules import modules
-from generator.table_format import TABLE
-from generator.value_types import ListOf, MapOf, Object, Type
+from generator.table import Table, reader
+from generator.table.parts import object_of
 
 _PAGE = ROOT / "docs" / "mapping.md"
 _SMALLEST = """\
@@ -42,21 +42,6 @@ def _documented_keys() -> dict[str, str]:
     return {row[0].strip("`"): row[3] for row in _rows(4) if row[0].startswith("`")}
 
 
-def _keys(type: Type, path: str = "") -> Iterator[tuple[str, bool]]:
-    """Each key of the format with its path, and whether it is required."""
-    if isinstance(type, Object):
-        for name, key in type.keys.items():
-            full = f"{path}.{name}" if path else name
-            yield full, key.required
-            yield from _keys(key.type, full)
-    elif isinstance(type, ListOf):
-        yield from _keys(type.item, f"{path}[]")
-    elif isinstance(type, MapOf) and isinstance(type.value, Object):
-        yield from _keys(
-            type.value, f"{path}.<{ {'peers': 'peer', 'enums': 'enum', 'messages[].bounds': 'field'}.get(path, 'id') }>"
-        )
-
-
 def _rules() -> Iterator[Rule]:
     """Every rule that a module of the generator defines."""
     for module in pkgutil.walk_packages(generator.__path__, "generator."):
@@ -64,16 +49,17 @@ def _rules() -> Iterator[Rule]:
 
 
 def test_every_key_of_the_format_is_documented() -> None:
-    """The page has the keys of the format, all of them and no other, and says which are required."""
-    documented = {key: default == "required" for key, default in _documented_keys().items()}
+    """The page's tables are made from the declarations of the keys, all of them, each once."""
+    page = _PAGE.read_text(encoding="utf-8")
 
-    assert documented == dict(_keys(TABLE))
+    assert page == reference.current(page), "run: make docs-reference"
+    assert sorted(reference.documented_keys(page)) == sorted(object_of(Table).keys)
 
 
 def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     """A table without any optional key reads as the page says."""
     (tmp_path / "mapping.yaml").write_text(_SMALLEST, encoding="utf-8")
-    table = read.read(tmp_path / "mapping.yaml", [])
+    table = reader.read(tmp_path / "mapping.yaml", [])
     row, peer = table.rows[0], table.peers[0]
     documented = {key: default.split(",")[0].strip("`") for key, default in _documented_keys().items()}
 
@@ -81,10 +67,10 @@ def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
     assert documented["peers.<peer>.parameter"] == peer.parameter
     assert documented["peers.<peer>.port"] == str(peer.port)
     assert documented["peers.<peer>.strip_trailing_zeros"] == str(peer.strip_trailing_zeros).lower()
-    assert documented["messages[].queue"] == documented["messages[].qos.depth"] == str(row.qos.depth)
-    assert documented["messages[].qos.reliability"] == row.qos.reliability
-    assert documented["messages[].qos.durability"] == row.qos.durability
-    assert documented["messages[].qos.history"] == row.qos.history
+    assert documented["messages[].queue"] == documented["messages[].qos.depth"] == str(row.profile.depth)
+    assert documented["messages[].qos.reliability"] == row.profile.reliability
+    assert documented["messages[].qos.durability"] == row.profile.durability
+    assert documented["messages[].qos.history"] == row.profile.history
     assert documented["messages[].priority"] == str(row.priority)
     assert row.ros == "ProbeReport"
     nothing = {"proto.exclude": table.proto.exclude, "retired": table.retired, "enums": table.enums}

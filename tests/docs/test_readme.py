@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+import reference
 from page import ROOT, Reader, blocks
 
 from generated.registry import REGISTRY
@@ -46,6 +47,8 @@ def test_the_parameters_are_those_of_the_node() -> None:
     defaults = {name: str(value) for name, value in parameters.defaults(REGISTRY).items()}
 
     assert _table("| parameter | default | |") == defaults
+    page = _README.read_text(encoding="utf-8")
+    assert page == reference.current(page), "run: make docs-reference"
 
 
 def test_every_command_is_listed(capsys: pytest.CaptureFixture[str]) -> None:

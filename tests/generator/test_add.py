@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from golden import inside, snapshot
 
-from generator import read
-from generator.add import with_row
 from generator.findings import FindingsError
+from generator.table import reader
+from generator.table.edit import with_row
 from roverlink.__main__ import main
 
 _HEAD = """\
@@ -56,7 +56,7 @@ def test_a_row_comes_behind_the_last_in_its_style(rows: str, before: str, added:
     first, found, rest = (_HEAD + rows).partition(before) if before else (_HEAD + rows, "", "")
     assert text == first + added + found + rest
     findings: list[object] = []
-    assert [row.name for row in read.parse(text, "mapping.yaml", findings).rows] == ["a", "off"]  # type: ignore[arg-type]
+    assert [row.name for row in reader.parse(text, "mapping.yaml", findings).rows] == ["a", "off"]  # type: ignore[arg-type]
     assert findings == []
 
 
@@ -95,7 +95,7 @@ def test_a_row_is_added_and_generated(project: Path, capsys: pytest.CaptureFixtu
         assert "b has the number 2" in capsys.readouterr().err
         assert main(["add", "again", "--proto", "B", "--direction", "board_to_ros", "--topic", "t", "--ros", "B"]) == 0
         assert main(["generate", "--check"]) == 0
-    rows = read.read(project / "mapping.yaml", []).rows
+    rows = reader.read(project / "mapping.yaml", []).rows
     assert [(row.number, row.name, row.topic) for row in rows] == [(1, "a", "a"), (2, "b", "b"), (3, "again", "t")]
     assert (project / "generated" / "handlers" / "again.py").is_file()
 
@@ -152,4 +152,4 @@ def test_in_an_envelope_of_another_the_number_is_the_member_s(project: Path) -> 
     with inside(project):
         assert main(["add", "c", "--proto", "B", "--direction", "board_to_ros"]) == 1
         assert main(["add", "b", "--proto", "B", "--direction", "board_to_ros"]) == 0
-    assert [row.number for row in read.read(table, []).rows] == [1, 7]
+    assert [row.number for row in reader.read(table, []).rows] == [1, 7]

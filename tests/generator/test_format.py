@@ -14,11 +14,11 @@ import yaml
 from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
-from generator import read
 from generator.context import Subject
 from generator.findings import Finding, FindingsError
 from generator.ledger import Ledger
 from generator.rules import lint
+from generator.table import reader
 from runtime import parameters
 
 _SCHEMA = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])
@@ -90,7 +90,7 @@ def test_schema_and_reader_agree(change: Callable[[dict[str, Any]], None], tmp_p
     file.write_text(yaml.safe_dump(table), encoding="utf-8")
     findings: list[Finding] = []
     with contextlib.suppress(FindingsError):
-        read.read(file, findings)
+        reader.read(file, findings)
     assert findings
 
 
@@ -102,6 +102,6 @@ def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
     table["peers"] |= {f"peer_{name}": {"parameter": name} for name in own}
     file = tmp_path / "mapping.yaml"
     file.write_text(yaml.safe_dump(table), encoding="utf-8")
-    findings = lint(Subject(read.read(file, []), None, Ledger()))
+    findings = lint(Subject(reader.read(file, []), None, Ledger()))
     refused = [finding.message for finding in findings if finding.rule.id == "TAB104"]
     assert [name for name in own if not any(f" {name} of peer_{name} " in message for message in refused)] == []

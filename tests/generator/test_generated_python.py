@@ -22,8 +22,13 @@ def _python(case: Case) -> dict[str, str]:
     return {
         path: text
         for path, text in files_of(case).items()
-        if path.endswith(".py") and not path.startswith("generated/pb2/")
+        if path.endswith(".py") and not path.startswith(f"{_folder(case)}/pb2/")
     }
+
+
+def _folder(case: Case) -> str:
+    """The folder of the generated package."""
+    return next(path.removesuffix("/registry.py") for path in files_of(case) if path.endswith("/registry.py"))
 
 
 @pytest.mark.slow
@@ -49,7 +54,7 @@ def test_ruff_finds_nothing(tmp_path: Path) -> None:
         _write(tmp_path / case.folder.name, files_of(case))
     lint = [sys.executable, "-m", "ruff", "check", "--no-cache", "--config", ROOT / "pyproject.toml"]
     said = [
-        subprocess.run([*lint, "generated"], cwd=tmp_path / case.folder.name, capture_output=True, text=True).stdout
+        subprocess.run([*lint, _folder(case)], cwd=tmp_path / case.folder.name, capture_output=True, text=True).stdout
         for case in passing_cases()
     ]
     assert [text for text in said if "All checks passed!" not in text] == []
@@ -62,7 +67,9 @@ def test_mypy_finds_nothing(case: Case, tmp_path: Path, tmp_path_factory: pytest
     _write(tmp_path, files_of(case))
     cache = tmp_path_factory.getbasetemp() / "mypy"
     command = [sys.executable, "-m", "mypy", "--config-file", ROOT / "pyproject.toml", "--cache-dir", cache]
-    done = subprocess.run([*command, "--package", "generated"], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(
+        [*command, "--package", _folder(case).replace("/", ".")], cwd=tmp_path, capture_output=True, text=True
+    )
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
 
 

@@ -10,10 +10,9 @@ from golden import CASES, ROOT, Case, generate, inside, snapshot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator import read
 from generator.findings import FindingsError
-from generator.retire import with_retired
-from generator.table import Table
+from generator.table import Table, reader
+from generator.table.edit import with_retired
 from roverlink.__main__ import main
 
 _TABLE = (ROOT / "mapping.yaml").read_text(encoding="utf-8")
@@ -45,7 +44,7 @@ messages:
 
 def _parsed(text: str) -> Table:
     findings: list[object] = []
-    table = read.parse(text, "mapping.yaml", findings)  # type: ignore[arg-type]  # only their number matters
+    table = reader.parse(text, "mapping.yaml", findings)  # type: ignore[arg-type]  # only their number matters
     assert findings == []
     return table
 

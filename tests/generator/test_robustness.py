@@ -16,9 +16,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import generator
-from generator import ledger, read
+from generator import ledger
 from generator.findings import Finding, FindingsError
 from generator.pipeline import compile_table
+from generator.table import reader
 
 T = TypeVar("T")
 
@@ -76,7 +77,7 @@ def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPath
     file = tmp_path_factory.getbasetemp() / "mutated.yaml"
     file.write_bytes(text)
     reported: list[Finding] = []
-    table, findings = _outcome(read.read, file, reported, "mapping.yaml")
+    table, findings = _outcome(reader.read, file, reported, "mapping.yaml")
     assert {finding.span.file for finding in findings} == (set() if table else {"mapping.yaml"})
     assert table is None or table.whole == (not reported)
 

@@ -14,7 +14,7 @@ from generator.findings import Finding, Span
 from generator.ledger import Ledger
 from generator.protoc import compile_tree
 from generator.protos import Schema
-from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Table
+from generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Table
 
 ROOT = "proto"
 _NOWHERE = Span("mapping.yaml")
@@ -22,17 +22,12 @@ TABLE = Table(
     file="mapping.yaml",
     whole=True,
     numbers=frozenset(),
-    proto=ProtoSettings(_NOWHERE, {}, ROOT, ()),
-    envelope=EnvelopeSettings(_NOWHERE, {}, "", "", "", "proto"),
-    package="rover_msgs",
-    package_span=_NOWHERE,
-    maintainer="",
+    version=FORMAT_VERSION,
+    proto=ProtoSettings(span=_NOWHERE, root=ROOT),
+    envelope=EnvelopeSettings(span=_NOWHERE, file="", message="", oneof="", owner="proto"),
+    ros=RosSettings(span=_NOWHERE, package="rover_msgs"),
     peers=(),
     rows=(),
-    retired=(),
-    enums=(),
-    outputs=Outputs(_NOWHERE, {}, (), ()),
-    lint=(),
 )
 FAMILY = "WIR"
 """What the ids of the rules about changes begin with."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generator import bare_tree, read, rules
+from generator import bare_tree, rules
 from generator.changes import Change
 from generator.context import Subject
 from generator.declarations import parse
@@ -17,7 +17,7 @@ from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds, FieldBounds
 from generator.protoc import compile_tree
 from generator.protos import Schema
-from generator.table import Table
+from generator.table import Table, reader
 
 _HEAD = """\
 version: 1
@@ -35,7 +35,7 @@ _PAYLOADS = 'syntax = "proto3";\nmessage Imu { float x = 1; }\nmessage Gps { flo
 def _table(folder: Path, rows: str, more: str = "", owner: str = "mapping") -> Table:
     path = folder / "mapping.yaml"
     path.write_text(_HEAD.replace("OWNER", owner) + rows + more, encoding="utf-8")
-    return read.read(path, [], "mapping.yaml")
+    return reader.read(path, [], "mapping.yaml")
 
 
 def _schema(folder: Path, files: Mapping[str, str], shown_root: str = "proto") -> Schema:

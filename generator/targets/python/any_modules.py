@@ -16,9 +16,10 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
     message = spelling.message_class(conversion.ros)
     by_ros = bridge.conversions()
     held = [by_ros[member.ros] for member in conversion.members]
-    modules = _local_names({spelling.proto_module(one.file) for one in held})
+    own = bridge.python_package
+    modules = _local_names({_module(own, one) for one in held}, own)
     used = ["check_empty", "check_none", *(["holds", "packed", "unpacked"] if held else [])]
-    imports = [("google.protobuf", "any_pb2"), ("generated.messages", message)]
+    imports = [("google.protobuf", "any_pb2"), (f"{own}.messages", message)]
     imports += [("runtime.any_of", name) for name in used]
     imports += [
         (package, name if name == local else f"{name} as {local}") for (package, name), local in modules.items()
@@ -27,7 +28,7 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
     for member, one in zip(conversion.members, held):
         converter = converter_of(member.ros)
         imports.append((converter.module, converter.name))
-        type = f"{modules[spelling.proto_module(one.file)]}.{one.local_name}"
+        type = f"{modules[_module(own, one)]}.{one.local_name}"
         members.append(_member(conversion.ros, member, type, converter.name))
     return render(
         "any.py.j2",
@@ -43,12 +44,17 @@ def any_module(bridge: ir.Bridge, conversion: ir.AnyConversion, converter_of: Ca
     )
 
 
-def _local_names(modules: set[tuple[str, str]]) -> Mapping[tuple[str, str], str]:
+def _module(generated: str, conversion: ir.Conversion) -> tuple[str, str]:
+    """Return the package and the name of the module with a conversion's proto message."""
+    return spelling.proto_package(generated, conversion.file), spelling.proto_module(conversion.file)
+
+
+def _local_names(modules: set[tuple[str, str]], generated: str) -> Mapping[tuple[str, str], str]:
     """What each module is called, by its package and its name: with its folders where another has the same name."""
     names = ["any_pb2", *(name for _, name in modules)]
     return {
         (package, name): (
-            name if names.count(name) == 1 else f"{package}.{name}".removeprefix("generated.").replace(".", "_")
+            name if names.count(name) == 1 else f"{package}.{name}".removeprefix(f"{generated}.").replace(".", "_")
         )
         for package, name in sorted(modules)
     }

@@ -44,13 +44,16 @@ def members_constant(which: str) -> str:
 class Bodies:
     """Spells one conversion."""
 
-    def __init__(self, conversion: ir.Conversion, converter_of: Callable[[str], Converter], place: str) -> None:
+    def __init__(
+        self, conversion: ir.Conversion, converter_of: Callable[[str], Converter], generated: str, place: str
+    ) -> None:
         self._conversion, self._converter_of, self._place = conversion, converter_of, place
+        self._generated = generated
         self._fields = conversion.fields
         self._imports: dict[str, set[str]] = {}
-        package, self._own_module = spelling.proto_module(conversion.file)
-        self._need(package, self._own_module)
-        self._need("generated.messages", spelling.message_class(conversion.ros))
+        self._own_module = spelling.proto_module(conversion.file)
+        self._need(spelling.proto_package(generated, conversion.file), self._own_module)
+        self._need(f"{self._generated}.messages", spelling.message_class(conversion.ros))
 
     def imports(self) -> Iterator[tuple[str, str]]:
         """The modules, and what is imported of each, as far as the bodies were spelled."""
@@ -108,7 +111,7 @@ class Bodies:
         return Comprehension("[", self._to_ros_value(field, "item", field.ros.name), f"for item in {source}", "]")
 
     def _entries(self, entry: ir.MapEntry, source: str, shown: str) -> Item:
-        name = self._need("generated.messages", spelling.message_class(entry.ros))
+        name = self._need(f"{self._generated}.messages", spelling.message_class(entry.ros))
         key, value = (self._to_ros_value(part, part.ros.name, shown) for part in (entry.key, entry.value))
         made = Group(f"{name}(", [headed("key=", key), headed("value=", value)], ")")
         return Comprehension("[", made, Group("for key, value in sorted(", [f"{source}.items()"], ")"), "]")
@@ -117,7 +120,7 @@ class Bodies:
         """One value, out of its wrapping; ``shown`` is how an error calls it."""
         source = f"{source}.{field.wrapping.field}" if field.wrapping else source
         if field.kind is ConversionKind.HELD:
-            name = self._need("generated.messages", spelling.message_class(field.ros.type.name))
+            name = self._need(f"{self._generated}.messages", spelling.message_class(field.ros.type.name))
             return Group(f"{name}(", [f"{field.member}={source}"], ")")
         if field.kind is ConversionKind.MESSAGE:
             return Group(f"{self._converter(field)}.to_ros(", [source], ")")
@@ -216,7 +219,8 @@ class Bodies:
 
     def _google(self, proto: str) -> str:
         """The class of a message of protobuf's library."""
-        package, module = spelling.proto_module(_FILES.get(proto, _WRAPPERS))
+        file = _FILES.get(proto, _WRAPPERS)
+        package, module = spelling.proto_package(self._generated, file), spelling.proto_module(file)
         local = f"google_{module}" if module == self._own_module else module
         self._need(package, module if local == module else f"{module} as {local}")
         return f"{local}.{proto.rpartition('.')[2]}"

@@ -16,14 +16,15 @@ class Converters:
     """Where the conversion to each ROS message stands: in a row's handler, or in a module of its own."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
+        self.generated = bridge.python_package
         self._handlers = {route.conversion.ros: route for route in reversed(bridge.routes) if route.conversion}
 
     def of(self, ros: str) -> Converter:
         """The converter to a ROS message."""
         route = self._handlers.get(ros)
         if route is not None:
-            return Converter(f"generated.handlers.{spelling.module(route.name)}", spelling.handler_class(route))
-        return Converter("generated.conversions", spelling.conversion_module(ros))
+            return Converter(f"{self.generated}.handlers.{spelling.module(route.name)}", spelling.handler_class(route))
+        return Converter(f"{self.generated}.conversions", spelling.conversion_module(ros))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ def view(
     ``place`` stands before the names of fields in errors, and ``extra_imports`` are modules and what is imported of
     them beside what the functions need.
     """
-    bodies = Bodies(conversion, converters.of, place)
+    bodies = Bodies(conversion, converters.of, converters.generated, place)
     payload, message = spelling.proto_class(conversion), spelling.message_class(conversion.ros)
     to_ros, from_ros = bodies.to_ros(message, indent + 4), bodies.from_ros(payload, indent + 4)
     unused = "" if conversion.fields else "_"

@@ -36,12 +36,12 @@ _PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", const
 class FeedSpelling:
     """Spells one feed, and keeps what its module needs."""
 
-    def __init__(self, feed: Feed) -> None:
-        self._feed = feed
+    def __init__(self, feed: Feed, generated: str) -> None:
+        self._feed, self._generated = feed, generated
         self._arithmetic = Arithmetic(_PYTHON)
         self._tables: dict[str, str] = {}
-        self._module = spelling.proto_module(feed.file)[1]
-        self.imports: set[tuple[str, str]] = {interfaces.import_of(feed.message)}
+        self._module = spelling.proto_module(feed.file)
+        self.imports: set[tuple[str, str]] = {interfaces.import_of(feed.message, generated)}
         self.locals: list[str] = []
         """What ``pack`` works out before its call."""
 
@@ -54,7 +54,7 @@ class FeedSpelling:
 
     def message(self, fields: Iterable[TargetField], name: str, head: str = "", *, varying: bool = True) -> Group:
         """A message; without what varies, where that is not wanted."""
-        self.imports.add(interfaces.import_of(name))
+        self.imports.add(interfaces.import_of(name, self._generated))
         items = [item for field in fields if (item := self._argument(field, varying)) is not None]
         return Group(f"{head}{interfaces.reference(name)}(", items, ")")
 
@@ -68,12 +68,12 @@ class FeedSpelling:
         if isinstance(value, Unset) or not varying:
             return None
         if isinstance(value, Rotation):
-            self.imports.add(interfaces.import_of(field.type.name))
+            self.imports.add(interfaces.import_of(field.type.name, self._generated))
             return Group(f"{head}{interfaces.reference(field.type.name)}(", [self._rotation(value)], ")")
         if isinstance(value, Moment):
             if value.source is None:
                 return f"{head}stamp"
-            self.imports.add(interfaces.import_of(field.type.name))
+            self.imports.add(interfaces.import_of(field.type.name, self._generated))
             return Group(f"{head}{interfaces.reference(field.type.name)}(", [self._moment(value)], ")")
         return self._value(head, value)
 
@@ -131,7 +131,7 @@ class FeedSpelling:
 
     def _table(self, value: Chosen) -> str:
         """The name of the table of an enum's counterparts."""
-        self.imports |= {("runtime.feed", "Counterparts"), interfaces.import_of(value.holder)}
+        self.imports |= {("runtime.feed", "Counterparts"), interfaces.import_of(value.holder, self._generated)}
         cases = [f"{case.number}: {self._case(case, value.holder)},  # {case.name}" for case in value.cases]
         body = [f'    "{value.source.dotted}",', "    {", *(f"        {case}" for case in cases), "    },", ")"]
         text, name = "\n".join(["Counterparts(", *body]), f"_{'_'.join(value.source.path).upper()}"

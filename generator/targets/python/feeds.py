@@ -33,7 +33,7 @@ def emit(bridge: ir.Bridge) -> Files:
                 header=header(bridge.table),
                 docstring='"""The feeds: further topics of the rows, with messages of the common interfaces."""',
                 imports=layout.in_import_order(
-                    layout.import_from(f"generated.feeds.{one.file}", [one.name]) for one in named
+                    layout.import_from(f"{bridge.python_package}.feeds.{one.file}", [one.name]) for one in named
                 ),
                 names=sorted(one.name for one in named),
             ),
@@ -41,15 +41,15 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 def _module(bridge: ir.Bridge, route: ir.Route, feed: Feed, name: str) -> str:
-    spell = FeedSpelling(feed)
-    payload = f"{spelling.proto_module(feed.file)[1]}.{feed.local_name}"
+    spell = FeedSpelling(feed, bridge.python_package)
+    payload = f"{spelling.proto_module(feed.file)}.{feed.local_name}"
     message = interfaces.reference(feed.message)
     to_ros = layout.statement(_returned(spell.message(feed.fields, feed.message)), 8)
     from_ros = spell.statements()
     pack = _Pack(bridge, feed, spell)
     imports: dict[str, set[str]] = {}
-    package, module = spelling.proto_module(feed.file)
-    wanted = {*spell.imports, *pack.imports, (package, module), ("runtime.interfaces", "Time")}
+    own = spelling.proto_package(bridge.python_package, feed.file), spelling.proto_module(feed.file)
+    wanted = {*spell.imports, *pack.imports, own, ("runtime.interfaces", "Time")}
     wanted |= {("runtime.feed", "Feed"), ("runtime.feed", "UNSTAMPED")}
     wanted |= {("runtime.handler", name) for name in runtime_names(route)}
     for source, imported in wanted:

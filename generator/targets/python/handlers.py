@@ -33,7 +33,7 @@ def emit(bridge: ir.Bridge) -> Files:
             header=header(bridge.table),
             docstring='"""The handlers: one a row of the table."""',
             imports=layout.in_import_order(
-                layout.import_from(f"generated.handlers.{module}", [name]) for module, name in names
+                layout.import_from(f"{bridge.python_package}.handlers.{module}", [name]) for module, name in names
             ),
             names=sorted(name for _, name in names),
         ),

@@ -44,10 +44,10 @@ def reference(name: str, within: str = "") -> str:
     return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
 
 
-def import_of(name: str) -> tuple[str, str]:
+def import_of(name: str, generated: str) -> tuple[str, str]:
     """What `reference` needs: a module, and what is imported from it."""
     package, _, local = name.partition("/msg/")
-    return ("runtime.interfaces", local) if package == _TIMES else ("generated.interfaces", package)
+    return ("runtime.interfaces", local) if package == _TIMES else (f"{generated}.interfaces", package)
 
 
 def _class(local: str) -> str:
@@ -62,7 +62,7 @@ def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str
         if interface.name in OF_THE_RUNTIME:
             imports.setdefault(f"runtime.interfaces.{package}", set()).add(interface.local_name)
     for name in used:
-        module, what = import_of(name)
+        module, what = import_of(name, bridge.python_package)
         if what != package:
             imports.setdefault(module, set()).add(what)
     for interface in ours:

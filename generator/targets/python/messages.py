@@ -24,22 +24,24 @@ def emit(bridge: ir.Bridge) -> Files:
             "package.py.j2",
             header=header(bridge.table),
             docstring=layout.docstring(f"The messages of the ROS 2 package {bridge.package}.", 0),
-            imports=layout.in_import_order(_import(name) for name in names),
+            imports=layout.in_import_order(_import(bridge, name) for name in names),
             names=[spelling.message_class(name) for name in names],
         ),
     )
 
 
-def _import(name: str) -> str:
-    return layout.import_from(f"generated.messages.{spelling.message_module(name)}", [spelling.message_class(name)])
+def _import(bridge: ir.Bridge, name: str) -> str:
+    module = f"{bridge.python_package}.messages.{spelling.message_module(name)}"
+    return layout.import_from(module, [spelling.message_class(name)])
 
 
 def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
     needed = {spelling.imported_annotation(field.type) for field in message.fields} - {None}
     imports = [("runtime.messages", name) for name in ("Message", *needed) if name]
-    local = _local_classes(message)
+    local = _local_classes(bridge, message)
     imports += [
-        (module, name if name == local[name] else f"{name} as {local[name]}") for module, name in _classes(message)
+        (module, name if name == local[name] else f"{name} as {local[name]}")
+        for module, name in _classes(bridge, message)
     ]
     type_name = f"{bridge.package}/msg/{message.name}"
     fields = [
@@ -66,22 +68,26 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
     )
 
 
-def _classes(message: ir.RosMessage) -> set[tuple[str, str]]:
+def _classes(bridge: ir.Bridge, message: ir.RosMessage) -> set[tuple[str, str]]:
     """The classes of its fields, each after its module."""
     types = [field.type for field in message.fields if field.type.is_message]
     return {
         (
-            "runtime.interfaces" if type.package else f"generated.messages.{spelling.message_module(type.name)}",
+            (
+                "runtime.interfaces"
+                if type.package
+                else f"{bridge.python_package}.messages.{spelling.message_module(type.name)}"
+            ),
             spelling.class_of(type),
         )
         for type in types
     }
 
 
-def _local_classes(message: ir.RosMessage) -> Mapping[str, str]:
+def _local_classes(bridge: ir.Bridge, message: ir.RosMessage) -> Mapping[str, str]:
     """What each class is called in this module: inside a class, a constant hides a class of its name."""
     constants = {constant.name for constant in message.constants}
-    return {name: f"{name}_" if name in constants else name for _, name in _classes(message)}
+    return {name: f"{name}_" if name in constants else name for _, name in _classes(bridge, message)}
 
 
 def _about(message: ir.RosMessage) -> str:

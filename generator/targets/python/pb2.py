@@ -1,4 +1,4 @@
-"""The Python modules of the .proto files: protoc's own, moved into ``generated.pb2``.
+"""The Python modules of the .proto files: protoc's own, moved into ``pb2`` of the generated package.
 
 protoc imports by the path below the proto root, as if that were the import path; two projects in one environment would
 then take each other's modules. Its stubs leave out that an enum field takes a number, and the type of fields that are
@@ -25,19 +25,17 @@ def emit(bridge: ir.Bridge) -> Files:
     packages = {"generated/pb2"}
     for path, text in bridge.modules.items():
         source = path.rpartition("_pb2")[0] + ".proto"
-        yield f"generated/pb2/{path}", f"{header(source)}\n{_moved(text)}"
+        yield f"generated/pb2/{path}", f"{header(source)}\n{_moved(text, f'{bridge.python_package}.pb2')}"
         parts = path.split("/")[:-1]
         packages |= {"/".join(["generated/pb2", *parts[: depth + 1]]) for depth in range(len(parts))}
     for package in sorted(packages):
         yield f"{package}/__init__.py", header(bridge.table) + "\n"
 
 
-def _moved(text: str) -> str:
-    text = _STAR_IMPORT.sub(lambda match: f"from generated.pb2.{match['module']} import", text)
-    text = _IMPORT.sub(
-        lambda match: f"from {'.'.join(filter(None, ['generated.pb2', match['package']]))} import ", text
-    )
-    text = _MODULE_NAME.sub("generated.pb2.", text)
+def _moved(text: str, pb2: str) -> str:
+    text = _STAR_IMPORT.sub(lambda match: f"from {pb2}.{match['module']} import", text)
+    text = _IMPORT.sub(lambda match: f"from {'.'.join(filter(None, [pb2, match['package']]))} import ", text)
+    text = _MODULE_NAME.sub(f"{pb2}.", text)
     text = text.replace("**kwargs) -> None", "**kwargs: object) -> None")
     text = text.replace("_struct_pb2.NullValue", "int")  # protobuf's own stubs have it for no number
     enums = {match["value"] for match in _MAP_OF_SCALARS.finditer(text)} - {"int", "float", "bool", "str", "bytes"}

@@ -14,7 +14,7 @@ from generator.targets.python import layout, spelling
 
 def emit(bridge: ir.Bridge) -> Files:
     """``registry.py`` and ``checks.py``."""
-    package, module = spelling.proto_module(bridge.envelope.file)
+    module, own = spelling.proto_module(bridge.envelope.file), bridge.python_package
     classes = [spelling.handler_class(route) for route in bridge.routes]
     feed_classes = [feed.name for feed in named_feeds(bridge)]
     yield (
@@ -24,9 +24,9 @@ def emit(bridge: ir.Bridge) -> Files:
             header=header(bridge.table),
             imports=layout.in_import_order(
                 [
-                    layout.import_from("generated.handlers", classes),
-                    *([layout.import_from("generated.feeds", feed_classes)] if feed_classes else []),
-                    layout.import_from(package, [module]),
+                    layout.import_from(f"{own}.handlers", classes),
+                    *([layout.import_from(f"{own}.feeds", feed_classes)] if feed_classes else []),
+                    layout.import_from(spelling.proto_package(own, bridge.envelope.file), [module]),
                     layout.import_from("runtime.registry", ["Peer", "Registry"]),
                 ]
             ),

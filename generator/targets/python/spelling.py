@@ -66,17 +66,22 @@ def conversion_module(message: str) -> str:
     return f"{name}_" if name in _TAKEN_MODULES or name.endswith("_pb2") else name
 
 
-def proto_module(file: str) -> tuple[str, str]:
-    """The package and the module of a .proto file's classes."""
-    package, _, name = file.removesuffix(".proto").rpartition("/")
-    if package == "google/protobuf":  # its modules come with protobuf
-        return "google.protobuf", f"{name}_pb2"
-    return ".".join(["generated.pb2", *filter(None, package.split("/"))]), f"{name}_pb2"
+def proto_module(file: str) -> str:
+    """Return the name of the module with a .proto file's classes."""
+    return f"{file.removesuffix('.proto').rpartition('/')[2]}_pb2"
+
+
+def proto_package(generated: str, file: str) -> str:
+    """Return the package of that module; ``generated`` is the import name of the generated package."""
+    folder = file.rpartition("/")[0]
+    if folder == "google/protobuf":  # its modules come with protobuf
+        return "google.protobuf"
+    return ".".join([generated, "pb2", *filter(None, folder.split("/"))])
 
 
 def proto_class(conversion: ir.Conversion) -> str:
     """A proto message's class, by its module: ``imu_sensor_pb2.SensorBoardIMUInfo``."""
-    return f"{proto_module(conversion.file)[1]}.{conversion.local_name}"
+    return f"{proto_module(conversion.file)}.{conversion.local_name}"
 
 
 def class_of(type: ir.RosType) -> str:

@@ -24,7 +24,7 @@ def main() -> int:
             "activate the environment that has it, or install it there", file=sys.stderr
         )
         return 2
-    here = (PROJECT / "generated" / "registry.py").is_file()
+    here = (PROJECT / "generated/registry.py").is_file()
     project = ["--project", str(PROJECT)] if here else []
     return roverlink(["run", *project, *sys.argv[1:]])
 

@@ -9,16 +9,15 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.feed_format import DEFINITIONS
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, nearest
-from generator.value_types import AnyOf, ListOf, MapOf, Named, Network, Object, Text, Type
-from generator.yaml_scalars import BAD_VALUE, WRONG_TYPE, Item, ScalarReader, fitting_form
-
-__all__ = ["WRONG_TYPE", "Item", "read_item", "read_text"]
+from generator.table.parts import Form
+from generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
+from generator.table.yaml_scalars import BAD_VALUE, WRONG_TYPE, ScalarReader, fitting_form
 
 UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
 SYNTAX = Rule("MAP102", "yaml-syntax")
@@ -27,8 +26,8 @@ UNKNOWN_KEY = Rule("MAP104", "unknown-key")
 MISSING_KEY = Rule("MAP105", "missing-key")
 
 
-def read_item(text: str, file: str, type: Type, what: str, findings: list[Finding]) -> Item | None:
-    """The text of a file as an item, as far as it fits the format; what does not is added to the findings.
+def read_form(text: str, file: str, type: Type, what: str, findings: list[Finding]) -> Form | None:
+    """The text of a file as a form, as far as it fits the format; what does not is added to the findings.
 
     ``file`` and ``what`` are how findings call the file and its whole. None where the whole is of another type.
     Raises `FindingsError` where the text is not YAML.
@@ -71,10 +70,10 @@ def _compose(text: str, file: str) -> Node:
 class _Reader(ScalarReader):
     """Walks the YAML tree along the format, and collects what does not fit."""
 
-    def value(self, node: Node, type: Type, what: str) -> Item | None:
-        """The item of a node, or None where it is not of the type."""
+    def value(self, node: Node, type: Type, what: str) -> Form | None:
+        """The form of a node, or None where it is not of the type."""
         if isinstance(type, Named):
-            type = DEFINITIONS[type.name]
+            type = type.definition()
         if isinstance(type, AnyOf):
             type = fitting_form(node, type)
         if isinstance(type, Object):
@@ -85,39 +84,39 @@ class _Reader(ScalarReader):
             return self._list(node, type, what)
         return self.scalar(node, type, what)
 
-    def _object(self, node: Node, type: Object, what: str) -> Item | None:
+    def _object(self, node: Node, type: Object, what: str) -> Form | None:
         if not isinstance(node, MappingNode):
             self.wrong(node, what, "a mapping")
             return None
-        item = Item(None, self.span(node))
+        span, entries = self.span(node), dict[str, Form]()
         present: set[str] = set()
         for name, key_node, value_node in self._entries(node, what):
             present.add(name)
             if name not in type.keys and type.others and re.fullmatch(type.others.key.pattern, name):
                 if (value := self.value(value_node, type.others.value, f"{what}.{name}")) is not None:
-                    item.entries[name] = value
+                    entries[name] = value
             elif name not in type.keys:
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
                 self.findings.append(UNKNOWN_KEY.at(self.span(key_node), f"{what} has no key {name!r}", help))
             elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
-                item.entries[name] = value
+                entries[name] = value
         for name, key in type.keys.items():
             if key.required and name not in present:
-                finding = MISSING_KEY.at(item.span, f"{what} lacks the key {name!r}", f"{name}: {key.meaning}")
+                finding = MISSING_KEY.at(span, f"{what} lacks the key {name!r}", f"{name}: {key.meaning.text}")
                 self.findings.append(finding)
-        return item
+        return Form(span, entries=entries)
 
-    def _map(self, node: Node, type: MapOf, what: str) -> Item | None:
+    def _map(self, node: Node, type: MapOf, what: str) -> Form | None:
         if not isinstance(node, MappingNode):
             self.wrong(node, what, "a mapping")
             return None
-        item = Item(None, self.span(node))
+        entries = dict[str, Form]()
         for name, key_node, value_node in self._entries(node, what):
             if type.key.pattern and not re.fullmatch(type.key.pattern, name):
                 self.bad(key_node, name, f"a key of {what}", type.key)
             elif (value := self.value(value_node, type.value, f"{what}.{name}")) is not None:
-                item.entries[name] = value
-        return item
+                entries[name] = value
+        return Form(self.span(node), entries=entries)
 
     def _entries(self, node: MappingNode, what: str) -> Iterator[tuple[str, Node, Node]]:
         first: dict[str, Span] = {}
@@ -136,7 +135,7 @@ class _Reader(ScalarReader):
             first[name] = span
             yield name, key_node, value_node
 
-    def _list(self, node: Node, type: ListOf, what: str) -> Item | None:
+    def _list(self, node: Node, type: ListOf, what: str) -> Form | None:
         if not isinstance(node, SequenceNode):
             self.wrong(node, what, "a list")
             return None
@@ -144,14 +143,14 @@ class _Reader(ScalarReader):
         items = [self.value(child, type.item, singular) for child in node.value]
         if len(items) < type.least:
             self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is empty"))
-        item = Item(None, self.span(node), items=[item for item in items if item is not None], is_list=True)
-        if isinstance(type.item, (Text, Network)) and type.unique:
-            self._check_unique(item, what)
-        return item
+        form = Form(self.span(node), items=tuple(item for item in items if item is not None))
+        if isinstance(type.item, Text) and type.unique:
+            self._check_unique(form, what)
+        return form
 
-    def _check_unique(self, texts: Item, what: str) -> None:
-        first: dict[str, Span] = {}
-        for item in texts.items:
+    def _check_unique(self, texts: Form, what: str) -> None:
+        first: dict[Any, Span] = {}
+        for item in texts.items or ():
             if (before := first.setdefault(item.value, item.span)) is not item.span:
                 message = f"{what} holds {item.value!r} twice"
                 self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))

@@ -1,18 +1,17 @@
-"""The scalars of a YAML file as values, and the items that hold them with their places."""
+"""The scalars of a YAML file as values; what looks like one thing and is another to YAML is a finding."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.feed_format import DEFINITIONS
 from generator.findings import Finding, Rule, Span, nearest
-from generator.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Network, Number, Scalar, Text, Type
+from generator.table.parts import Form
+from generator.table.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Number, Scalar, Text, Type
 
 WRONG_TYPE = Rule("MAP106", "wrong-type")
 SURPRISING_SCALAR = Rule("MAP107", "surprising-scalar")
@@ -33,50 +32,14 @@ _KINDS: dict[type, str] = {
     Number: "a number",
     Boolean: "true or false",
     Duration: "a time",
-    Network: "an address or a network",
     Scalar: "a number, a text, true or false",
 }
-
-
-@dataclass(slots=True)
-class Item:
-    """A value of the file with its place; the values below it are items too."""
-
-    value: Any
-    span: Span
-    entries: dict[str, Item] = field(default_factory=dict)
-    items: list[Item] = field(default_factory=list)
-    is_list: bool = False
-
-    def has(self, *keys: str) -> bool:
-        """Whether every one of the entries is there."""
-        return all(key in self.entries for key in keys)
-
-    def entry(self, key: str) -> Item:
-        """An entry that is a mapping or a list; an empty one at this item's place where it is not there."""
-        return self.entries.get(key) or Item(None, self.span)
-
-    def get(self, key: str, default: Any = None) -> Any:
-        """The value of an entry."""
-        return self.entries[key].value if key in self.entries else default
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        """The items of an entry that is a list."""
-        return tuple(item.value for item in self.entries[key].items) if key in self.entries else ()
-
-    def spans(self) -> Mapping[str, Span]:
-        """The place of each key's value, and of each entry or item two levels down as ``key.entry``."""
-        spans = {key: item.span for key, item in self.entries.items()}
-        for key, item in self.entries.items():
-            spans |= {f"{key}.{name}": entry.span for name, entry in item.entries.items()}
-            spans |= {f"{key}.{below.value}": below.span for below in item.items}
-        return spans
 
 
 def kind_of(type: Type) -> str:
     """What a type is called where something else stands in its place."""
     if isinstance(type, Named):
-        type = DEFINITIONS[type.name]
+        type = type.definition()
     if isinstance(type, AnyOf):
         *others, last = dict.fromkeys(kind_of(form) for form in type.forms)
         return f"{', '.join(others)} or {last}" if others else last
@@ -118,8 +81,8 @@ class ScalarReader:
         found = found or (f"{node.value!r}" if node.value else "nothing")
         self.findings.append(WRONG_TYPE.at(self.span(node), f"{what} is {found}; it must be {wanted}"))
 
-    def scalar(self, node: Node, type: Type, what: str) -> Item | None:
-        """The item of a scalar, or None where it is not of the type."""
+    def scalar(self, node: Node, type: Type, what: str) -> Form | None:
+        """The form of a scalar, or None where it is not of the type."""
         if not isinstance(node, ScalarNode):
             self.wrong(node, what, kind_of(type))
             return None
@@ -131,13 +94,11 @@ class ScalarReader:
             value = self._number(node, what)
         elif isinstance(type, Duration):
             value = self._duration(node, type, what)
-        elif isinstance(type, Network):
-            value = self._network(node, type, what)
         elif isinstance(type, Scalar):
             value = self._as_written(node, what)
         else:
             value = self._text(node, type if isinstance(type, Text) else Text(), what)
-        return None if value is None else Item(value, self.span(node))
+        return None if value is None else Form(self.span(node), value)
 
     def _integer(self, node: ScalarNode, type: Integer, what: str) -> int | None:
         if node.style or not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
@@ -180,13 +141,6 @@ class ScalarReader:
             self.findings.append(BAD_VALUE.at(self.span(node), message, help))
         return milliseconds
 
-    def _network(self, node: ScalarNode, type: Network, what: str) -> str | None:
-        if fault := type.fault(node.value):
-            message = f"{what} is {node.value!r}, which is no address and no network"
-            self.findings.append(BAD_VALUE.at(self.span(node), message, fault))
-            return None
-        return str(node.value)
-
     def _as_written(self, node: ScalarNode, what: str) -> str | None:
         if node.tag == _NULL:
             self.wrong(node, what, kind_of(Scalar()))
@@ -211,6 +165,10 @@ class ScalarReader:
             help = nearest(value, type.choices)
             message = f"{what} is {value!r}; it must be one of {', '.join(type.choices)}"
             self.findings.append(BAD_VALUE.at(self.span(node), message, help))
+            return None
+        message, help = type.fault(value) if type.fault else ("", "")
+        if message:
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is {value!r}, {message}", help))
             return None
         if not value or (type.pattern and not re.fullmatch(type.pattern, value)):
             self.bad(node, value, what, type)

@@ -1,0 +1,126 @@
+"""Edits of mapping.yaml in its text, whose comments and layout stay: rows are added, and payloads retired."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+import yaml
+from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
+
+from generator.findings import FindingsError, Rule, Span
+
+NO_SUCH_ROW = Rule("RET101", "no-such-row")
+NO_PLACE_FOR_A_ROW = Rule("RET103", "no-place-for-a-row")
+
+Edit = tuple[int, int, list[str]]
+"""Lines from the first to before the last, counted from 0, become other lines."""
+
+_MARKS = frozenset("{}[],:#&*!|>'\"%@`")
+_KEPT = ("number", "name", "proto")
+"""The keys of a row that it keeps when it is retired."""
+
+
+def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
+    """Return the table's text with a row behind the last one, written as that one is.
+
+    ``file`` is how findings call the table. Raises `FindingsError` where the rows are not a list of one a line.
+    """
+    messages = _value_of(yaml.compose(text, Loader=yaml.SafeLoader), "messages")
+    last = messages.value[-1] if isinstance(messages, SequenceNode) and messages.value else None
+    if not isinstance(messages, SequenceNode) or messages.flow_style or not isinstance(last, MappingNode):
+        message = "there is no list of rows, one below the other, under `messages`"
+        raise FindingsError([NO_PLACE_FOR_A_ROW.at(Span(file), message, "write the first row by hand")])
+    lines = text.splitlines(keepends=True)
+    entries = [f"{key}: {value if isinstance(value, int) else scalar(value)}" for key, value in row.items()]
+    end = _last_line(last) + 1
+    if lines[end - 1][-1:] != "\n":
+        lines[end - 1] += "\n"
+    margin = " " * messages.start_mark.column
+    return _edited(lines, [_row(end, margin, entries, flow=bool(last.flow_style))])
+
+
+def with_retired(text: str, number: int, file: str) -> str:
+    """Return the table's text with the row of a number moved to ``retired``.
+
+    ``file`` is how findings call the table. Raises `FindingsError` where no row has the number.
+    """
+    root = yaml.compose(text, Loader=yaml.SafeLoader)
+    messages, retired = _value_of(root, "messages"), _value_of(root, "retired")
+    rows = messages.value if isinstance(messages, SequenceNode) else []
+    row = next((row for row in rows if _scalar_of(row, "number") == str(number)), None)
+    if row is None:
+        known = f"there are {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
+        raise FindingsError([NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", known)])
+    entry = "{" + ", ".join(f"{key}: {_scalar_of(row, key)}" for key in _KEPT) + "}"
+    lines = text.splitlines(keepends=True)
+    removal = row.start_mark.line, _last_line(row) + 1, list[str]()
+    return _edited(lines, [removal, _retired(lines, retired, entry)])
+
+
+def scalar(text: str) -> str:
+    """Write a text so that YAML reads it back; in quotes where it would be taken for something else."""
+    return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
+
+
+def quoted(text: str) -> str:
+    """Write a text in double quotes."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _edited(lines: list[str], edits: Iterable[Edit]) -> str:
+    """Return the text after edits that do not overlap."""
+    # From the end to the start, so that the places of what is still to be changed stay true.
+    for first, last, replacement in sorted(edits, key=lambda edit: edit[0], reverse=True):
+        lines[first:last] = replacement
+    return "".join(lines)
+
+
+def _row(end: int, margin: str, entries: list[str], *, flow: bool) -> Edit:
+    if flow:
+        return end, end, [f"{margin}- {{{', '.join(entries)}}}\n"]
+    first, *others = entries
+    return end, end, [f"{margin}- {first}\n", *(f"{margin}  {entry}\n" for entry in others)]
+
+
+def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
+    """Put the entry behind what is retired already, in the style in which that is written."""
+    if retired is None or not isinstance(retired, SequenceNode):
+        end = "" if not lines or lines[-1].endswith("\n") else "\n"
+        return len(lines), len(lines), [f"{end}retired:\n", f"  - {entry}\n"]
+    if not retired.flow_style:
+        last = _last_line(retired) + 1
+        return last, last, [f"{' ' * retired.start_mark.column}- {entry}\n"]
+    first, last = retired.start_mark.line, retired.end_mark.line
+    if retired.value:
+        closing = retired.end_mark.column - 1
+        line = lines[last]
+        return last, last + 1, [f"{line[:closing].rstrip()}, {entry}{line[closing:]}"]
+    before, behind = lines[first][: retired.start_mark.column].rstrip(), lines[last][retired.end_mark.column :]
+    return first, last + 1, [f"{before}{behind}", f"  - {entry}\n"]
+
+
+def _value_of(node: Node | None, key: str) -> Node | None:
+    """Return the value of a mapping's key; None where there is none."""
+    if isinstance(node, MappingNode):
+        for key_node, value in node.value:
+            if key_node.value == key:
+                return value  # type: ignore[no-any-return]  # yaml does not type its nodes' values
+    return None
+
+
+def _scalar_of(row: Node, key: str) -> str:
+    node = _value_of(row, key)
+    return str(node.value) if isinstance(node, ScalarNode) else ""
+
+
+def _last_line(node: Node) -> int:
+    """Return the last line with something of a node; a block's own end is where the next thing starts."""
+    if not isinstance(node, CollectionNode) or node.flow_style or not node.value:
+        return int(node.end_mark.line)
+    return max(_last_line(part) for part in _parts(node))
+
+
+def _parts(node: Node) -> Iterator[Node]:
+    for part in node.value:
+        yield from part if isinstance(part, tuple) else [part]

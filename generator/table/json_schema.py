@@ -1,0 +1,121 @@
+"""The JSON Schema of mapping.yaml, by which editors complete and check it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from generator.rendering import REGENERATE
+from generator.table.keys import Table
+from generator.table.parts import object_of
+from generator.table.value_types import (
+    AnyOf,
+    Boolean,
+    Duration,
+    Integer,
+    Key,
+    ListOf,
+    MapOf,
+    Named,
+    Number,
+    Object,
+    Scalar,
+    Text,
+    Type,
+)
+
+FILE = "mapping.schema.json"
+
+_POWER_OF_TEN = r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"
+"""A number such as 1e-7, which YAML 1.1 reads as a text."""
+
+
+def text() -> str:
+    """Return the text of the schema's file; it says what any table may hold, whatever this one does."""
+    return json.dumps({"$comment": REGENERATE, **json_schema()}, indent=2) + "\n"
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12)."""
+    definitions: dict[str, Any] = {}
+    schema = _Schemas(definitions).of(object_of(Table))
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "roverlink mapping.yaml",
+        **schema,
+        "$defs": definitions,
+    }
+
+
+class _Schemas:
+    """Spells types, and collects the definitions of those that have a name."""
+
+    def __init__(self, definitions: dict[str, Any]) -> None:
+        self._definitions = definitions
+
+    def of(self, type: Type) -> dict[str, Any]:
+        """Return the schema of a type."""
+        if isinstance(type, Named):
+            if type.name not in self._definitions:
+                self._definitions[type.name] = {}  # it holds itself
+                self._definitions[type.name] = self.of(type.definition())
+            return {"$ref": f"#/$defs/{type.name}"}
+        if isinstance(type, AnyOf):
+            return {"anyOf": [self.of(form) for form in type.forms]}
+        if isinstance(type, ListOf):
+            return self._list(type)
+        if isinstance(type, MapOf):
+            return {"type": "object", "propertyNames": _names(type), "additionalProperties": self.of(type.value)}
+        return self._object(type) if isinstance(type, Object) else _scalar(type)
+
+    def _list(self, type: ListOf) -> dict[str, Any]:
+        schema: dict[str, Any] = {"type": "array", "items": self.of(type.item)}
+        if type.least:
+            schema["minItems"] = type.least
+        if isinstance(type.item, Text) and type.unique:
+            schema["uniqueItems"] = True
+        return schema
+
+    def _object(self, type: Object) -> dict[str, Any]:
+        schema: dict[str, Any] = {
+            "type": "object",
+            "additionalProperties": self.of(type.others.value) if type.others else False,
+            "required": [name for name, key in type.keys.items() if key.required],
+            "properties": {
+                name: {"description": _description(key), **_default(key), **self.of(key.type)}
+                for name, key in type.keys.items()
+            },
+        }
+        if type.others:
+            schema["propertyNames"] = _names(type.others)
+        return schema
+
+
+def _description(key: Key) -> str:
+    return f"{key.meaning.text} Default: {key.meaning.default}." if key.meaning.default else key.meaning.text
+
+
+def _default(key: Key) -> dict[str, Any]:
+    """Return the default of a key that has one which the file can say."""
+    if key.meaning.default or not isinstance(key.default, (str, bool, int)) or isinstance(key.type, Duration):
+        return {}
+    return {"default": key.default}
+
+
+def _names(type: MapOf) -> dict[str, Any]:
+    return {"pattern": f"^({type.key.pattern})$"} if type.key.pattern else {}
+
+
+def _scalar(type: Text | Integer | Boolean | Number | Duration | Scalar) -> dict[str, Any]:
+    if isinstance(type, Integer):
+        return {"type": "integer", "minimum": type.minimum, "maximum": type.maximum}
+    if isinstance(type, Boolean):
+        return {"type": "boolean"}
+    if isinstance(type, Scalar):
+        return {"type": ["string", "number", "boolean"]}
+    if isinstance(type, Number):
+        return {"anyOf": [{"type": "number"}, {"type": "string", "pattern": _POWER_OF_TEN}]}
+    schema: dict[str, Any] = {"type": "string"}
+    if isinstance(type, Text) and type.choices:
+        return {**schema, "enum": list(type.choices)}
+    return {**schema, "pattern": f"^({type.pattern})$"} if type.pattern else {**schema, "minLength": 1}

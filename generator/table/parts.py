@@ -1,0 +1,181 @@
+"""Parts of the table as dataclasses whose annotations declare the keys.
+
+An attribute of a part with a `Meaning` among its annotations is a key; the rest follows from the annotation:
+
+- the type of value: the one that is among the annotations, else what belongs to the Python type (``bool``, ``str``,
+  ``Literal[...]``, another part, a tuple or a mapping of these);
+- whether the key is required: it is if the attribute has no default.
+
+``NAME`` marks the attribute that holds the name of a part in a mapping of parts, and ``NOT_EMPTY`` a list that must
+have an item.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field
+from enum import Enum
+from fractions import Fraction
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from generator.findings import Span
+from generator.table.value_types import AnyOf, Boolean, Key, ListOf, MapOf, Meaning, Named, Object, Text, Type
+
+
+class Mark(Enum):
+    """What an annotation says besides the type of value and the meaning."""
+
+    NAME = "name"
+    NOT_EMPTY = "not empty"
+
+
+_NOWHERE = Span("")
+NAME = Mark.NAME
+NOT_EMPTY = Mark.NOT_EMPTY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A part of the table that knows the places of its values."""
+
+    span: Span = _NOWHERE
+    spans: Mapping[str, Span] = field(default_factory=dict, repr=False)
+    """The place of each key's value, and of each entry or text below it as ``key.entry``."""
+
+    def at(self, key: str) -> Span:
+        """Return the place of a key's value, or the part's own place if the key is absent."""
+        return self.spans.get(key, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A value of a YAML file as it stands there, with its place: a scalar, a list or a mapping."""
+
+    span: Span
+    value: bool | str | int | Fraction | float | None = None
+    """Of a scalar."""
+    items: tuple[Form, ...] | None = None
+    """Of a list."""
+    entries: Mapping[str, Form] | None = field(default=None, hash=False)
+    """Of a mapping."""
+
+    def spans(self) -> dict[str, Span]:
+        """Return the place of each entry, and of each entry or text in it as ``key.entry``."""
+        spans = {}
+        for key, form in (self.entries or {}).items():
+            spans[key] = form.span
+            spans |= {f"{key}.{name}": entry.span for name, entry in (form.entries or {}).items()}
+            spans |= {f"{key}.{item.value}": item.span for item in form.items or () if item.value is not None}
+        return spans
+
+
+P = TypeVar("P", bound=Part)
+
+
+@cache
+def object_of(part: type[Any]) -> Object:
+    """Return the keys that a part declares: the required ones first, and its own before those that it inherits."""
+    annotations = get_type_hints(part, include_extras=True)
+    fields = {field.name: field for field in dataclasses.fields(part)}
+    names = dict.fromkeys(name for base in part.__mro__ for name in inspect.get_annotations(base) if name in fields)
+    keys = {}
+    for name in names:
+        if meaning := next((one for one in _notes(annotations[name]) if isinstance(one, Meaning)), None):
+            keys[meaning.key or name] = _key(_type_of(annotations[name]), meaning, fields[name])
+    return Object(dict(sorted(keys.items(), key=lambda item: not item[1].required)), part=part)
+
+
+def _key(type: Type, meaning: Meaning, field: Field[Any]) -> Key:
+    if field.default_factory is not MISSING:
+        return Key(type, meaning, default=field.default_factory(), attribute=field.name)
+    if field.default is not MISSING:
+        return Key(type, meaning, default=field.default, attribute=field.name)
+    return Key(type, meaning, required=True, attribute=field.name)
+
+
+def _notes(annotation: Any) -> list[Any]:
+    return list(get_args(annotation)[1:]) if get_origin(annotation) is Annotated else []
+
+
+def _type_of(annotation: Any) -> Type:
+    """Return the type of value that an annotation says."""
+    notes = _notes(annotation)
+    for note in notes:
+        if isinstance(note, Type):
+            return note
+    python = get_args(annotation)[0] if notes else annotation
+    origin, inner = get_origin(python), get_args(python)
+    if origin in (Union, UnionType):
+        return _type_of(next(one for one in inner if one is not type(None)))
+    if origin is Literal:
+        return Text(choices=inner)
+    if origin is tuple:
+        item = _type_of(inner[0])
+        named = _map_of_named(item)
+        return named or ListOf(item, least=1 if NOT_EMPTY in notes else 0)
+    if origin is not None and issubclass(origin, Mapping):
+        key = _type_of(inner[0])
+        return MapOf(key if isinstance(key, Text) else Text(), _type_of(inner[1]))
+    if issubclass(python, Part):
+        return object_of(python)
+    simple: dict[Any, Type] = {bool: Boolean(), str: Text()}
+    return simple[python]
+
+
+def _map_of_named(type: Type) -> MapOf | None:
+    """Return the mapping of parts that have a name; None for what is no such part."""
+    if isinstance(type, Object) and type.part:
+        for name, annotation in get_type_hints(type.part, include_extras=True).items():
+            key = _type_of(annotation) if NAME in _notes(annotation) else None
+            if isinstance(key, Text):
+                return MapOf(key, type, name)
+    return None
+
+
+def build(part: type[P], form: Form, **further: Any) -> P:
+    """Make a part from what stands in the file; ``further`` are its attributes that are no keys.
+
+    Of a list or a mapping, items that lack a required key are left out. What a part lacks itself is empty, if it is
+    required, and the default if not.
+    """
+    values = {}
+    entries = form.entries or {}
+    declared = object_of(part)  # type: ignore[arg-type]  # mypy takes a class that is generic for unhashable
+    for name, key in declared.keys.items():
+        here = entries.get(name)
+        if here is not None and (key.required or _is_whole(key.type, here)):
+            values[key.attribute] = _value(key.type, here)
+        elif key.required or isinstance(key.default, Part):
+            values[key.attribute] = _empty(key.type, form.span)
+    return part(span=form.span, spans=form.spans(), **values, **further)
+
+
+def _value(type: Type, form: Form) -> Any:
+    if isinstance(type, Object) and type.part:
+        return build(type.part, form)
+    if isinstance(type, ListOf):
+        return tuple(_value(type.item, item) for item in form.items or () if _is_whole(type.item, item))
+    if isinstance(type, MapOf):
+        kept = {name: entry for name, entry in (form.entries or {}).items() if _is_whole(type.value, entry)}
+        if type.name and isinstance(type.value, Object) and type.value.part:
+            part = type.value.part
+            return tuple(build(part, entry, **{type.name: name}) for name, entry in kept.items())
+        return {name: _value(type.value, entry) for name, entry in kept.items()}
+    return form if isinstance(type, (AnyOf, Named)) else form.value
+
+
+def _empty(type: Type, span: Span) -> Any:
+    """Return what stands for a value that is not there, and has no default."""
+    if isinstance(type, (Object, ListOf, MapOf)):
+        return _value(type, Form(span))
+    return "" if isinstance(type, Text) else 0
+
+
+def _is_whole(type: Type, form: Form) -> bool:
+    """Return False if a part lacks a required key."""
+    keys = type.keys if isinstance(type, Object) and type.part else {}
+    return all(name in (form.entries or {}) for name, key in keys.items() if key.required)

@@ -1,0 +1,89 @@
+"""The first phase: mapping.yaml to a `Table`, with every mistake in the file as a finding at its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from string import ascii_lowercase
+
+from generator import naming
+from generator.findings import Finding, FindingsError, Rule
+from generator.table.keys import FeedSettings, PeerSettings, Row, Table
+from generator.table.parts import Form, build, object_of
+from generator.table.yaml_items import read_form, read_text
+from generator.table.yaml_scalars import WRONG_TYPE
+
+CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
+KEY_WITHOUT_STANDARD = Rule("STD101", "key-without-standard-message")
+
+_FIRST_PORT = 6000
+
+
+def read(path: Path, findings: list[Finding], name: str | None = None) -> Table:
+    """Read a table; ``name`` is how findings call the file.
+
+    Every mistake in the file is added to the findings. What is whole is read all the same, and `Table.whole` says
+    whether that is everything. Raises `FindingsError` where there is nothing to read.
+    """
+    file = name or str(path)
+    return parse(read_text(path, file), file, findings)
+
+
+def parse(text: str, file: str, findings: list[Finding]) -> Table:
+    """Read the table that a text holds; as `read`."""
+    before = len(findings)
+    form = read_form(text, file, object_of(Table), "the table", findings)
+    if form is None:
+        raise FindingsError(findings)
+    table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
+    rows = tuple(replace(row, ros=row.ros or naming.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
+    for row in rows:
+        findings += _mistakes(row)
+    return replace(table, peers=tuple(_with_ports(table.peers)), rows=rows)
+
+
+def _numbers(table: Form) -> Iterator[int]:
+    """Find the numbers of all rows, also of those that lack a key."""
+    entries = table.entries or {}
+    for key in ("messages", "retired"):
+        for row in entries[key].items or () if key in entries else ():
+            if row.entries and "number" in row.entries and isinstance(number := row.entries["number"].value, int):
+                yield number
+
+
+def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
+    """Sort the peers by name; the parameters and ports that the table does not name follow from the order."""
+    for index, peer in enumerate(sorted(peers, key=lambda peer: peer.name)):
+        letter = ascii_lowercase[index % len(ascii_lowercase)]
+        parameter = peer.parameter or f"dst_{letter}_port"
+        yield replace(peer, parameter=parameter, port=peer.port or _FIRST_PORT + index)
+
+
+def _mistakes(row: Row) -> Iterator[Finding]:
+    """Check keys of a row against each other."""
+    for feed in (row, *row.also):
+        yield from _conflicting_depths(feed)
+    if row.feed is None:
+        yield from _of_standard_messages(row)
+
+
+def _conflicting_depths(feed: FeedSettings) -> Iterator[Finding]:
+    depth = feed.qos.depth
+    if feed.queue is not None and depth is not None and feed.queue != depth:
+        message = f"queue is {feed.queue}, but the depth of qos is {depth}"
+        yield CONFLICTING_KEYS.at(feed.qos.at("depth"), message, "they mean the same; keep one of them")
+
+
+def _of_standard_messages(row: Row) -> Iterator[Finding]:
+    """Find what only a row with a standard message may hold, in one whose message is of the table's own package."""
+    for key in ("frame_id", "stamp", "unset"):
+        if key in row.spans:
+            message = f"{key} is for standard messages, and the row's own message is none"
+            help = "name a message with its package under `ros`, or put the key into an entry of `also`"
+            yield KEY_WITHOUT_STANDARD.at(row.at(key), message, help)
+    for path, form in row.fields.items():
+        if path not in row.renames:
+            message = f"fields.{path} is no string; in a message of our own it is the name of the ROS field"
+            help = "a row with a standard message has its package in `ros`, as in sensor_msgs/Imu"
+            yield WRONG_TYPE.at(form.span, message, help)

@@ -1,0 +1,23 @@
+"""The generated code of a project, found by what its table says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from generator.findings import Finding, FindingsError
+from generator.table import reader
+from roverlink.console import TABLE
+from runtime import Registry, load_registry
+
+
+def load_project(folder: Path) -> Registry:
+    """Load the registry of a project.
+
+    The import name is that of the table (``python.package``); without a table that can be read, it is ``generated``.
+    Raises `RegistryError` as `load_registry`.
+    """
+    ignored: list[Finding] = []  # `generate` and `lint` show them
+    try:
+        return load_registry(folder, reader.read(folder / TABLE, ignored).python.package)
+    except FindingsError:
+        return load_registry(folder)

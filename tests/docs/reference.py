@@ -1,0 +1,146 @@
+"""The reference tables in the documentation, made from the declarations of the table's keys and the node's parameters.
+
+A table stands between two comments: ``<!-- keys: peers -->`` or ``<!-- parameters -->``, and ``<!-- end -->``.
+``make docs-reference`` writes them (``python tests/docs/reference.py``), and a test checks that they are current.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from generated.registry import REGISTRY
+from generator.table.edit import scalar
+from generator.table.keys import Table
+from generator.table.parts import Part, object_of
+from generator.table.value_types import (
+    AnyOf,
+    Boolean,
+    Duration,
+    Integer,
+    Key,
+    ListOf,
+    MapOf,
+    Named,
+    Number,
+    Object,
+    Scalar,
+    Text,
+    Type,
+)
+from runtime import parameters
+
+ROOT = Path(__file__).parents[2]
+PAGES = (ROOT / "docs" / "mapping.md", ROOT / "README.md")
+
+_TABLE = re.compile(
+    r"^<!-- (?P<what>keys|parameters)(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
+)
+
+
+def current(page: str) -> str:
+    """Return the text of a page with its tables made anew."""
+    return _TABLE.sub(lambda found: "\n".join([found[0].partition("\n")[0], *_rows(found), "<!-- end -->"]), page)
+
+
+def documented_keys(page: str) -> list[str]:
+    """Return the keys at the top of mapping.yaml that the tables of a page are about."""
+    return [key for found in _TABLE.finditer(page) if found["keys"] for key in found["keys"].split(", ")]
+
+
+def _rows(found: re.Match[str]) -> Iterator[str]:
+    if found["what"] == "parameters":
+        yield from ("| parameter | default | |", "|---|---|---|", *_parameters())
+    else:
+        keys = object_of(Table).keys
+        yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
+        for name in found["keys"].split(", "):
+            yield from _key(name, keys[name])
+
+
+# --- the node's parameters ---
+
+
+def _parameters() -> Iterator[str]:
+    for name, declared in parameters.DECLARED.items():
+        unit = f", in {declared.unit}" if declared.unit else ""
+        yield f"| `{name}` | {declared.default} | {declared.description}{unit} |"
+    for peer in REGISTRY.peers:
+        yield f"| `{peer.port_parameter}` | {peer.port} | UDP port of the peer {peer.name}, as the table names it |"
+
+
+# --- the table's keys ---
+
+
+def _key(path: str, key: Key) -> Iterator[str]:
+    """Return the row of a key, and those of the keys below it."""
+    see = f" ([{key.meaning.see.partition('#')[0]}]({key.meaning.see}))" if key.meaning.see else ""
+    text = key.meaning.text
+    meaning = f"{text[:-1]}{see}." if see else text
+    yield f"| `{path}` | {_holds(key.type)} | {meaning} | {_default(key)} |"
+    yield from _below(path, key.type)
+
+
+def _below(path: str, type: Type) -> Iterator[str]:
+    if isinstance(type, Object):
+        for name, key in type.keys.items():
+            yield from _key(f"{path}.{name}", key)
+    elif isinstance(type, ListOf):
+        yield from _below(f"{path}[]", type.item)
+    elif isinstance(type, MapOf):
+        yield from _below(f"{path}.<{type.key.noun.split()[0]}>", type.value)
+
+
+def _default(key: Key) -> str:
+    if key.required:
+        return "required"
+    if key.meaning.default:
+        return key.meaning.default
+    if key.default is None or key.default in ((), {}) or isinstance(key.default, Part):
+        return "none"
+    if isinstance(key.type, Duration):
+        return f"`{_duration(key.default)}`"
+    if isinstance(key.default, tuple):
+        return f"`[{', '.join(key.default)}]`"
+    return f"`{str(key.default).lower()}`" if isinstance(key.default, (bool, str)) else str(key.default)
+
+
+def _duration(milliseconds: int) -> str:
+    return f"{milliseconds}ms" if milliseconds % 1000 else f"{milliseconds // 1000}s"
+
+
+def _holds(type: Type) -> str:
+    """Return what may stand at a key, in a few words."""
+    if isinstance(type, Named):
+        return _holds(type.definition())
+    if isinstance(type, Text):
+        return _alternatives([f"`{scalar(choice)}`" for choice in type.choices]) if type.choices else type.noun
+    if isinstance(type, Integer):
+        return f"{type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
+    if isinstance(type, Duration):
+        return f"time, `{_duration(type.minimum)}` to `{_duration(type.maximum)}`"
+    if isinstance(type, AnyOf):
+        return _alternatives([_holds(form) for form in type.forms])
+    if isinstance(type, ListOf):
+        return f"list of {_plural(type.item)}"
+    if isinstance(type, MapOf):
+        values = "" if isinstance(type.value, (Object, Named)) else f" to {_holds(type.value)}"
+        return f"mapping of {type.key.noun}s{values}"
+    names: dict[type[Type], str] = {Boolean: "`true` or `false`", Number: "number", Scalar: "value", Object: "mapping"}
+    return names[type.__class__]
+
+
+def _plural(type: Type) -> str:
+    found = _holds(type)
+    return f"{found}es" if found.endswith("s") else f"{found}s"
+
+
+def _alternatives(words: list[str]) -> str:
+    *others, last = dict.fromkeys(words)
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+if __name__ == "__main__":
+    for _page in PAGES:
+        _page.write_text(current(_page.read_text(encoding="utf-8")), encoding="utf-8")

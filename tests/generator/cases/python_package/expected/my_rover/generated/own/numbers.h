@@ -1,0 +1,3 @@
+// Generated from mapping.yaml; do not edit.
+// Regenerate with: roverlink generate
+// my_rover/generated

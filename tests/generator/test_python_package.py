@@ -1,0 +1,100 @@
+"""The generated package under a name of the project's own: its folder, its imports, and what it may be called."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from golden import CASES, ROOT, Case, generate
+
+from generator.findings import Finding
+from generator.table import reader
+
+_LOADS = """
+import sys
+from pathlib import Path
+from roverlink.generated_code import load_project
+from runtime import RegistryError, Translator
+for folder in sys.argv[1:]:
+    try:
+        registry = load_project(Path(folder))
+    except RegistryError as error:
+        print(error)
+        continue
+    payload = registry.by_name["note"].payload_type(height=2.5)
+    received = Translator(registry).receive(registry.envelope(note=payload).SerializeToString())
+    print(type(registry.by_name["note"]).__module__, received[0])
+"""
+
+
+def _project(parent: Path, package: str) -> Path:
+    """A generated project whose Python package has the name."""
+    parent.mkdir()
+    project = Case(CASES / "python_package").copy_project(parent)
+    table = project / "mapping.yaml"
+    table.write_text(table.read_text(encoding="utf-8").replace("my_rover.generated", package), encoding="utf-8")
+    assert generate(project).code == 0
+    return project
+
+
+def _loaded(*projects: Path) -> list[str]:
+    """What a process says that loads one project after the other."""
+    done = subprocess.run(
+        [sys.executable, "-c", _LOADS, *map(str, projects)], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_the_package_is_loaded_under_its_name(tmp_path: Path) -> None:
+    """The commands find the name in the table, and a payload crosses."""
+    project = _project(tmp_path / "a", "my_rover.generated")
+
+    assert _loaded(project) == ["my_rover.generated.handlers.note note"]
+    assert not (project / "generated").exists()
+
+
+def test_two_projects_in_one_process(tmp_path: Path) -> None:
+    """Two names work beside each other; of two projects with one name, the second is refused."""
+    first, second = _project(tmp_path / "a", "first.generated"), _project(tmp_path / "b", "second")
+    third = _project(tmp_path / "c", "first.generated")
+
+    shown = _loaded(first, second, third)
+
+    assert shown[:2] == ["first.generated.handlers.note note", "second.handlers.note note"]
+    assert f"of another project is loaded already: {first / 'first'}" in shown[2]
+
+
+def test_a_project_follows_its_package(tmp_path: Path) -> None:
+    """What stands below the package's folder and is made no more goes, and an unchanged run writes nothing."""
+    project = _project(tmp_path / "a", "my_rover.generated")
+    table = project / "mapping.yaml"
+    assert generate(project, "--check").code == 0
+    table.write_text(table.read_text(encoding="utf-8").replace("templates: [own]\n", ""), encoding="utf-8")
+
+    assert " removed my_rover/generated/own/numbers.h" in generate(project).stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("roverlink.mine", "roverlink is a module of roverlink itself"),
+        ("json", "json is a module of Python's standard library"),
+        ("my_rover.import", "import is a keyword of Python"),
+        ("my-rover", "which cannot stand there"),
+        (".mine", "which cannot stand there"),
+        ("my_rover.2", "which cannot stand there"),
+    ],
+)
+def test_a_name_that_cannot_be_imported_is_refused(tmp_path: Path, name: str, expected: str) -> None:
+    """Each is a finding at the name."""
+    table = tmp_path / "mapping.yaml"
+    text = (CASES / "python_package" / "mapping.yaml").read_text(encoding="utf-8")
+    table.write_text(text.replace("my_rover.generated", name), encoding="utf-8")
+    findings: list[Finding] = []
+
+    assert reader.read(table, findings).python.package == "generated"
+    assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 6, 19)]
+    assert expected in findings[0].message
