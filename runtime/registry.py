@@ -110,7 +110,7 @@ def _concerns(module: str, package: str) -> bool:
 def _put_first(project: Path, package: str) -> None:
     """Let the import of the package find the project's own code before any other of that name."""
     if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
-        raise RegistryError(f"no generated code in {project} that is called {package}; run `roverlink generate` there")
+        raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
     folder = project
     for name in itertools.accumulate(package.split("."), "{}.{}".format):
         folder /= name.rpartition(".")[2]
