@@ -3,14 +3,14 @@
 
 #include <rover/conversions/chain_level2.hpp>
 
-#include <rover/runtime/values.hpp>
+#include <roverlink/values.hpp>
 
 namespace rover::handlers
 {
 
 rover::msg::ChainLevel2 ChainLevel2Conversion::to_ros(const ::Chain & payload)
 {
-  check_end(payload.has_next(), "ChainLevel2.next");
+  roverlink::check_end(payload.has_next(), "ChainLevel2.next");
   rover::msg::ChainLevel2 message;
   message.class_field = payload.class_();
   return message;
