@@ -12,8 +12,12 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 Files = Iterator[tuple[str, str]]
 """What a target makes: the path of each file, relative to the table, and its text."""
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
 REGENERATE = "Regenerate with: roverlink generate"
+
+
+def shipped(folder: str) -> Path:
+    """Return a folder that is installed together with the generator: ``templates`` or ``cpp``."""
+    return Path(__file__).parents[1] / folder
 
 
 @cache
@@ -31,7 +35,7 @@ def environment(folder: Path) -> Environment:
 
 def render(template: str, **view: Any) -> str:
     """The text of a template."""
-    return environment(TEMPLATES).get_template(template).render(view)
+    return environment(shipped("templates")).get_template(template).render(view)
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:

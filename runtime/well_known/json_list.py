@@ -5,7 +5,7 @@ from __future__ import annotations
 from google.protobuf.struct_pb2 import ListValue
 
 from runtime.errors import ConversionError
-from runtime.well_known.json_text import built, list_of, parsed, plain_list, text_of
+from runtime.well_known.json_text import plain_list, text_of, value_of
 
 
 def to_ros(payload: ListValue, field: str) -> str:
@@ -15,7 +15,7 @@ def to_ros(payload: ListValue, field: str) -> str:
 
 def from_ros(text: str, field: str) -> ListValue:
     """The payload that says what the text says. Raises `ConversionError` where that is no list."""
-    said = parsed(text, field)
-    if not isinstance(said, list):
+    value = value_of(text, field)
+    if not value.HasField("list_value"):
         raise ConversionError("is JSON, but no list", field)
-    return built(list_of, said, field)
+    return value.list_value

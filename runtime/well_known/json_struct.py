@@ -5,7 +5,7 @@ from __future__ import annotations
 from google.protobuf.struct_pb2 import Struct
 
 from runtime.errors import ConversionError
-from runtime.well_known.json_text import built, parsed, plain_struct, struct_of, text_of
+from runtime.well_known.json_text import plain_struct, text_of, value_of
 
 
 def to_ros(payload: Struct, field: str) -> str:
@@ -15,7 +15,7 @@ def to_ros(payload: Struct, field: str) -> str:
 
 def from_ros(text: str, field: str) -> Struct:
     """The payload that says what the text says. Raises `ConversionError` where that is no object."""
-    said = parsed(text, field)
-    if not isinstance(said, dict):
+    value = value_of(text, field)
+    if not value.HasField("struct_value"):
         raise ConversionError("is JSON, but no object", field)
-    return built(struct_of, said, field)
+    return value.struct_value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from google.protobuf.struct_pb2 import Value
 
-from runtime.well_known.json_text import built, parsed, plain, text_of, value_of
+from runtime.well_known.json_text import plain, text_of, value_of
 
 
 def to_ros(payload: Value, field: str) -> str:
@@ -14,4 +14,4 @@ def to_ros(payload: Value, field: str) -> str:
 
 def from_ros(text: str, field: str) -> Value:
     """The payload that says what the text says. Raises `ConversionError` where that is nothing."""
-    return built(value_of, parsed(text, field), field)
+    return value_of(text, field)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from google.protobuf.duration_pb2 import Duration as DurationPayload
@@ -17,6 +18,11 @@ from runtime.interfaces import Duration, Time
 from runtime.well_known import duration, json_list, json_struct, json_value, timestamp
 
 _INT32 = st.integers(-(2**31), 2**31 - 1)
+_JSON_TEXTS = [
+    line.split("\t")
+    for line in (Path(__file__).parents[2] / "cpp/tests/json_texts.tsv").read_text(encoding="utf-8").split("\n")
+    if line and not line.startswith("#")
+]
 _NANOSECONDS = st.integers(0, 999_999_999)
 
 # --- times ------------------------------------------------------------------------------------------------------
@@ -134,6 +140,21 @@ def test_a_text_that_no_value_can_hold_is_refused(text: str) -> None:
     """What is no JSON, no double, half a character, or a key that stands twice."""
     with pytest.raises(ConversionError, match=r"^note: "):
         json_value.from_ros(text, "note")
+
+
+@pytest.mark.parametrize(("kind", "text", "written"), _JSON_TEXTS, ids=[text[:20] for _, text, _ in _JSON_TEXTS])
+def test_json_means_what_it_means_in_cpp(kind: str, text: str, written: str) -> None:
+    """The C++ runtime library is tested with the same table."""
+    if kind == "same":
+        assert json_value.to_ros(json_value.from_ros(text, "note"), "note") == written
+    else:
+        with pytest.raises(ConversionError, match=r"^note: "):
+            json_value.from_ros(text, "note")
+
+
+def test_an_integer_has_no_negative_zero() -> None:
+    """As in protobuf's C++ up to version 21; -0.0 keeps its sign."""
+    assert json_value.to_ros(json_value.from_ros("-0", ""), "") == "0.0"
 
 
 def test_another_kind_of_json_is_refused() -> None:

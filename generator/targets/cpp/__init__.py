@@ -9,13 +9,14 @@ from generator.targets.cpp.files import FOLDER
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Headers and sources of handlers, feeds and conversions, of the registry and the runtime, and CMake's project.
+    """Yield handlers, feeds, conversions and registry, a copy of the runtime library, and the CMake project.
 
     Raises `FindingsError` for names that protobuf's C++ cannot have.
     """
     faults.check(bridge)
     context = conversions.context_of(bridge)
-    files = [*conversions.emit(bridge, context), *handlers.emit(bridge, context), *library.emit(bridge)]
+    files = [*conversions.emit(bridge, context), *handlers.emit(bridge, context)]
     yield from files
+    yield from library.emit(bridge)
     sources = [path.removeprefix(f"{FOLDER}/") for path, _ in files if path.endswith(".cpp")]
     yield library.cmake(bridge, sources)

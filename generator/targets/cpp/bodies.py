@@ -21,7 +21,7 @@ class Bodies:
         self._conversion, self._context = conversion, context
         self._message = context.struct(conversion.ros)
         self._holders: Mapping[tuple[str, ...], str] = {}
-        self.headers = {context.runtime("values")}
+        self.headers = {names.runtime_header("values")}
         """What the bodies need, as far as they were spelled."""
 
     def _shown(self, name: str) -> str:
@@ -34,13 +34,13 @@ class Bodies:
         return converter.name
 
     def _by_the_runtime(self, field: ir.FieldConversion, direction: str, source: str, shown: str) -> str:
-        self.headers.add(self._context.runtime(_BY_THE_RUNTIME[field.kind]))
-        return f"{field.converter}_{direction}({source}, {self._shown(shown)})"
+        self.headers.add(names.runtime_header(_BY_THE_RUNTIME[field.kind]))
+        return f"roverlink::{field.converter}_{direction}({source}, {self._shown(shown)})"
 
     def _is_field_mask(self, field: ir.FieldConversion) -> bool:
         if field.wrapping is None or field.wrapping.proto != FIELD_MASK:
             return False
-        self.headers.add(self._context.runtime("well_known"))
+        self.headers.add(names.runtime_header("well_known"))
         return True
 
     # --- to ROS ---
@@ -93,7 +93,7 @@ class Bodies:
             for part, place in ((entry.key, "first"), (entry.value, "second"))
         ]
         new = f"auto & entry = message.{field.ros.name}.emplace_back();"
-        yield from layout.block(f"for (const auto * item : sorted({source}))", [new, *stored])
+        yield from layout.block(f"for (const auto * item : roverlink::sorted({source}))", [new, *stored])
 
     def _stored(self, target: str, field: ir.FieldConversion, source: str, shown: str) -> str:
         """The statement that puts one value where it belongs; ``shown`` is how an error calls it."""
@@ -103,7 +103,7 @@ class Bodies:
     def _value_to_ros(self, field: ir.FieldConversion, source: str, shown: str) -> str:
         """One value, out of its wrapping; of ``HELD`` without the message that holds it."""
         if self._is_field_mask(field):
-            return f"field_mask_to_ros({source}, {self._shown(shown)})"
+            return f"roverlink::field_mask_to_ros({source}, {self._shown(shown)})"
         if field.wrapping:
             source = f"{source}.{names.accessor(field.wrapping.field)}()"
         if field.kind is ConversionKind.MESSAGE:
@@ -112,10 +112,10 @@ class Bodies:
             return self._by_the_runtime(field, "to_ros", source, shown)
         ros = self._ros_of_value(field)
         if ros.enum:
-            return f"narrow<{names.primitive(ros.type.name)}>({source}, {self._shown(shown)})"
+            return f"roverlink::narrow<{names.primitive(ros.type.name)}>({source}, {self._shown(shown)})"
         if ros.type.name == "string":
-            return f"text({source}, {self._shown(shown)})"
-        return f"octets({source})" if _is_bytes(field, ros) else source
+            return f"roverlink::text({source}, {self._shown(shown)})"
+        return f"roverlink::octets({source})" if _is_bytes(field, ros) else source
 
     def _ros_of_value(self, field: ir.FieldConversion) -> ir.RosField:
         """The ROS field that has the bare value."""
@@ -162,7 +162,7 @@ class Bodies:
             yield from layout.indented(self._set(members[choice.proto]), 2)
             yield "    break;"
         yield "  default:"
-        yield f"    throw no_member(message.{which}, {self._shown(which)});"
+        yield f"    throw roverlink::no_member(message.{which}, {self._shown(which)});"
         yield "}"
 
     def _field_from_ros(self, field: ir.FieldConversion) -> Iterator[str]:
@@ -204,7 +204,7 @@ class Bodies:
     def _entries_from_ros(self, field: ir.FieldConversion, entry: ir.MapEntry, target: str) -> Iterator[str]:
         key = self._value_from_ros(entry.key, f"item.{entry.key.ros.name}", field.ros.name)
         value = self._value_from_ros(entry.value, f"item.{entry.value.ros.name}", field.ros.name)
-        new = f"auto & value = added({target}, {key}, {self._shown(field.ros.name)});"
+        new = f"auto & value = roverlink::added({target}, {key}, {self._shown(field.ros.name)});"
         if entry.value.wrapping and not self._is_field_mask(entry.value):
             stored = f"value.set_{names.accessor(entry.value.wrapping.field)}({value});"
         else:
@@ -214,7 +214,7 @@ class Bodies:
     def _value_from_ros(self, field: ir.FieldConversion, source: str, shown: str) -> str:
         """One value, without its wrapping; ``shown`` is how an error calls it."""
         if self._is_field_mask(field):
-            return f"field_mask_from_ros({source}, {self._shown(shown)})"
+            return f"roverlink::field_mask_from_ros({source}, {self._shown(shown)})"
         if field.kind is ConversionKind.MESSAGE:
             return f"{self._converter(field.converter)}::from_ros({source})"
         if field.kind in _BY_THE_RUNTIME:
@@ -223,10 +223,10 @@ class Bodies:
             source = f"{source}.{field.member}"
         ros = self._ros_of_value(field)
         if ros.enum:
-            return f"enumerator({source}, {self._shown(shown)})"
+            return f"roverlink::Enumerator({source}, {self._shown(shown)})"
         if ros.type.name == "string":
-            return f"text({source}, {self._shown(shown)})"
-        return f"bytes({source})" if _is_bytes(field, ros) else source
+            return f"roverlink::text({source}, {self._shown(shown)})"
+        return f"roverlink::bytes({source})" if _is_bytes(field, ros) else source
 
 
 def _is_copied(field: ir.FieldConversion) -> bool:

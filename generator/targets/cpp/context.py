@@ -32,7 +32,3 @@ class Context:
     def struct(self, message: str) -> str:
         """The struct of one of the table's own messages."""
         return names.struct(self.package, message)
-
-    def runtime(self, name: str) -> str:
-        """A header of the runtime."""
-        return f"{self.package}/runtime/{name}.hpp"

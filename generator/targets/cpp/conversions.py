@@ -78,7 +78,7 @@ def _pair(
 
 def named(parameter: str, statements: list[str]) -> str:
     """A parameter's name with a space before it, where statements use it; else nothing."""
-    used = re.compile(rf"(?<![\w\".]){parameter}(?=[.,)])")
+    used = re.compile(rf"(?<![\w\".]){parameter}(?=[.,;)])")
     return f" {parameter}" if any(used.search(line) for line in statements) else ""
 
 
@@ -87,7 +87,7 @@ def named(parameter: str, statements: list[str]) -> str:
 
 def _any_pair(bridge: ir.Bridge, any: ir.AnyConversion, context: Context) -> Files:
     by_ros = bridge.conversions()
-    headers = {context.runtime("any_of"), context.runtime("values")}
+    headers = {names.runtime_header("any"), names.runtime_header("values")}
     headers |= {context.converter_of(member.ros).header for member in any.members}
     headers |= {names.proto_header(by_ros[member.ros].file) for member in any.members}
     yield from _pair(
@@ -108,14 +108,14 @@ def _any_to_ros(any: ir.AnyConversion, context: Context) -> Iterator[str]:
     yield f"{message} message;"
     for index, member in enumerate(any.members):
         held = names.proto_class(member.proto)
-        unpacked = f'unpacked<{held}>(payload, "{any.ros}.{member.field}")'
-        yield f"{'} else ' if index else ''}if (holds<{held}>(payload)) {{"
+        unpacked = f'roverlink::unpacked<{held}>(payload, "{any.ros}.{member.field}")'
+        yield f"{'} else ' if index else ''}if (roverlink::holds<{held}>(payload)) {{"
         yield f"  message.which = {message}::{member.constant};"
         yield f"  message.{member.field} = {context.converter_of(member.ros).name}::to_ros({unpacked});"
     if any.members:
-        yield from ("} else {", f'  check_empty(payload, "{any.ros}");', "}")
+        yield from ("} else {", f'  roverlink::check_empty(payload, "{any.ros}");', "}")
     else:
-        yield f'check_empty(payload, "{any.ros}");'
+        yield f'roverlink::check_empty(payload, "{any.ros}");'
     yield "return message;"
 
 
@@ -124,5 +124,5 @@ def _any_from_ros(any: ir.AnyConversion, context: Context) -> Iterator[str]:
     yield from ("  case 0:", f"    return {names.proto_class('google.protobuf.Any')}();")
     for member in any.members:
         made = f"{context.converter_of(member.ros).name}::from_ros(message.{member.field})"
-        yield from (f"  case {context.struct(any.ros)}::{member.constant}:", f"    return packed({made});")
-    yield from ("  default:", f'    throw no_member(message.which, "{any.ros}.which");', "}")
+        yield from (f"  case {context.struct(any.ros)}::{member.constant}:", f"    return roverlink::packed({made});")
+    yield from ("  default:", f'    throw roverlink::no_member(message.which, "{any.ros}.which");', "}")

@@ -30,7 +30,7 @@ class Counterparts:
         otherwise = (
             f"return {self._case(value.default, value.holder)};"
             if value.default
-            else f"throw no_counterpart({layout.text_literal(value.source.dotted)}, number);"
+            else f"throw roverlink::no_counterpart({layout.text_literal(value.source.dotted)}, number);"
         )
         lines += ["  default:", f"    {otherwise}", "}"]
         about = f"{'.'.join(path)} for a value of {value.source.dotted}."
@@ -42,7 +42,7 @@ class Counterparts:
         lines: list[str] = []
         for case in cases.values():
             lines += layout.block(f"if (value == {self._case(case, value.holder)})", [f"return {case.number};"])
-        lines += [f"throw no_counterpart({layout.text_literal('.'.join(path))}, value);"]
+        lines += [f"throw roverlink::no_counterpart({layout.text_literal('.'.join(path))}, value);"]
         about = f"The value of {value.source.dotted} for one of {'.'.join(path)}."
         taken = "const std::string & value" if type.name == "string" else f"{names.primitive(type.name)} value"
         return self._add(f"{'_'.join(value.source.path)}_from_{'_'.join(path)}", about, "int", taken, lines)

@@ -10,6 +10,7 @@ from generator.targets.cpp import names
 
 CPP_NAME = Rule("CPP101", "cpp-name")
 
+_RUNTIME = "roverlink"
 _KNOWN_SINCE_22 = frozenset(
     {
         *("char8_t", "char16_t", "char32_t", "co_await", "co_return", "co_yield"),
@@ -28,6 +29,9 @@ def check(bridge: ir.Bridge) -> None:
     files = {conversion.proto: conversion.file for conversion in bridge.conversions().values()}
     files |= {feed.proto: feed.file for route in bridge.routes for feed in route.feeds}
     findings: list[Finding] = []
+    if bridge.package == _RUNTIME:
+        told = f"the package {_RUNTIME} would have the namespace and the headers of the C++ runtime library"
+        findings.append(CPP_NAME.at(Span(bridge.table), told, "give the ROS 2 package another name"))
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
             continue
@@ -43,6 +47,8 @@ def check(bridge: ir.Bridge) -> None:
 def _of_message(bridge: ir.Bridge, name: str) -> str:
     """What is wrong with a message's own name; empty for nothing."""
     *outer, _ = name.split(".")
+    if name.split(".")[0] == _RUNTIME:
+        return f"the class of {name} would be in the namespace of the C++ runtime library, {_RUNTIME}"
     if keywords := [part for part in outer if naming.is_cpp_keyword(part)]:
         return f"{name} would be in the namespace {keywords[0]!r}, which is a keyword of C++"
     packages = {bridge.package, *(interface.package for interface in bridge.interfaces)}

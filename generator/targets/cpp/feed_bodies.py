@@ -24,17 +24,17 @@ from generator.targets.cpp import layout, names
 from generator.targets.cpp.counterparts import Counterparts
 from generator.targets.cpp.layout import literal
 
-_CPP = Dialect(separator="'", pi="PI", power="std::pow({base}, {exponent})", constant="{name}")
+_CPP = Dialect(separator="'", pi="roverlink::PI", power="std::pow({base}, {exponent})", constant="{name}")
 
 
 class FeedBodies:
     """Spells one feed."""
 
-    def __init__(self, feed: Feed, package: str) -> None:
-        self._feed, self._package = feed, package
+    def __init__(self, feed: Feed) -> None:
+        self._feed = feed
         self._arithmetic = Arithmetic(_CPP)
         self._counterparts = Counterparts()
-        self.headers = {f"{package}/runtime/feeds.hpp"}
+        self.headers = {names.runtime_header("values")}
         """What the bodies need, as far as they were spelled."""
 
     def constants(self) -> Iterator[str]:
@@ -65,11 +65,11 @@ class FeedBodies:
         elif isinstance(value, Constant):
             yield _constant(target, value.value, field.type)
         elif isinstance(value, Rotation):
-            self.headers.add(f"{self._package}/runtime/rotations.hpp")
+            self.headers.add(names.runtime_header("rotations"))
             angles = ", ".join(self._angle(part) for part in (value.roll, value.pitch, value.yaw))
-            yield f"{target} = quaternion({{{angles}}}, {_shown(path)});"
+            yield f"{target} = roverlink::quaternion({{{angles}}}, {_shown(path)});"
         elif isinstance(value, Moment):
-            yield f"set_time({', '.join([target, *self._moment(value, path)])});"
+            yield f"{target} = {self._moment(value, path)};"
         elif isinstance(value, Chosen):
             function = self._counterparts.there(value, path, field.type)
             yield f"{target} = {function}({names.getter(value.source.path)});"
@@ -80,10 +80,10 @@ class FeedBodies:
         source = names.getter(value.source.path)
         if value.source.type == "bytes":
             make = "[](char byte) {return static_cast<std::uint8_t>(byte);}"
-            yield f"fill({target}, {source}, {_shown(path)}, {make});"
+            yield f"roverlink::fill({target}, {source}, {_shown(path)}, {make});"
         elif value.source.repeated:
             made = self._made(value, "item", type, path)
-            yield f"fill({target}, {source}, {_shown(path)}, [](auto item) {{return {made};}});"
+            yield f"roverlink::fill({target}, {source}, {_shown(path)}, [](auto item) {{return {made};}});"
         elif value.default is None:
             yield f"{target} = {self._made(value, source, type, path)};"
         else:
@@ -97,7 +97,7 @@ class FeedBodies:
         source, shown = value.source, _shown(path)
         if source.type == "string":
             bound = f", {type.text_bound}" if type.text_bound else ""
-            return f"text({text}, {shown}{bound})"
+            return f"roverlink::text({text}, {shown}{bound})"
         if value.scaling.is_identity and not source.enum and source.type == type.name:
             return text
         if source.type == "bool":
@@ -107,8 +107,8 @@ class FeedBodies:
         if type.name.startswith("float"):
             scaled = f"static_cast<double>({scaled})" if whole else scaled
             scaled = f"std::nearbyint({scaled})" if value.rounded and not whole else scaled
-            return f"single({scaled}, {shown})" if type.name == "float32" else scaled
-        return f"{'narrow' if whole else 'rounded'}<{names.primitive(type.name)}>({scaled}, {shown})"
+            return f"roverlink::single({scaled}, {shown})" if type.name == "float32" else scaled
+        return f"roverlink::{'narrow' if whole else 'rounded'}<{names.primitive(type.name)}>({scaled}, {shown})"
 
     def _angle(self, value: Taken | Constant) -> str:
         if isinstance(value, Constant):
@@ -116,13 +116,14 @@ class FeedBodies:
         made = self._made(value, names.getter(value.source.path), InterfaceType("float64"), ())
         return made if value.default is None else f"{_has(value.source)} ? {made} : {literal(value.default)}"
 
-    def _moment(self, value: Moment, path: Path) -> tuple[str, ...]:
+    def _moment(self, value: Moment, path: Path) -> str:
         if value.source is None:
-            return ("received",)
+            return "received"
         whole = value.source.is_integer and value.nanoseconds.denominator == 1
         text = _operand(names.getter(value.source.path), value.source.type)
         scaled = text if value.nanoseconds == 1 else f"{text} * {_CPP.number(value.nanoseconds, whole=whole)}"
-        return scaled if whole else f"whole({scaled}, {_shown(path)})", _shown(path)
+        nanoseconds = scaled if whole else f"roverlink::whole({scaled}, {_shown(path)})"
+        return f"roverlink::stamp_of({nanoseconds}, {_shown(path)})"
 
     # --- from ROS ---
 
@@ -130,7 +131,7 @@ class FeedBodies:
         """The statements of ``from_ros``, which make ``payload`` from ``message``."""
         if self._feed.obstacle:
             place = layout.text_literal(self._feed.message)
-            yield f"throw ConversionError({place}, {layout.text_literal(self._feed.obstacle)});"
+            yield f"throw roverlink::ConversionError({place}, {layout.text_literal(self._feed.obstacle)});"
             return
         yield f"{names.proto_class(self._feed.proto)} payload;"
         told: set[Path] = set()
@@ -145,9 +146,9 @@ class FeedBodies:
         """The statements that set fields of the payload, each with its field."""
         value, text = recovered.value, ".".join(("message", *recovered.path))
         if isinstance(value, Rotation):
-            self.headers.add(f"{self._package}/runtime/rotations.hpp")
+            self.headers.add(names.runtime_header("rotations"))
             name = f"rotation{index or ''}"
-            yield None, [f"const Angles {name} = angles({text});"]
+            yield None, [f"const roverlink::Angles {name} = roverlink::angles({text});"]
             for angle, part in (("roll", value.roll), ("pitch", value.pitch), ("yaw", value.yaw)):
                 if isinstance(part, Taken):
                     yield part.source, self._set(part, f"{name}.{angle}", "float64")
@@ -157,7 +158,7 @@ class FeedBodies:
             function = self._counterparts.back(value, recovered.path, recovered.type)
             yield value.source, [_setter(value.source, _as_declared(value.source, f"{function}({text})"))]
         elif value.source:
-            number = self._unscaled_time(value, value.source, f"nanoseconds({text})")
+            number = self._unscaled_time(value, value.source, f"roverlink::nanoseconds({text})")
             yield value.source, [_setter(value.source, number)]
 
     def _set(self, value: Taken, text: str, type: str) -> list[str]:
@@ -171,35 +172,39 @@ class FeedBodies:
         source, scaling = value.source, value.scaling
         shown = layout.text_literal(source.dotted)
         if source.type == "string":
-            return f"text({text}, {shown})"
+            return f"roverlink::text({text}, {shown})"
         if source.type == "bytes":
-            return f"bytes({text})"
+            return f"roverlink::bytes({text})"
         if scaling.is_identity and not source.enum and source.type == type:
             return text
         whole = source.is_integer and scaling.is_whole and abs(scaling.factor) == 1 and not type.startswith("float")
         back = self._arithmetic.back(_operand(text, type), scaling, whole=whole)
         if source.is_integer:
-            made = f"{'narrow' if whole else 'rounded'}<{names.primitive(source.type)}>({back}, {shown})"
+            made = f"roverlink::{'narrow' if whole else 'rounded'}<{names.primitive(source.type)}>({back}, {shown})"
             return _as_declared(source, made)
-        return f"single({back}, {shown})" if source.type == "float32" else back
+        return f"roverlink::single({back}, {shown})" if source.type == "float32" else back
 
     def _unscaled_time(self, value: Moment, source: Source, text: str) -> str:
         type, shown, factor = names.primitive(source.type), layout.text_literal(source.dotted), value.nanoseconds
         if source.is_integer and factor.denominator == 1:
-            whole = text if factor == 1 else f"floored({text}, {_CPP.number(factor, whole=True)})"
-            return f"narrow<{type}>({whole}, {shown})"
+            whole = text if factor == 1 else f"roverlink::floored({text}, {_CPP.number(factor, whole=True)})"
+            return f"roverlink::narrow<{type}>({whole}, {shown})"
         divided = f"static_cast<double>({text})"
         divided += "" if factor == 1 else f" / {_CPP.number(factor, whole=False)}"
-        return f"rounded<{type}>({divided}, {shown})" if source.is_integer else f"static_cast<{type}>({divided})"
+        return (
+            f"roverlink::rounded<{type}>({divided}, {shown})"
+            if source.is_integer
+            else f"static_cast<{type}>({divided})"
+        )
 
 
 def _operand(text: str, type: str) -> str:
     """A number in arithmetic: whole ones are negated as such, for floats have two zeros."""
-    return text if type.startswith("float") else f"wide({text})"
+    return text if type.startswith("float") else f"roverlink::wide({text})"
 
 
 def _as_declared(source: Source, text: str) -> str:
-    return f"enumerator({text}, {layout.text_literal(source.dotted)})" if source.enum else text
+    return f"roverlink::Enumerator({text}, {layout.text_literal(source.dotted)})" if source.enum else text
 
 
 def _setter(source: Source, value: str) -> str:

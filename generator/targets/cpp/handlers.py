@@ -61,7 +61,7 @@ def _row(bridge: ir.Bridge, handler: Handler, conversion: ir.Conversion, context
         f"{bridge.package}/msg/{conversion.ros}",
         bodies.headers,
         about=f"{conversion.local_name} {_arrow(handler.route)} {handler.route.topic}.",
-        way_back="The payload that says what the message says. Throws ConversionError for what it cannot hold.",
+        way_back="Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.",
         taken=[f"const Payload &{named('payload', to_ros)}"],
         given=named("message", from_ros),
         to_ros=layout.body(to_ros),
@@ -73,7 +73,7 @@ def _row(bridge: ir.Bridge, handler: Handler, conversion: ir.Conversion, context
 
 
 def _feed(bridge: ir.Bridge, handler: Handler, feed: Feed) -> Files:
-    bodies = FeedBodies(feed, bridge.package)
+    bodies = FeedBodies(feed)
     to_ros, from_ros = list(bodies.to_ros()), list(bodies.from_ros())
     functions = list(bodies.functions())
     shown = feed.message.replace("/msg/", "/")
@@ -86,7 +86,7 @@ def _feed(bridge: ir.Bridge, handler: Handler, feed: Feed) -> Files:
         bodies.headers,
         about=f"{feed.local_name} as {shown} {_arrow(handler.route)} {handler.route.topic}.",
         way_back=_way_back(feed),
-        taken=[f"const Payload &{named('payload', to_ros)}", f"const Stamp &{named('received', to_ros)}"],
+        taken=[f"const Payload &{named('payload', to_ros)}", f"const roverlink::Stamp &{named('received', to_ros)}"],
         given=named("message", from_ros),
         to_ros=layout.body(to_ros),
         from_ros=layout.body(from_ros),
@@ -113,7 +113,8 @@ def _pair(
 ) -> Files:
     route, package, envelope = handler.route, bridge.package, names.proto_class(bridge.envelope.message)
     files = Pair(package, handler.file, f"{bridge.table} (row {route.name}) and {file}")
-    own = [names.proto_header(file), names.interface_header(message), f"{package}/runtime/handler.hpp"]
+    own = [*map(names.proto_header, (bridge.envelope.file, file)), names.interface_header(message)]
+    own.append(names.runtime_header("handler"))
     yield from pair(
         files,
         "handler",
@@ -135,7 +136,7 @@ def _pair(
         publish_head=layout.signature(
             "void",
             f"{handler.name}::publish",
-            [f"const {envelope} & envelope", f"const Stamp &{' received' if stamped else ''}"],
+            [f"const {envelope} & envelope", f"const roverlink::Stamp &{' received' if stamped else ''}"],
             " const",
         ),
         stamped=stamped,
@@ -155,12 +156,12 @@ def _route(route: ir.Route) -> str:
         words = (route.qos.reliability, route.qos.durability, route.qos.history)
         parts.append(f"{{{', '.join(map(layout.text_literal, words))}, {route.qos.depth}}}")
     flat = ", ".join(parts)
-    return flat if len(flat) < layout.LINE_LENGTH - 33 else f"\n    {flat}"
+    return flat if len(flat) < layout.LINE_LENGTH - 44 else f"\n    {flat}"
 
 
 def _way_back(feed: Feed) -> str:
-    """What the comment says of the way back."""
+    """Write the comment of ``from_ros``."""
     if feed.obstacle:
-        return f"There is no way back, and so this throws ConversionError: {feed.obstacle}."
-    lost = f" It says nothing of {', '.join(feed.lost)}." if feed.lost else ""
-    return f"The payload that says what the message says.{lost} Throws ConversionError for what it cannot hold."
+        return f"Always throws roverlink::ConversionError: {feed.obstacle}."
+    lost = f" It does not set {', '.join(feed.lost)}." if feed.lost else ""
+    return f"Convert a message.{lost} Throws roverlink::ConversionError for a value that the payload cannot hold."

@@ -43,6 +43,11 @@ def proto_header(file: str) -> str:
     return f"{file.removesuffix('.proto')}.pb.h"
 
 
+def runtime_header(name: str) -> str:
+    """Return the path of a header of the C++ runtime library, as an include directive names it."""
+    return f"roverlink/{name}.hpp"
+
+
 def struct(package: str, message: str) -> str:
     """The struct of a ROS message: ``comms::msg::BoundingBox``."""
     return f"{package}::msg::{message}"

@@ -20,8 +20,7 @@ from generator.ir import Bridge
 
 _HERE = Path(__file__).parent
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
-_WITH_NAMES_OF_THEIR_OWN = ("feeds", "runtime")
-"""Folders of source files that do not go together in one."""
+_RUNTIME = "generated/cpp/roverlink/"
 _HANDLE = re.compile(r"get_message_type_support_handle<([\w:]+)>")
 _WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 
@@ -51,7 +50,10 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     compiled.mkdir()
     names = sorted(f"{path.rpartition('_pb2')[0]}.proto" for path in bridge.modules if path.endswith(".py"))
     _run(["/usr/bin/protoc", f"--proto_path={protos}", f"--cpp_out={compiled}", *names])
-    options = [f"-I{part}" for part in (folder / "generated/cpp/include", compiled, generated / "include")]
+    options = [
+        f"-I{part}"
+        for part in (folder / "generated/cpp/include", folder / _RUNTIME / "include", compiled, generated / "include")
+    ]
     options += [f"-I{path}" for path in Path("/usr/include").glob("rosidl*")]
     structs = _in_one(folder / "structs.cpp", _held_first(sorted(generated.rglob("*__type_support.cpp"))))
     speaker = [
@@ -61,9 +63,10 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     ]
     jobs = [(source, options) for source in (structs, *sorted(compiled.rglob("*.pb.cc")))]
     jobs.append((_HERE / "speaker.cpp", [*options, *speaker]))
-    sources = sorted(folder / path for path in ours if path.endswith(".cpp"))
-    alone = [source for source in sources if source.parent.name in _WITH_NAMES_OF_THEIR_OWN]
+    sources = sorted(folder / path for path in ours if path.endswith(".cpp") and not path.startswith(_RUNTIME))
+    alone = [source for source in sources if source.parent.name == "feeds"]  # each has functions of its own
     alone.append(_in_one(folder / "handlers.cpp", [source for source in sources if source not in alone]))
+    alone.append(_in_one(folder / "runtime.cpp", sorted((folder / _RUNTIME / "src").glob("*.cpp"))))
     jobs += [(source, [*options, *_WARNINGS]) for source in alone]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda job: _object(folder / f"{job[0]}.o", *job[1]), enumerate(jobs)))

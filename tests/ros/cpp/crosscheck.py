@@ -12,6 +12,7 @@ from pathlib import Path
 from building import build
 from comparing import Speaker, compare
 
+from generator.ir import Bridge, ConversionKind
 from generator.pipeline import compile_table
 from generator.write import compare as changes
 from generator.write import write
@@ -28,9 +29,16 @@ def check(table: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         program = build(compiled.bridge, compiled.files, table.parent / "proto", Path(folder), jazzy=jazzy)
         speaker = Speaker(program)
-        answers = compare(speaker, registry, in_any, examples=40)
+        answers = compare(speaker, registry, in_any, examples=40, json_fields=_json_fields(compiled.bridge))
         speaker.close()
     print(f"{answers} answers are the same")
+
+
+def _json_fields(bridge: Bridge) -> set[tuple[str, str]]:
+    """List the ROS fields that hold JSON: the names of message and field."""
+    fields = [(conversion.ros, field) for conversion in bridge.conversions().values() for field in conversion.fields]
+    fields += [(field.ros.type.name, field.entry.value) for _, field in fields if field.entry]
+    return {(ros, field.ros.name) for ros, field in fields if field.kind is ConversionKind.JSON}
 
 
 if __name__ == "__main__":

@@ -209,7 +209,7 @@ template<typename Class>
 std::string answer(const std::string & what, std::istream & question)
 {
   using Message = typename Class::Message;
-  handlers::Stamp received;
+  roverlink::Stamp received;
   std::string data;
   if (what == "to") {
     question >> received.sec >> received.nanosec;
@@ -218,7 +218,7 @@ std::string answer(const std::string & what, std::istream & question)
   if (what == "from") {
     return serialized_payload(Class::from_ros(deserialized<Message>(unhex(data))));
   }
-  if constexpr (!std::is_base_of_v<handlers::Handler, Class>) {
+  if constexpr (!std::is_base_of_v<roverlink::Handler<ENVELOPE>, Class>) {
     if (what == "envelope") {
       return serialized_payload(Class::envelope(deserialized<Message>(unhex(data))));
     }
@@ -226,7 +226,7 @@ std::string answer(const std::string & what, std::istream & question)
     if (!payload.ParsePartialFromString(unhex(data))) {
       throw std::runtime_error("no payload");
     }
-    if constexpr (std::is_invocable_v<decltype(Class::to_ros), typename Class::Payload, handlers::Stamp>) {
+    if constexpr (std::is_invocable_v<decltype(Class::to_ros), typename Class::Payload, roverlink::Stamp>) {
       return serialized(Class::to_ros(payload, received));
     } else {
       return serialized(Class::to_ros(payload));
@@ -262,7 +262,7 @@ void speak()
     try {
       const std::string said = hex(answers.at(topic)(what, question));
       std::cout << "is " << said << std::endl;
-    } catch (const handlers::ConversionError & error) {
+    } catch (const roverlink::ConversionError & error) {
       std::cout << "refused " << hex(error.what()) << std::endl;
     }
   }

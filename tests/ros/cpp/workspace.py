@@ -21,7 +21,7 @@ from generator.pipeline import compile_table  # noqa: E402
 
 _EXAMPLES = re.compile(r"^```cpp\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _NODE = """
-void Bridge::send(const Route & route, const PBEnvelope & envelope)
+void Bridge::send(const roverlink::Route & route, const PBEnvelope & envelope)
 {
   std::printf("%s %zu\\n", route.direction, envelope.SerializeAsString().size());
 }

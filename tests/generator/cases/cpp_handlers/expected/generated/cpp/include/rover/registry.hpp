@@ -11,27 +11,29 @@
 #include <rover/handlers/legacy.hpp>
 #include <rover/handlers/order.hpp>
 #include <rover/handlers/survey.hpp>
-#include <rover/runtime/registry.hpp>
+#include <roverlink/registry.hpp>
 
 namespace rover::handlers
 {
 
-/// What comes from the peers, in the order of the table.
-using Inbound = Table<
+/// The classes of the rows that peers send, in the order of the table.
+using Inbound = roverlink::Table<
   SurveyHandler,
   SurveySurveyTemperatureFeed,
   SurveySurveySpinFeed,
   SurveySurveyModeFeed>;
 
-/// What goes to the peers, in the order of the table.
-using Outbound = Table<
+/// The classes of the rows that peers receive, in the order of the table.
+using Outbound = roverlink::Table<
   OrderHandler,
   ChainHandler,
   LegacyHandler>;
 
-/// A registry with every inbound handler.
+using Registry = roverlink::Registry<::Envelope, &::Envelope::payload_case>;
+
+/// Make a registry with every inbound handler.
 ///
-/// `advertise` is called with the Topic of each, and gives the function that publishes its messages:
+/// `advertise` takes the Topic of each and returns the function that publishes its messages:
 ///
 ///     [&](auto topic) {
 ///       using Message = typename decltype(topic)::Message;
@@ -40,12 +42,7 @@ using Outbound = Table<
 template<typename Advertise>
 Registry make_registry(Advertise advertise)
 {
-  Registry registry;
-  Inbound::for_each(
-    [&](auto topic) {
-      registry.add<typename decltype(topic)::Handler>(advertise(topic));
-    });
-  return registry;
+  return Registry::of<Inbound>(advertise);
 }
 
 }  // namespace rover::handlers

@@ -4,8 +4,8 @@
 #include <rover/conversions/survey_content.hpp>
 
 #include <rover/conversions/sample.hpp>
-#include <rover/runtime/any_of.hpp>
-#include <rover/runtime/values.hpp>
+#include <roverlink/any.hpp>
+#include <roverlink/values.hpp>
 #include <survey.pb.h>
 
 namespace rover::handlers
@@ -14,11 +14,11 @@ namespace rover::handlers
 rover::msg::SurveyContent SurveyContentConversion::to_ros(const ::google::protobuf::Any & payload)
 {
   rover::msg::SurveyContent message;
-  if (holds<::Sample>(payload)) {
+  if (roverlink::holds<::Sample>(payload)) {
     message.which = rover::msg::SurveyContent::SAMPLE;
-    message.sample = SampleConversion::to_ros(unpacked<::Sample>(payload, "SurveyContent.sample"));
+    message.sample = SampleConversion::to_ros(roverlink::unpacked<::Sample>(payload, "SurveyContent.sample"));
   } else {
-    check_empty(payload, "SurveyContent");
+    roverlink::check_empty(payload, "SurveyContent");
   }
   return message;
 }
@@ -29,9 +29,9 @@ rover::msg::SurveyContent SurveyContentConversion::to_ros(const ::google::protob
     case 0:
       return ::google::protobuf::Any();
     case rover::msg::SurveyContent::SAMPLE:
-      return packed(SampleConversion::from_ros(message.sample));
+      return roverlink::packed(SampleConversion::from_ros(message.sample));
     default:
-      throw no_member(message.which, "SurveyContent.which");
+      throw roverlink::no_member(message.which, "SurveyContent.which");
   }
 }
 

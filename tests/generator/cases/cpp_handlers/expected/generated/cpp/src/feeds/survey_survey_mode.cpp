@@ -3,7 +3,7 @@
 
 #include <rover/feeds/survey_survey_mode.hpp>
 
-#include <rover/runtime/feeds.hpp>
+#include <roverlink/values.hpp>
 
 namespace rover::handlers
 {
@@ -20,7 +20,7 @@ std::string data_of(int number)
     case 1:  // DRILLING
       return "drilling";
     default:
-      throw no_counterpart("mode", number);
+      throw roverlink::no_counterpart("mode", number);
   }
 }
 
@@ -33,17 +33,17 @@ int mode_from_data(const std::string & value)
   if (value == "drilling") {
     return 1;
   }
-  throw no_counterpart("data", value);
+  throw roverlink::no_counterpart("data", value);
 }
 
 }  // namespace
 
-void SurveySurveyModeFeed::publish(const ::Envelope & envelope, const Stamp & received) const
+void SurveySurveyModeFeed::publish(const ::Envelope & envelope, const roverlink::Stamp & received) const
 {
   publish_(to_ros(envelope.survey(), received));
 }
 
-SurveySurveyModeFeed::Message SurveySurveyModeFeed::to_ros(const Payload & payload, const Stamp &)
+SurveySurveyModeFeed::Message SurveySurveyModeFeed::to_ros(const Payload & payload, const roverlink::Stamp &)
 {
   std_msgs::msg::String message;
   message.data = data_of(payload.mode());
@@ -53,7 +53,7 @@ SurveySurveyModeFeed::Message SurveySurveyModeFeed::to_ros(const Payload & paylo
 SurveySurveyModeFeed::Payload SurveySurveyModeFeed::from_ros(const Message & message)
 {
   ::Survey payload;
-  payload.set_mode(enumerator(mode_from_data(message.data), "mode"));
+  payload.set_mode(roverlink::Enumerator(mode_from_data(message.data), "mode"));
   return payload;
 }
 

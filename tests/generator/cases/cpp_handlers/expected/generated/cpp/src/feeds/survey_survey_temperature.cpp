@@ -3,21 +3,21 @@
 
 #include <rover/feeds/survey_survey_temperature.hpp>
 
-#include <rover/runtime/feeds.hpp>
+#include <roverlink/values.hpp>
 
 namespace rover::handlers
 {
 
-void SurveySurveyTemperatureFeed::publish(const ::Envelope & envelope, const Stamp & received) const
+void SurveySurveyTemperatureFeed::publish(const ::Envelope & envelope, const roverlink::Stamp & received) const
 {
   publish_(to_ros(envelope.survey(), received));
 }
 
 SurveySurveyTemperatureFeed::Message SurveySurveyTemperatureFeed::to_ros(
-  const Payload & payload, const Stamp & received)
+  const Payload & payload, const roverlink::Stamp & received)
 {
   sensor_msgs::msg::Temperature message;
-  set_time(message.header.stamp, received);
+  message.header.stamp = received;
   message.header.frame_id = "probe";
   message.temperature = (payload.fahrenheit() - 32.0) / 1.8;
   message.variance = 0.25;
@@ -27,7 +27,7 @@ SurveySurveyTemperatureFeed::Message SurveySurveyTemperatureFeed::to_ros(
 SurveySurveyTemperatureFeed::Payload SurveySurveyTemperatureFeed::from_ros(const Message & message)
 {
   ::Survey payload;
-  payload.set_fahrenheit(single(message.temperature * 1.8 + 32.0, "fahrenheit"));
+  payload.set_fahrenheit(roverlink::single(message.temperature * 1.8 + 32.0, "fahrenheit"));
   return payload;
 }
 

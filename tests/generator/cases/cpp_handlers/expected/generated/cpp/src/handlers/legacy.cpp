@@ -4,7 +4,7 @@
 #include <rover/handlers/legacy.hpp>
 
 #include <rover/conversions/legacy_part.hpp>
-#include <rover/runtime/values.hpp>
+#include <roverlink/values.hpp>
 
 namespace rover::handlers
 {
@@ -14,7 +14,7 @@ namespace rover::handlers
   ::Envelope envelope;
   *envelope.mutable_legacy() = from_ros(message);
   if (!envelope.IsInitialized()) {
-    throw ConversionError(ROUTE.name, "not set: " + envelope.InitializationErrorString());
+    throw roverlink::ConversionError(ROUTE.name, "not set: " + envelope.InitializationErrorString());
   }
   return envelope;
 }
@@ -24,9 +24,9 @@ LegacyHandler::Message LegacyHandler::to_ros(const Payload & payload)
   rover::msg::Legacy message;
   message.id = payload.id();
   message.has_level = payload.has_level();
-  message.level = narrow<std::uint8_t>(payload.level(), "Legacy.level");
+  message.level = roverlink::narrow<std::uint8_t>(payload.level(), "Legacy.level");
   for (const auto & item : payload.levels()) {
-    message.levels.push_back(narrow<std::uint8_t>(item, "Legacy.levels"));
+    message.levels.push_back(roverlink::narrow<std::uint8_t>(item, "Legacy.levels"));
   }
   for (const auto & item : payload.part()) {
     message.part.push_back(LegacyPartConversion::to_ros(item));
@@ -39,10 +39,10 @@ LegacyHandler::Payload LegacyHandler::from_ros(const Message & message)
   ::Legacy payload;
   payload.set_id(message.id);
   if (message.has_level) {
-    payload.set_level(enumerator(message.level, "Legacy.level"));
+    payload.set_level(roverlink::Enumerator(message.level, "Legacy.level"));
   }
   for (const auto & item : message.levels) {
-    payload.add_levels(enumerator(item, "Legacy.levels"));
+    payload.add_levels(roverlink::Enumerator(item, "Legacy.levels"));
   }
   for (const auto & item : message.part) {
     *payload.add_part() = LegacyPartConversion::from_ros(item);

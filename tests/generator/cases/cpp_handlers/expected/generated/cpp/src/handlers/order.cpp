@@ -4,8 +4,8 @@
 #include <rover/handlers/order.hpp>
 
 #include <rover/conversions/empty.hpp>
-#include <rover/runtime/values.hpp>
-#include <rover/runtime/well_known.hpp>
+#include <roverlink/values.hpp>
+#include <roverlink/well_known.hpp>
 
 namespace rover::handlers
 {
@@ -15,7 +15,7 @@ namespace rover::handlers
   ::Envelope envelope;
   *envelope.mutable_order() = from_ros(message);
   if (!envelope.IsInitialized()) {
-    throw ConversionError(ROUTE.name, "not set: " + envelope.InitializationErrorString());
+    throw roverlink::ConversionError(ROUTE.name, "not set: " + envelope.InitializationErrorString());
   }
   return envelope;
 }
@@ -31,7 +31,7 @@ OrderHandler::Message OrderHandler::to_ros(const Payload & payload)
     message.which_action = rover::msg::Order::ACTION_STOP;
   }
   message.drill_to = payload.drill_to();
-  message.wait_for = duration_to_ros(payload.wait_for(), "Order.wait_for");
+  message.wait_for = roverlink::duration_to_ros(payload.wait_for(), "Order.wait_for");
   message.stop = EmptyConversion::to_ros(payload.stop());
   return message;
 }
@@ -46,13 +46,13 @@ OrderHandler::Payload OrderHandler::from_ros(const Message & message)
       payload.set_drill_to(message.drill_to);
       break;
     case rover::msg::Order::ACTION_WAIT_FOR:
-      *payload.mutable_wait_for() = duration_from_ros(message.wait_for, "Order.wait_for");
+      *payload.mutable_wait_for() = roverlink::duration_from_ros(message.wait_for, "Order.wait_for");
       break;
     case rover::msg::Order::ACTION_STOP:
       *payload.mutable_stop() = EmptyConversion::from_ros(message.stop);
       break;
     default:
-      throw no_member(message.which_action, "Order.which_action");
+      throw roverlink::no_member(message.which_action, "Order.which_action");
   }
   return payload;
 }

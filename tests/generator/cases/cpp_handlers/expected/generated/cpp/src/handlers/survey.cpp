@@ -5,14 +5,14 @@
 
 #include <rover/conversions/sample.hpp>
 #include <rover/conversions/survey_content.hpp>
-#include <rover/runtime/json.hpp>
-#include <rover/runtime/values.hpp>
-#include <rover/runtime/well_known.hpp>
+#include <roverlink/json.hpp>
+#include <roverlink/values.hpp>
+#include <roverlink/well_known.hpp>
 
 namespace rover::handlers
 {
 
-void SurveyHandler::publish(const ::Envelope & envelope, const Stamp &) const
+void SurveyHandler::publish(const ::Envelope & envelope, const roverlink::Stamp &) const
 {
   publish_(to_ros(envelope.survey()));
 }
@@ -22,7 +22,7 @@ SurveyHandler::Message SurveyHandler::to_ros(const Payload & payload)
   rover::msg::Survey message;
   message.fahrenheit = payload.fahrenheit();
   message.spin = payload.spin();
-  message.mode = narrow<std::uint8_t>(payload.mode(), "Survey.mode");
+  message.mode = roverlink::narrow<std::uint8_t>(payload.mode(), "Survey.mode");
   message.has_depth = payload.has_depth();
   message.depth = payload.depth();
   message.sample = SampleConversion::to_ros(payload.sample());
@@ -30,29 +30,29 @@ SurveyHandler::Message SurveyHandler::to_ros(const Payload & payload)
     message.samples.push_back(SampleConversion::to_ros(item));
   }
   for (const auto & item : payload.parts()) {
-    message.parts.emplace_back().data = octets(item);
+    message.parts.emplace_back().data = roverlink::octets(item);
   }
   for (const auto & item : payload.modes()) {
-    message.modes.push_back(narrow<std::uint8_t>(item, "Survey.modes"));
+    message.modes.push_back(roverlink::narrow<std::uint8_t>(item, "Survey.modes"));
   }
   message.flags.assign(payload.flags().begin(), payload.flags().end());
   for (const auto & item : payload.names()) {
-    message.names.push_back(text(item, "Survey.names"));
+    message.names.push_back(roverlink::text(item, "Survey.names"));
   }
-  message.started = timestamp_to_ros(payload.started(), "Survey.started");
+  message.started = roverlink::timestamp_to_ros(payload.started(), "Survey.started");
   message.has_calibrated = payload.has_calibrated();
   message.has_humidity = payload.has_humidity();
   message.humidity = payload.humidity().value();
-  message.mask = field_mask_to_ros(payload.mask(), "Survey.mask");
+  message.mask = roverlink::field_mask_to_ros(payload.mask(), "Survey.mask");
   if (payload.has_settings()) {
-    message.settings = json_struct_to_ros(payload.settings(), "Survey.settings");
+    message.settings = roverlink::json_struct_to_ros(payload.settings(), "Survey.settings");
   }
-  for (const auto * item : sorted(payload.colours())) {
+  for (const auto * item : roverlink::sorted(payload.colours())) {
     auto & entry = message.colours.emplace_back();
-    entry.key = text(item->first, "Survey.colours");
-    entry.value.colour = narrow<std::uint16_t>(item->second, "Survey.colours");
+    entry.key = roverlink::text(item->first, "Survey.colours");
+    entry.value.colour = roverlink::narrow<std::uint16_t>(item->second, "Survey.colours");
   }
-  for (const auto * item : sorted(payload.levels())) {
+  for (const auto * item : roverlink::sorted(payload.levels())) {
     auto & entry = message.levels.emplace_back();
     entry.key = item->first;
     entry.value = item->second.value();
@@ -60,7 +60,7 @@ SurveyHandler::Message SurveyHandler::to_ros(const Payload & payload)
   message.content = SurveyContentConversion::to_ros(payload.content());
   message.pose_x = payload.pose().x();
   message.has_pose_note = payload.pose().has_note();
-  message.pose_note = text(payload.pose().note(), "Survey.pose_note");
+  message.pose_note = roverlink::text(payload.pose().note(), "Survey.pose_note");
   return message;
 }
 
@@ -69,7 +69,7 @@ SurveyHandler::Payload SurveyHandler::from_ros(const Message & message)
   ::Survey payload;
   payload.set_fahrenheit(message.fahrenheit);
   payload.set_spin(message.spin);
-  payload.set_mode(enumerator(message.mode, "Survey.mode"));
+  payload.set_mode(roverlink::Enumerator(message.mode, "Survey.mode"));
   if (message.has_depth) {
     payload.set_depth(message.depth);
   }
@@ -78,39 +78,40 @@ SurveyHandler::Payload SurveyHandler::from_ros(const Message & message)
     *payload.add_samples() = SampleConversion::from_ros(item);
   }
   for (const auto & item : message.parts) {
-    payload.add_parts(bytes(item.data));
+    payload.add_parts(roverlink::bytes(item.data));
   }
   for (const auto & item : message.modes) {
-    payload.add_modes(enumerator(item, "Survey.modes"));
+    payload.add_modes(roverlink::Enumerator(item, "Survey.modes"));
   }
   payload.mutable_flags()->Add(message.flags.begin(), message.flags.end());
   for (const auto & item : message.names) {
-    payload.add_names(text(item, "Survey.names"));
+    payload.add_names(roverlink::text(item, "Survey.names"));
   }
-  *payload.mutable_started() = timestamp_from_ros(message.started, "Survey.started");
+  *payload.mutable_started() = roverlink::timestamp_from_ros(message.started, "Survey.started");
   if (message.has_calibrated) {
     payload.mutable_calibrated();
   }
   if (message.has_humidity) {
     payload.mutable_humidity()->set_value(message.humidity);
   }
-  *payload.mutable_mask() = field_mask_from_ros(message.mask, "Survey.mask");
+  *payload.mutable_mask() = roverlink::field_mask_from_ros(message.mask, "Survey.mask");
   if (!message.settings.empty()) {
-    *payload.mutable_settings() = json_struct_from_ros(message.settings, "Survey.settings");
+    *payload.mutable_settings() = roverlink::json_struct_from_ros(message.settings, "Survey.settings");
   }
   for (const auto & item : message.colours) {
-    auto & value = added(*payload.mutable_colours(), text(item.key, "Survey.colours"), "Survey.colours");
-    value = enumerator(item.value.colour, "Survey.colours");
+    auto & value = roverlink::added(
+      *payload.mutable_colours(), roverlink::text(item.key, "Survey.colours"), "Survey.colours");
+    value = roverlink::Enumerator(item.value.colour, "Survey.colours");
   }
   for (const auto & item : message.levels) {
-    auto & value = added(*payload.mutable_levels(), item.key, "Survey.levels");
+    auto & value = roverlink::added(*payload.mutable_levels(), item.key, "Survey.levels");
     value.set_value(item.value);
   }
   *payload.mutable_content() = SurveyContentConversion::from_ros(message.content);
   auto & pose_payload = *payload.mutable_pose();
   pose_payload.set_x(message.pose_x);
   if (message.has_pose_note) {
-    pose_payload.set_note(text(message.pose_note, "Survey.pose_note"));
+    pose_payload.set_note(roverlink::text(message.pose_note, "Survey.pose_note"));
   }
   return payload;
 }

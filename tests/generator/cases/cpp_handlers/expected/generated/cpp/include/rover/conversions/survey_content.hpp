@@ -13,10 +13,10 @@ namespace rover::handlers
 /// Survey.content to and from rover/msg/SurveyContent.
 struct SurveyContentConversion
 {
-  /// The message that says what the payload says. Throws ConversionError for what it cannot hold.
+  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
   static rover::msg::SurveyContent to_ros(const ::google::protobuf::Any & payload);
 
-  /// The payload that says what the message says. Throws ConversionError for what it cannot hold.
+  /// Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.
   static ::google::protobuf::Any from_ros(const rover::msg::SurveyContent & message);
 };
 

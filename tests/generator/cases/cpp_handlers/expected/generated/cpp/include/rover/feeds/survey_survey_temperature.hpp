@@ -6,7 +6,8 @@
 
 #include <utility>
 
-#include <rover/runtime/handler.hpp>
+#include <envelope.pb.h>
+#include <roverlink/handler.hpp>
 #include <sensor_msgs/msg/temperature.hpp>
 #include <survey.pb.h>
 
@@ -14,34 +15,34 @@ namespace rover::handlers
 {
 
 /// survey (1): Survey as sensor_msgs/Temperature to the topic survey/temperature.
-class SurveySurveyTemperatureFeed final : public Handler
+class SurveySurveyTemperatureFeed final : public roverlink::Handler<::Envelope>
 {
 public:
   using Payload = ::Survey;
   using Message = sensor_msgs::msg::Temperature;
 
-  static constexpr Route ROUTE{1, "survey", "survey/temperature", "board_to_ros"};
+  static constexpr roverlink::Route ROUTE{1, "survey", "survey/temperature", "board_to_ros"};
 
-  explicit SurveySurveyTemperatureFeed(Publish<Message> publish)
+  explicit SurveySurveyTemperatureFeed(roverlink::Publish<Message> publish)
   : publish_(std::move(publish)) {}
 
-  const Route & route() const override
+  const roverlink::Route & route() const override
   {
     return ROUTE;
   }
 
-  /// The message that says what the payload says. Throws ConversionError for what it cannot hold.
-  static Message to_ros(const Payload & payload, const Stamp & received = Stamp());
+  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
+  static Message to_ros(const Payload & payload, const roverlink::Stamp & received = {});
 
-  /// The payload that says what the message says. It says nothing of spin, mode, depth, sample.image, samples, parts,
-  /// modes, flags, names, started.seconds, started.nanos, humidity.value, mask.paths, settings.fields, colours, levels,
-  /// content.type_url, content.value, pose.x, pose.note. Throws ConversionError for what it cannot hold.
+  /// Convert a message. It does not set spin, mode, depth, sample.image, samples, parts, modes, flags, names,
+  /// started.seconds, started.nanos, humidity.value, mask.paths, settings.fields, colours, levels, content.type_url,
+  /// content.value, pose.x, pose.note. Throws roverlink::ConversionError for a value that the payload cannot hold.
   static Payload from_ros(const Message & message);
 
 private:
-  void publish(const ::Envelope & envelope, const Stamp & received) const override;
+  void publish(const ::Envelope & envelope, const roverlink::Stamp & received) const override;
 
-  Publish<Message> publish_;
+  roverlink::Publish<Message> publish_;
 };
 
 }  // namespace rover::handlers

@@ -4,8 +4,9 @@
 #ifndef ROVER__HANDLERS__ORDER_HPP_
 #define ROVER__HANDLERS__ORDER_HPP_
 
+#include <envelope.pb.h>
 #include <rover/msg/order.hpp>
-#include <rover/runtime/handler.hpp>
+#include <roverlink/handler.hpp>
 #include <survey.pb.h>
 
 namespace rover::handlers
@@ -18,15 +19,16 @@ public:
   using Payload = ::Order;
   using Message = rover::msg::Order;
 
-  static constexpr Route ROUTE{2, "order", "order", "ros_to_board", {"best_effort", "volatile", "keep_last", 1}};
+  static constexpr roverlink::Route ROUTE{
+    2, "order", "order", "ros_to_board", {"best_effort", "volatile", "keep_last", 1}};
 
-  /// The envelope that says what the message says. Throws ConversionError for what it cannot hold.
+  /// Convert a message to an envelope. Throws roverlink::ConversionError for a value that the payload cannot hold.
   static ::Envelope envelope(const Message & message);
 
-  /// The message that says what the payload says. Throws ConversionError for what it cannot hold.
+  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
   static Message to_ros(const Payload & payload);
 
-  /// The payload that says what the message says. Throws ConversionError for what it cannot hold.
+  /// Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.
   static Payload from_ros(const Message & message);
 };
 

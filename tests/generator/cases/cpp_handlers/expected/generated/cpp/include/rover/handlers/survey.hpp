@@ -6,40 +6,41 @@
 
 #include <utility>
 
+#include <envelope.pb.h>
 #include <rover/msg/survey.hpp>
-#include <rover/runtime/handler.hpp>
+#include <roverlink/handler.hpp>
 #include <survey.pb.h>
 
 namespace rover::handlers
 {
 
 /// survey (1): Survey to the topic survey.
-class SurveyHandler final : public Handler
+class SurveyHandler final : public roverlink::Handler<::Envelope>
 {
 public:
   using Payload = ::Survey;
   using Message = rover::msg::Survey;
 
-  static constexpr Route ROUTE{1, "survey", "survey", "board_to_ros"};
+  static constexpr roverlink::Route ROUTE{1, "survey", "survey", "board_to_ros"};
 
-  explicit SurveyHandler(Publish<Message> publish)
+  explicit SurveyHandler(roverlink::Publish<Message> publish)
   : publish_(std::move(publish)) {}
 
-  const Route & route() const override
+  const roverlink::Route & route() const override
   {
     return ROUTE;
   }
 
-  /// The message that says what the payload says. Throws ConversionError for what it cannot hold.
+  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
   static Message to_ros(const Payload & payload);
 
-  /// The payload that says what the message says. Throws ConversionError for what it cannot hold.
+  /// Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.
   static Payload from_ros(const Message & message);
 
 private:
-  void publish(const ::Envelope & envelope, const Stamp & received) const override;
+  void publish(const ::Envelope & envelope, const roverlink::Stamp & received) const override;
 
-  Publish<Message> publish_;
+  roverlink::Publish<Message> publish_;
 };
 
 }  // namespace rover::handlers

@@ -1,23 +1,30 @@
-#include <{{ package }}/runtime/json.hpp>
+#include <roverlink/json.hpp>
 
-#include <{{ package }}/runtime/json_reader.hpp>
-#include <{{ package }}/runtime/values.hpp>
+#include <google/protobuf/util/json_util.h>
 
 #include <charconv>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
-namespace {{ package }}::handlers
+#include <roverlink/containers.hpp>
+#include <roverlink/conversion_error.hpp>
+#include <roverlink/text.hpp>
+
+namespace roverlink
 {
 
 namespace
 {
 
-/// Writes JSON as Python's json module does, so that both bridges publish the same text.
+/// Writes JSON as Python's json module does.
 class Writer
 {
 public:
   explicit Writer(const char * field)
-  : field_(field) {}
+  : field_(field)
+  {
+  }
 
   void write(const google::protobuf::Struct & payload)
   {
@@ -74,42 +81,31 @@ public:
 private:
   void write_text(const std::string & text)
   {
+    constexpr std::string_view SPECIAL = "\"\\\b\f\n\r\t";
+    constexpr std::string_view NAMES = "\"\\bfnrt";
+    constexpr std::string_view HEXADECIMAL = "0123456789abcdef";
     made += '"';
     for (const char character : text) {
-      switch (character) {
-        case '"': made += "\\\""; break;
-        case '\\': made += "\\\\"; break;
-        case '\b': made += "\\b"; break;
-        case '\f': made += "\\f"; break;
-        case '\n': made += "\\n"; break;
-        case '\r': made += "\\r"; break;
-        case '\t': made += "\\t"; break;
-        default: write_character(character);
+      const auto code = static_cast<unsigned char>(character);
+      if (const auto place = SPECIAL.find(character); place != std::string_view::npos) {
+        made += {'\\', NAMES[place]};
+      } else if (code < 0x20) {
+        made += {'\\', 'u', '0', '0', HEXADECIMAL[code >> 4], HEXADECIMAL[code & 15]};
+      } else {
+        made += character;
       }
     }
     made += '"';
   }
 
-  void write_character(char character)
-  {
-    constexpr char HEXADECIMAL[] = "0123456789abcdef";
-    const auto code = static_cast<unsigned char>(character);
-    if (code >= 0x20) {
-      made += character;
-    } else {
-      made += std::string("\\u00") + HEXADECIMAL[code >> 4] + HEXADECIMAL[code & 15];
-    }
-  }
-
-  /// The shortest digits that mean the number: as 0.001 from 1e-4 to 1e16, else as 1e-05.
+  /// Write the shortest digits that give the same double: from 1e-4 to 1e16 like 0.001, outside like 1e-05.
   void write_number(double number)
   {
     if (!std::isfinite(number)) {
-      throw ConversionError(field_, "cannot be JSON: NaN and infinity are no numbers there");
+      throw ConversionError(field_, "cannot be JSON: it has no NaN and no infinity");
     }
     char digits[64];
-    const auto scientific =
-      std::to_chars(digits, digits + sizeof digits, number, std::chars_format::scientific);
+    const auto scientific = std::to_chars(digits, digits + sizeof digits, number, std::chars_format::scientific);
     const std::string shortest(digits, scientific.ptr);
     const int exponent = std::stoi(shortest.substr(shortest.find('e') + 1));
     if (exponent < -4 || exponent >= 16) {
@@ -143,7 +139,7 @@ google::protobuf::Struct json_struct_from_ros(const std::string & text, const ch
 {
   google::protobuf::Value value = json_value_from_ros(text, field);
   if (!value.has_struct_value()) {
-    throw ConversionError(field, "is JSON, but no object");
+    throw ConversionError(field, "is JSON, but not an object");
   }
   return std::move(*value.mutable_struct_value());
 }
@@ -153,9 +149,14 @@ std::string json_value_to_ros(const google::protobuf::Value & payload, const cha
   return written(payload, field);
 }
 
-google::protobuf::Value json_value_from_ros(const std::string & text, const char * field)
+google::protobuf::Value json_value_from_ros(const std::string & json, const char * field)
 {
-  return JsonReader(text, field).read();
+  google::protobuf::Value value;
+  const auto status = google::protobuf::util::JsonStringToMessage(text(json, field), &value);
+  if (!status.ok()) {
+    throw ConversionError(field, "is not JSON that protobuf can hold: " + status.ToString());
+  }
+  return value;
 }
 
 std::string json_list_to_ros(const google::protobuf::ListValue & payload, const char * field)
@@ -167,9 +168,9 @@ google::protobuf::ListValue json_list_from_ros(const std::string & text, const c
 {
   google::protobuf::Value value = json_value_from_ros(text, field);
   if (!value.has_list_value()) {
-    throw ConversionError(field, "is JSON, but no list");
+    throw ConversionError(field, "is JSON, but not an array");
   }
   return std::move(*value.mutable_list_value());
 }
 
-}  // namespace {{ package }}::handlers
+}  // namespace roverlink

@@ -1,14 +1,17 @@
+#ifndef ROVERLINK__ANY_HPP_
+#define ROVERLINK__ANY_HPP_
+
 #include <google/protobuf/any.pb.h>
 #include <google/protobuf/message.h>
 
 #include <string>
 
-#include <{{ package }}/runtime/errors.hpp>
+#include <roverlink/conversion_error.hpp>
 
-namespace {{ package }}::handlers
+namespace roverlink
 {
 
-/// Whether an Any says that it holds a message of the type.
+/// Return true if the type URL of an Any names the message type.
 template<typename Payload>
 bool holds(const google::protobuf::Any & payload)
 {
@@ -17,22 +20,23 @@ bool holds(const google::protobuf::Any & payload)
   return slash != std::string::npos && url.substr(slash + 1) == Payload::descriptor()->full_name();
 }
 
-/// The message that an Any holds. Throws ConversionError where its bytes are none.
+/// Parse the message in an Any. Throws ConversionError if its bytes are no such message.
 template<typename Payload>
 Payload unpacked(const google::protobuf::Any & payload, const char * place)
 {
   Payload held;
   if (!held.ParseFromString(payload.value())) {
-    throw ConversionError(
-            place, "its bytes are no " + std::string(Payload::descriptor()->full_name()));
+    throw ConversionError(place, "its bytes are not a " + std::string(Payload::descriptor()->full_name()));
   }
   return held;
 }
 
-/// An Any that holds a message; the same message gives the same bytes.
+/// Pack a message into an Any; equal messages give equal bytes.
 google::protobuf::Any packed(const google::protobuf::Message & message);
 
-/// Throws ConversionError where an Any holds something: none of what the ROS 2 message has a field for.
+/// Check that an Any is empty. Throws ConversionError for a message for which the ROS 2 message has no field.
 void check_empty(const google::protobuf::Any & payload, const char * place);
 
-}  // namespace {{ package }}::handlers
+}  // namespace roverlink
+
+#endif  // ROVERLINK__ANY_HPP_

@@ -1,10 +1,10 @@
-#include <{{ package }}/runtime/any_of.hpp>
+#include <roverlink/any.hpp>
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-namespace {{ package }}::handlers
+namespace roverlink
 {
 
 google::protobuf::Any packed(const google::protobuf::Message & message)
@@ -14,11 +14,12 @@ google::protobuf::Any packed(const google::protobuf::Message & message)
     google::protobuf::io::StringOutputStream stream(&bytes);
     google::protobuf::io::CodedOutputStream output(&stream);
     output.SetSerializationDeterministic(true);
-    message.SerializeToCodedStream(&output);
+    if (!message.SerializeToCodedStream(&output)) {
+      throw ConversionError(std::string(message.GetDescriptor()->full_name()), "cannot be serialized");
+    }
   }
   google::protobuf::Any payload;
-  payload.set_type_url(
-    "type.googleapis.com/" + std::string(message.GetDescriptor()->full_name()));
+  payload.set_type_url("type.googleapis.com/" + std::string(message.GetDescriptor()->full_name()));
   payload.set_value(bytes);
   return payload;
 }
@@ -27,9 +28,8 @@ void check_empty(const google::protobuf::Any & payload, const char * place)
 {
   if (!payload.type_url().empty() || !payload.value().empty()) {
     throw ConversionError(
-            place, "it holds " + std::string(payload.type_url()) +
-            ", for which the ROS 2 message has no field");
+      place, "it holds " + std::string(payload.type_url()) + ", for which the ROS 2 message has no field");
   }
 }
 
-}  // namespace {{ package }}::handlers
+}  // namespace roverlink

@@ -1,24 +1,24 @@
-#include <{{ package }}/runtime/rotations.hpp>
+#include <roverlink/rotations.hpp>
 
 #include <cmath>
 
-#include <{{ package }}/runtime/feeds.hpp>
+#include <roverlink/numbers.hpp>
 
-namespace {{ package }}::handlers
+namespace roverlink
 {
 
 namespace
 {
 
-/// A sine of the pitch at which the other two angles cannot be told apart.
+/// The sine of the pitch from which on roll and yaw cannot be told apart.
 constexpr double STRAIGHT = 1 - 1e-15;
 
 }  // namespace
 
-geometry_msgs::msg::Quaternion quaternion(const Angles & angles, const char * field)
+Quaternion quaternion(const Angles & angles, const char * field)
 {
   if (std::isinf(angles.roll) || std::isinf(angles.pitch) || std::isinf(angles.yaw)) {
-    throw ConversionError(field, "infinity is no angle");
+    throw ConversionError(field, "an angle cannot be infinite");
   }
   const double sin_roll = std::sin(angles.roll * 0.5);
   const double cos_roll = std::cos(angles.roll * 0.5);
@@ -30,20 +30,14 @@ geometry_msgs::msg::Quaternion quaternion(const Angles & angles, const char * fi
   const double both_sin = sin_roll * sin_pitch;
   const double rolled = sin_roll * cos_pitch;
   const double pitched = cos_roll * sin_pitch;
-  geometry_msgs::msg::Quaternion rotation;
-  rotation.x = rolled * cos_yaw - pitched * sin_yaw;
-  rotation.y = pitched * cos_yaw + rolled * sin_yaw;
-  rotation.z = both_cos * sin_yaw - both_sin * cos_yaw;
-  rotation.w = both_cos * cos_yaw + both_sin * sin_yaw;
-  return rotation;
+  return Quaternion(
+    rolled * cos_yaw - pitched * sin_yaw, pitched * cos_yaw + rolled * sin_yaw, both_cos * sin_yaw - both_sin * cos_yaw,
+    both_cos * cos_yaw + both_sin * sin_yaw);
 }
 
-Angles angles(const geometry_msgs::msg::Quaternion & rotation)
+Angles angles(const Quaternion & rotation)
 {
-  const double x = rotation.x;
-  const double y = rotation.y;
-  const double z = rotation.z;
-  const double w = rotation.w;
+  const auto & [x, y, z, w] = rotation;
   const double square = x * x + y * y + z * z + w * w;
   if (square == 0.0) {
     return {0.0, 0.0, 0.0};
@@ -53,9 +47,8 @@ Angles angles(const geometry_msgs::msg::Quaternion & rotation)
     return {0.0, std::copysign(PI / 2, sine), 2 * std::atan2(z, w)};
   }
   return {
-    std::atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z),
-    std::asin(sine),
+    std::atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z), std::asin(sine),
     std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)};
 }
 
-}  // namespace {{ package }}::handlers
+}  // namespace roverlink

@@ -1,0 +1,57 @@
+#ifndef ROVERLINK__ENUMS_HPP_
+#define ROVERLINK__ENUMS_HPP_
+
+#include <google/protobuf/generated_enum_reflection.h>
+
+#include <cstdint>
+#include <sstream>
+#include <string>
+
+#include <roverlink/conversion_error.hpp>
+#include <roverlink/numbers.hpp>
+
+namespace roverlink
+{
+
+/// The number of an enum value. It converts to whichever enum it is assigned to.
+class Enumerator
+{
+public:
+  Enumerator(std::int64_t number, const char * field)
+  : number_(number),
+    field_(field)
+  {
+  }
+
+  /// Throws ConversionError if the number is no int32, or if the enum is closed and does not declare the number.
+  template<typename Enum>
+  operator Enum() const
+  {
+    check(*google::protobuf::GetEnumDescriptor<Enum>());
+    return static_cast<Enum>(number_);
+  }
+
+private:
+  void check(const google::protobuf::EnumDescriptor & declared) const;
+
+  std::int64_t number_;
+  const char * field_;
+};
+
+/// Make the error for a number that selects no member of a oneof.
+ConversionError no_member(Wide number, const char * field);
+
+/// Make the error for a value that the table of an enum does not list.
+ConversionError no_counterpart(const char * field, const std::string & value);
+
+template<typename Number>
+ConversionError no_counterpart(const char * field, Number value)
+{
+  std::ostringstream shown;
+  shown << +value;
+  return ConversionError(field, shown.str() + " has no counterpart");
+}
+
+}  // namespace roverlink
+
+#endif  // ROVERLINK__ENUMS_HPP_

@@ -1,0 +1,63 @@
+#ifndef ROVERLINK__ROTATIONS_HPP_
+#define ROVERLINK__ROTATIONS_HPP_
+
+namespace roverlink
+{
+
+/// Rotations about the fixed axes x, y and z in this order, in radians (REP-103).
+struct Angles
+{
+  double roll;
+  double pitch;
+  double yaw;
+};
+
+/// A rotation. It converts from and to every struct with these members, as geometry_msgs::msg::Quaternion.
+struct Quaternion
+{
+  double x;
+  double y;
+  double z;
+  double w;
+
+  Quaternion(double x, double y, double z, double w)
+  : x(x),
+    y(y),
+    z(z),
+    w(w)
+  {
+  }
+
+  template<typename Message, typename = decltype(Message::w)>
+  Quaternion(const Message & message)
+  : x(message.x),
+    y(message.y),
+    z(message.z),
+    w(message.w)
+  {
+  }
+
+  template<typename Message, typename = decltype(Message::w)>
+  operator Message() const
+  {
+    Message message;
+    message.x = x;
+    message.y = y;
+    message.z = z;
+    message.w = w;
+    return message;
+  }
+};
+
+/// Convert angles to a quaternion of length 1. Throws ConversionError for an infinite angle.
+Quaternion quaternion(const Angles & angles, const char * field);
+
+/// Convert a quaternion to angles.
+///
+/// At a pitch of 90 degrees up or down, roll and yaw are one rotation: all of it is returned as yaw. The quaternion can
+/// have any length; for length 0, all angles are 0.
+Angles angles(const Quaternion & rotation);
+
+}  // namespace roverlink
+
+#endif  // ROVERLINK__ROTATIONS_HPP_

@@ -1,0 +1,38 @@
+#include <roverlink/numbers.hpp>
+
+#include <cmath>
+
+namespace roverlink
+{
+
+std::string digits(Wide value)
+{
+  const bool negative = value < 0;
+  std::string reversed;
+  do {
+    const int digit = static_cast<int>(value % 10);
+    reversed += static_cast<char>('0' + (negative ? -digit : digit));
+    value /= 10;
+  } while (value != 0);
+  return (negative ? "-" : "") + std::string(reversed.rbegin(), reversed.rend());
+}
+
+Wide whole(double value, const char * field)
+{
+  const double nearest = std::nearbyint(value);
+  if (!(std::abs(nearest) < 0x1p100)) {
+    throw ConversionError(field, std::to_string(value) + " is too large for an integer, or not a number");
+  }
+  return static_cast<Wide>(nearest);
+}
+
+float single(double value, const char * field)
+{
+  const float nearest = static_cast<float>(value);
+  if (std::isinf(nearest) && !std::isinf(value)) {
+    throw ConversionError(field, std::to_string(value) + " does not fit a float of 32 bits");
+  }
+  return nearest;
+}
+
+}  // namespace roverlink
