@@ -86,6 +86,13 @@ class ProtoMessage(Declared):
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Options that change its bytes or its JSON."""
+    claims: tuple[ProtoField, ...] = ()
+    """Fields that somebody commented out: their numbers were in use, or will be. The descriptors have none."""
+
+    @property
+    def name(self) -> str:
+        """Its name without what it stands in."""
+        return self.full_name.rpartition(".")[2]
 
     @property
     def extendable(self) -> bool:
@@ -127,6 +134,13 @@ class ProtoEnum(Declared):
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Whether it is open or closed, and its JSON."""
+    claims: tuple[ProtoEnumValue, ...] = ()
+    """Values that somebody commented out. The descriptors have none."""
+
+    @property
+    def name(self) -> str:
+        """Its name without what it stands in."""
+        return self.full_name.rpartition(".")[2]
 
     def on_the_wire(self) -> ir.WireEnum:
         """What of it is visible in bytes."""
