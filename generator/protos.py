@@ -4,12 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from generator import ir
 from generator.findings import Span
 
 Ranges = tuple[tuple[int, int], ...]
 """Ranges of numbers, both ends included."""
+
+
+class Fact(NamedTuple):
+    """What a field or an enum value says about its number. Equal facts, wherever they stand, mean the same."""
+
+    number: int
+    name: str
+    type: str
+    """As `ProtoField.wire_type`; empty for an enum value."""
+    label: str = ""
+    oneof: str = ""
+    claimed: bool = False
+    """Whether it is commented out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +80,11 @@ class ProtoField(Declared):
         return ir.WireField(self.number, self.name, self.wire_type, "" if plain else self.label, self.oneof)
 
     @property
+    def fact(self) -> Fact:
+        """What it says about its number."""
+        return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
+
+    @property
     def wire_type(self) -> str:
         """The type as a .proto file spells it."""
         return self.type_name or self.type
@@ -117,6 +136,11 @@ class ProtoEnumValue(Declared):
 
     name: str
     number: int
+
+    @property
+    def fact(self) -> Fact:
+        """What it says about its number."""
+        return Fact(self.number, self.name, "")
 
     def on_the_wire(self) -> ir.WireValue:
         """What of it is visible in bytes, with its name."""

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from generator.declarations import File
-from generator.history.usage_model import Fact
-from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+from generator.protos import Fact, ProtoEnum, ProtoMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +39,7 @@ def numbered_types(file: File) -> NumberedTypes:
 
 def _facts(type: ProtoMessage | ProtoEnum) -> Iterator[tuple[Fact, int]]:
     """Yield the facts of a type, with their lines."""
-    for claimed, parts in ((False, _parts(type)), (True, type.claims)):
-        for part in parts:
-            if isinstance(part, ProtoField):
-                yield Fact(part.number, part.name, part.type, part.label, part.oneof, claimed), part.span.line
-            else:
-                yield Fact(part.number, part.name, "", claimed=claimed), part.span.line
-
-
-def _parts(type: ProtoMessage | ProtoEnum) -> tuple[ProtoField, ...] | tuple[ProtoEnumValue, ...]:
-    return type.fields if isinstance(type, ProtoMessage) else type.values
+    for part in type.fields if isinstance(type, ProtoMessage) else type.values:
+        yield part.fact, part.span.line
+    for part in type.claims:
+        yield part.fact._replace(claimed=True), part.span.line
