@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from generator.changes import Change
-from generator.declarations import Claim, File, Message
+from generator.declarations import File
 from generator.findings import Span, shown
 from generator.history import History, branch_name
 from generator.ledger import NAME as LEDGER
 from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds
 from generator.pinned_numbers import Pinned
-from generator.protos import Schema
+from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Table
 
 
@@ -116,7 +116,7 @@ class Subject:
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):
-            taken |= {field.number: f"is that of {field.name} in {path}" for field in message.fields if field.number}
+            taken |= {field.number: f"is that of {field.name} in {path}" for field in message.fields}
         for claim, span in self.envelope_claims():
             taken[claim.number] = f"stands in a comment, for {claim.name} ({span})"
         if self.past is not None:
@@ -141,15 +141,15 @@ class Subject:
         """A place in a .proto file."""
         return Span(shown(self.table.proto.root, file), line, column)
 
-    def envelope_claims(self) -> Iterator[tuple[Claim, Span]]:
+    def envelope_claims(self) -> Iterator[tuple[ProtoField, Span]]:
         """Members of the envelope that somebody commented out, with their places."""
         for path, message in self.declared(self.table.envelope.message):
             for claim in message.claims:
-                yield claim, self.place(path, claim.line, claim.column)
+                yield claim, self.place(path, claim.span.line, claim.span.column)
 
-    def declared(self, full_name: str) -> Iterator[tuple[str, Message]]:
+    def declared(self, full_name: str) -> Iterator[tuple[str, ProtoMessage]]:
         """The declarations of a message, each with its file; more than one where it is declared twice."""
         for path, file in self.files.items():
-            for message in file.all_messages():
+            for message in file.messages:
                 if message.full_name == full_name:
                     yield path, message

@@ -42,7 +42,7 @@ def next_enum_number(subject: Subject, full_name: str, taken: Iterable[int] = ()
         closed += enum.reserved
     known |= {value.number for value in subject.ledger.values(full_name)}
     for file in subject.files.values():
-        known |= {c.number for enum in file.all_enums() if enum.full_name == full_name for c in enum.claims}
+        known |= {c.number for enum in file.enums if enum.full_name == full_name for c in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)
 
 

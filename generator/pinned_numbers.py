@@ -82,8 +82,8 @@ def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int,
     found: dict[str, dict[int, tuple[str, str]]] = {}
     for _, data in repository.contents(commit, protos):
         if name.encode() in data:
-            for message in parse(data.decode("utf-8", errors="replace")).all_messages():
+            for message in parse(data.decode("utf-8", errors="replace")).messages:
                 if message.name == name:
                     numbers = found.setdefault(message.full_name, {})
-                    numbers |= {field.number: (field.type, field.name) for field in message.fields if field.number}
+                    numbers |= {field.number: (field.type, field.name) for field in message.fields}
     return found.get(envelope) or next(iter(found.values()), None)

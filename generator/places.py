@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 
 from google.protobuf.descriptor_pb2 import DescriptorProto, EnumDescriptorProto, FileDescriptorProto
 
-from generator.declarations.comments import clean
 from generator.findings import Span, shown
 
 Path = tuple[int, ...]
@@ -45,7 +44,7 @@ class Places:
     def comment(self, path: Path) -> str:
         """The comment before it, or else behind it."""
         location = self._locations.get(path)
-        return (clean(location.leading_comments) or clean(location.trailing_comments)) if location else ""
+        return (_clean(location.leading_comments) or _clean(location.trailing_comments)) if location else ""
 
     def of_field(self, path: Path) -> dict[str, Span]:
         """Parts of a field."""
@@ -71,3 +70,9 @@ class Places:
 
     def _reserved(self, path: Path, ranges: Sequence[tuple[int, int]]) -> dict[str, Span]:
         return {f"reserved {first} to {last}": self.span((*path, index)) for index, (first, last) in enumerate(ranges)}
+
+
+def _clean(comment: str) -> str:
+    """A comment's text without the space after its slashes and without empty lines at its ends."""
+    lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
+    return "\n".join(lines).strip("\n")

@@ -36,7 +36,7 @@ def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> Dec
     index = DeclarationIndex({}, {})
     for path, file in files.items():
         target = index.excluded if path in left_out else index.files
-        for name in dict.fromkeys(message.full_name for message in file.all_messages()):
+        for name in dict.fromkeys(message.full_name for message in file.messages):
             target.setdefault(name, []).append(path)
     return index
 

@@ -167,7 +167,7 @@ def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
     for path in (folder / file for file in files for folder in folders):
         if path.is_file():
             file = _declarations(path)
-            names |= {message.name for message in file.all_messages()} | {enum.name for enum in file.all_enums()}
+            names |= {message.name for message in file.messages} | {enum.name for enum in file.enums}
     return names
 
 

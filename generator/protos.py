@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
@@ -12,6 +13,19 @@ from generator.findings import Span
 
 Ranges = tuple[tuple[int, int], ...]
 """Ranges of numbers, both ends included."""
+
+
+class Fact(NamedTuple):
+    """What a field or an enum value says about its number. Equal facts, wherever they stand, mean the same."""
+
+    number: int
+    name: str
+    type: str
+    """As `ProtoField.wire_type`; empty for an enum value."""
+    label: str = ""
+    oneof: str = ""
+    claimed: bool = False
+    """Whether it is commented out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +82,11 @@ class ProtoField(Declared):
         return ir.WireField(self.number, self.name, self.wire_type, "" if plain else self.label, self.oneof)
 
     @property
+    def fact(self) -> Fact:
+        """What it says about its number."""
+        return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
+
+    @property
     def wire_type(self) -> str:
         """The type as a .proto file spells it."""
         return self.type_name or self.type
@@ -88,6 +107,13 @@ class ProtoMessage(Declared):
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
     """Options that change its bytes: ``message_set_wire_format``."""
+    claims: tuple[ProtoField, ...] = ()
+    """Fields that somebody commented out: their numbers were in use, or will be. The descriptors have none."""
+
+    @property
+    def name(self) -> str:
+        """Its name without what it stands in."""
+        return self.full_name.rpartition(".")[2]
 
     @property
     def extendable(self) -> bool:
@@ -113,6 +139,11 @@ class ProtoEnumValue(Declared):
     name: str
     number: int
 
+    @property
+    def fact(self) -> Fact:
+        """What it says about its number."""
+        return Fact(self.number, self.name, "")
+
     def on_the_wire(self) -> ir.WireValue:
         """What of it is visible in bytes, with its name."""
         return ir.WireValue(self.number, self.name)
@@ -127,6 +158,13 @@ class ProtoEnum(Declared):
     values: tuple[ProtoEnumValue, ...]
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
+    claims: tuple[ProtoEnumValue, ...] = ()
+    """Values that somebody commented out. The descriptors have none."""
+
+    @property
+    def name(self) -> str:
+        """Its name without what it stands in."""
+        return self.full_name.rpartition(".")[2]
 
     def on_the_wire(self) -> ir.WireEnum:
         """What of it is visible in bytes."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.declarations import File, Message
+from generator.declarations import File
 from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
 from generator.proto_files import read_protos
 from generator.protoc import DOES_NOT_COMPILE, compile_protos
@@ -73,7 +73,7 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
     """File and full name of the messages that may be meant, the likeliest first: the one with the largest oneof."""
     found = []
     for path, file in files.items():
-        for message in file.all_messages():
+        for message in file.messages:
             named = message.full_name == wanted or message.full_name.endswith(f".{wanted}")
             size = _size_of_oneof(message)
             if (not wanted_file or path == wanted_file) and (named if wanted else size):
@@ -81,7 +81,7 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
     yield from ((path, name) for _, path, name in sorted(found))
 
 
-def _size_of_oneof(message: Message) -> int:
+def _size_of_oneof(message: ProtoMessage) -> int:
     """How many messages its largest oneof holds."""
     held = [field.oneof for field in message.fields if field.oneof and field.type not in _SCALARS]
     return max(Counter(held).values(), default=0)
@@ -90,7 +90,7 @@ def _size_of_oneof(message: Message) -> int:
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Finding:
     if file and file not in files:
         return NO_SUCH_ENVELOPE.at(Span(shown_root), f"has no file {file}", f"there are {', '.join(sorted(files))}")
-    known = sorted({one.full_name for name in files for one in files[name].all_messages() if one.oneofs})
+    known = sorted({one.full_name for name in files for one in files[name].messages if one.oneofs})
     what = f"declares no message {message}" if message else "declares no message with a oneof"
     help = f"messages with a oneof are {', '.join(known)}" if known else "the envelope is a message with a oneof"
     return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), what, help)
@@ -173,12 +173,12 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
     envelope, file = tree.envelope, tree.files[tree.envelope.file]
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
     beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
-    declared = [one for one in file.all_messages() if one.full_name == envelope.full_name]
+    declared = [one for one in file.messages if one.full_name == envelope.full_name]
     reasons = {
         foreign: bool(foreign),
         f"it has members outside the oneof ({', '.join(beside)})": bool(beside),
         f"its oneof holds what is no message ({', '.join(tree.scalars)})": bool(tree.scalars),
-        "its file declares more than the envelope": len([*file.all_messages(), *file.all_enums()]) > 1,
+        "its file declares more than the envelope": len([*file.messages, *file.enums]) > 1,
         "it reserves numbers that nothing else knows": bool(
             numbers - set(reserved) or set(envelope.reserved_names) - set(reserved_names)
         ),

@@ -1,6 +1,6 @@
 """What a .proto file declares, as far as it can be read: no line, however broken, hides the others.
 
-protoc reads files that compile, and of those this package says the same: names, numbers, types, comments and places.
+protoc reads files that compile, and of those this package says the same: names, numbers, types and places.
 It is there for the other files: old states of a repository, half-edited ones, those with conflict markers. It knows no
 file but the one it is given, so a type is what is written; `resolve_type` finds its full name among those declared.
 
@@ -17,14 +17,8 @@ from __future__ import annotations
 from generator.declarations.model import (
     LARGEST_ENUM_NUMBER,
     LARGEST_FIELD_NUMBER,
-    Claim,
-    Enum,
-    EnumValue,
-    Extend,
-    Field,
     File,
     Import,
-    Message,
     Problem,
 )
 from generator.declarations.parser import parse
@@ -34,14 +28,8 @@ __all__ = [
     "LARGEST_ENUM_NUMBER",
     "LARGEST_FIELD_NUMBER",
     "SCALARS",
-    "Claim",
-    "Enum",
-    "EnumValue",
-    "Extend",
-    "Field",
     "File",
     "Import",
-    "Message",
     "Problem",
     "parse",
     "resolve_type",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from generator.declarations.claims import claims_in
+from generator.declarations.claims import claimed_values
 from generator.declarations.fields import read_value
-from generator.declarations.model import LARGEST_ENUM_NUMBER, Claim, Enum, EnumValue
+from generator.declarations.model import LARGEST_ENUM_NUMBER
 from generator.declarations.phrases import MAX, Range, Words
 from generator.declarations.source import Source
 from generator.declarations.statements import VISIBILITIES, Statement
 from generator.declarations.tokens import Comment
+from generator.findings import Span
+from generator.protos import ProtoEnum, ProtoEnumValue
 
 
 class Block:
@@ -21,9 +23,13 @@ class Block:
         self.opening = opening.tokens[1] if visibility else first  # as protoc has it
         self.indentation = first.column if first.first else 0
         self.unclosed = opening.end in source.tokens.unclosed
-        self.end_line = self.opening.line
         self.depth = 0
         """How many blocks are open in a `SkippedBlock`."""
+
+    @property
+    def span(self) -> Span:
+        """The place of its beginning, in a file that only the caller knows."""
+        return Span("", self.opening.line, self.opening.column)
 
     def take(self, statement: Statement) -> Block | None:
         """Read a statement; the block that it opens, if it does."""
@@ -61,18 +67,16 @@ class EnumBlock(Block):
     def __init__(self, source: Source, opening: Statement, name: str) -> None:
         super().__init__(source, opening)
         self.name = name
-        self.comment = source.comment(opening)
-        self.values: list[EnumValue] = []
+        self.values: list[ProtoEnumValue] = []
         self.reserved: list[Range] = []
         self.reserved_names: list[str] = []
-        self.options: dict[str, str] = {}
-        self.claims: list[Claim] = []
+        self.claims: list[ProtoEnumValue] = []
 
     def read(self, statement: Statement) -> Block | None:
         """Read a value, an option or what is reserved."""
         head = statement.tokens[0].text if len(statement.tokens) > 1 and statement.tokens[1].text != "=" else ""
         if head == "option":
-            read_option(self.source, statement, self.options)
+            read_option(self.source, statement)
         elif head == "reserved":
             read_ranges(self.source, statement, self.reserved, self.reserved_names, signed=True)
         elif value := read_value(self.source, statement):
@@ -81,37 +85,31 @@ class EnumBlock(Block):
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
         """Look for enum values that are commented out."""
-        self.claims += claims_in(self.source.text, comments, values=True, oneof="")
+        self.claims += claimed_values(self.source.text, comments)
 
-    def build(self, scope: str) -> Enum:
+    def build(self, scope: str) -> ProtoEnum:
         """The enum, in the package or message of this name."""
-        return Enum(
-            name=self.name,
+        return ProtoEnum(
+            span=self.span,
             full_name=f"{scope}.{self.name}" if scope else self.name,
             values=tuple(self.values),
             reserved=with_end(self.reserved, LARGEST_ENUM_NUMBER),
             reserved_names=tuple(self.reserved_names),
-            options=self.options,
-            comment=self.comment,
             claims=tuple(self.claims),
-            line=self.opening.line,
-            column=self.opening.column,
-            end_line=self.end_line,
         )
 
 
 # --- statements that several kinds of block have ------------------------------------------------------------------
 
 
-def read_option(source: Source, statement: Statement, options: dict[str, str]) -> None:
-    """Read ``option``."""
+def read_option(source: Source, statement: Statement) -> tuple[str, str]:
+    """Read ``option``: its name and its value."""
     words = Words(statement.tokens)
     words.skip()
-    name, value = words.option(source.text)
-    if name:
-        options[name] = value
+    name, value = words.option()
     if not (name and value and statement.ending):
         source.unreadable(statement, "an option that is not written as it should be")
+    return name, value
 
 
 def read_ranges(
@@ -123,7 +121,7 @@ def read_ranges(
     found_ranges, found_names = words.ranges(signed)
     ranges += found_ranges
     names += found_names
-    words.bracketed(source.text)
+    words.skip_brackets()
     if not (words.done and words.closed and statement.ending and (found_ranges or found_names)):
         source.unreadable(statement, "numbers or names that are not written as they should be")
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from generator.declarations.model import Claim
 from generator.declarations.phrases import number_of
 from generator.declarations.tokens import Comment, Place
+from generator.findings import Span
+from generator.protos import ProtoEnumValue, ProtoField
 
 _DECORATION = re.compile(r"[\s/*!-]*")
 _SPACE = re.compile(r"\s*")
@@ -23,9 +24,26 @@ _NO_TYPES = frozenset(
 )
 
 
-def claims_in(text: str, comments: Iterable[Comment], values: bool, oneof: str) -> Iterator[Claim]:
-    """The claims in neighbouring comments of a message, a oneof or an enum, whose ``values`` they then are."""
-    reader = _Reader(_VALUE if values else _FIELD, oneof)
+def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterator[ProtoField]:
+    """The fields in neighbouring comments of a message, or of a oneof in it."""
+    for match, number, within, span in _claims(text, comments, _FIELD, oneof):
+        type = " ".join(match["type"].split())
+        if type not in _NO_TYPES:
+            yield ProtoField(span=span, number=number, name=match["name"], type=type, oneof=within)
+
+
+def claimed_values(text: str, comments: Iterable[Comment]) -> Iterator[ProtoEnumValue]:
+    """The values in neighbouring comments of an enum."""
+    for match, number, _, span in _claims(text, comments, _VALUE, ""):
+        yield ProtoEnumValue(span=span, number=number, name=match["name"])
+
+
+_Claim = tuple[re.Match[str], int, str, Span]
+"""What a comment says, with its number, its oneof and its place."""
+
+
+def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneof: str) -> Iterator[_Claim]:
+    reader = _Reader(claim, oneof)
     for comment in comments:
         yield from reader.comment(text, comment)
 
@@ -38,7 +56,7 @@ class _Reader:
         self._blocks: list[str | None] = [oneof]
         """Blocks that are commented out: the oneof that claims stand in; None where they are no claims on this one."""
 
-    def comment(self, text: str, comment: Comment) -> Iterator[Claim]:
+    def comment(self, text: str, comment: Comment) -> Iterator[_Claim]:
         place = Place(text, comment.start, comment.line, comment.column)
         start = comment.start
         for line in text[comment.start : comment.end].split("\n"):
@@ -67,13 +85,12 @@ class _Reader:
                 return
             offset = _end(_SPACE, line, offset)
 
-    def _claim_of(self, match: re.Match[str], place: Place) -> Claim | None:
+    def _claim_of(self, match: re.Match[str], place: Place) -> _Claim | None:
         oneof, number = self._blocks[-1], number_of(match["number"].removeprefix("-"))
-        type = " ".join(match.groupdict().get("type", "").split())
-        if oneof is None or number is None or type in _NO_TYPES:
+        if oneof is None or number is None:
             return None
         signed = -number if match["number"].startswith("-") else number
-        return Claim(signed, match["name"], type, oneof, place.line, place.column)
+        return match, signed, oneof, Span("", place.line, place.column)
 
 
 def _end(pattern: re.Pattern[str], line: str, offset: int) -> int:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
 from generator.declarations.blocks import Block, EnumBlock, SkippedBlock, read_option, read_ranges, with_end
-from generator.declarations.claims import claims_in
-from generator.declarations.fields import is_group, read_field
-from generator.declarations.model import (
-    LARGEST_FIELD_NUMBER,
-    LARGEST_MESSAGE_SET_NUMBER,
-    Claim,
-    Extend,
-    Field,
-    Message,
-)
+from generator.declarations.claims import claimed_fields
+from generator.declarations.fields import group_name, read_field
+from generator.declarations.model import LARGEST_FIELD_NUMBER, LARGEST_MESSAGE_SET_NUMBER
 from generator.declarations.phrases import Range, Words
 from generator.declarations.source import Source
 from generator.declarations.statements import BLOCKS, VISIBILITIES, Statement
 from generator.declarations.tokens import Comment
+from generator.protos import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage
+
+
+@dataclass(frozen=True, slots=True)
+class Declarations:
+    """What the blocks of a file declare."""
+
+    messages: list[ProtoMessage] = field(default_factory=list)
+    enums: list[ProtoEnum] = field(default_factory=list)
+    extensions: list[ProtoExtension] = field(default_factory=list)
 
 
 class Scope(Block):
@@ -48,16 +54,25 @@ class Scope(Block):
             return enum
         return None
 
-    def read_field(self, statement: Statement, fields: list[Field], oneof: str = "") -> Block | None:
+    def read_field(self, statement: Statement, fields: list[ProtoField], oneof: str = "") -> Block | None:
         """Read a field; the message that it opens, if it is a group."""
         if field := read_field(self.source, statement, oneof):
             fields.append(field)
-            if is_group(statement):
-                names = [token.text for token in statement.tokens if token.text.lower() == field.name]
-                group = MessageBlock(self.source, statement, names[0])
-                self.messages.append(group)
-                return group
+        if name := group_name(statement):
+            group = MessageBlock(self.source, statement, name)
+            self.messages.append(group)
+            return group
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
+
+    def collect(self, scope: str, found: Declarations, message: str = "") -> None:
+        """Add what is declared in here, in the package or message ``scope``; in no message for the file."""
+        found.enums.extend(enum.build(scope) for enum in self.enums)
+        for extend in self.extends:
+            found.extensions.extend(extend.build(message))
+        for block in self.messages:
+            built = block.build(scope)
+            found.messages.append(built)
+            block.collect(built.full_name, found, built.full_name)
 
 
 class MessageBlock(Scope):
@@ -66,15 +81,14 @@ class MessageBlock(Scope):
     def __init__(self, source: Source, opening: Statement, name: str) -> None:
         super().__init__(source, opening)
         self.name = name
-        self.comment = source.comment(opening)
-        self.fields: list[Field] = []
+        self.fields: list[ProtoField] = []
         self.oneofs: list[str] = []
         self.messages, self.enums, self.extends = [], [], []
         self.reserved: list[Range] = []
         self.reserved_names: list[str] = []
         self.extension_ranges: list[Range] = []
-        self.options: dict[str, str] = {}
-        self.claims: list[Claim] = []
+        self.largest = LARGEST_FIELD_NUMBER
+        self.claims: list[ProtoField] = []
 
     def read(self, statement: Statement) -> Block | None:
         """Read a field, an option, what is reserved, or the beginning of a block."""
@@ -88,7 +102,8 @@ class MessageBlock(Scope):
         elif head in BLOCKS:
             self.source.unreadable(statement, "a block without its braces")
         elif head == "option":
-            read_option(self.source, statement, self.options)
+            if read_option(self.source, statement) == ("message_set_wire_format", "true"):
+                self.largest = LARGEST_MESSAGE_SET_NUMBER
         elif head == "reserved":
             read_ranges(self.source, statement, self.reserved, self.reserved_names)
         elif head == "extensions":
@@ -102,40 +117,26 @@ class MessageBlock(Scope):
         if texts[0] == "oneof" and texts[1:] and texts[1].isidentifier():
             self.oneofs.append(texts[1])
             return OneofBlock(self.source, statement, self)
-        if (block := self.open(statement)) or is_group(statement):
+        if (block := self.open(statement)) or group_name(statement):
             return block or self.read_field(statement, self.fields)
         return self.unknown(statement)
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
         """Look for fields that are commented out."""
-        self.claims += claims_in(self.source.text, comments, values=False, oneof="")
+        self.claims += claimed_fields(self.source.text, comments, oneof="")
 
-    def build(self, scope: str) -> Message:
+    def build(self, scope: str) -> ProtoMessage:
         """The message, in the package or message of this name."""
-        full_name = f"{scope}.{self.name}" if scope else self.name
-        message_set = self.options.get("message_set_wire_format") == "true"
-        largest = LARGEST_MESSAGE_SET_NUMBER if message_set else LARGEST_FIELD_NUMBER
-        return Message(
-            name=self.name,
-            full_name=full_name,
+        return ProtoMessage(
+            span=self.span,
+            full_name=f"{scope}.{self.name}" if scope else self.name,
             fields=tuple(self.fields),
             oneofs=tuple(self.oneofs),
-            messages=tuple(message.build(full_name) for message in self.messages),
-            enums=tuple(enum.build(full_name) for enum in self.enums),
-            reserved=with_end(self.reserved, largest),
+            reserved=with_end(self.reserved, self.largest),
             reserved_names=tuple(self.reserved_names),
-            extension_ranges=with_end(self.extension_ranges, largest),
-            options=self.options,
-            comment=self.comment,
+            extension_ranges=with_end(self.extension_ranges, self.largest),
             claims=tuple(self.claims),
-            line=self.opening.line,
-            column=self.opening.column,
-            end_line=self.end_line,
         )
-
-    def build_extends(self, scope: str) -> list[Extend]:
-        """The ``extend`` blocks in this message and in those inside."""
-        return build_extends(self, f"{scope}.{self.name}" if scope else self.name)
 
 
 class OneofBlock(Block):
@@ -153,7 +154,7 @@ class OneofBlock(Block):
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
         """Look for members that are commented out."""
-        self._message.claims += claims_in(self.source.text, comments, values=False, oneof=self._name)
+        self._message.claims += claimed_fields(self.source.text, comments, self._name)
 
 
 class ExtendBlock(Block):
@@ -164,18 +165,12 @@ class ExtendBlock(Block):
         words = Words(opening.tokens)
         words.skip()
         self._extendee, self._scope = words.type_name(), scope
-        self._fields: list[Field] = []
+        self._fields: list[ProtoField] = []
 
     def read(self, statement: Statement) -> Block | None:
         """Read a field."""
         return self._scope.read_field(statement, self._fields)
 
-    def build(self, scope: str) -> Extend:
-        """The fields, with where they stand."""
-        return Extend(self._extendee, scope, tuple(self._fields), self.opening.line, self.opening.column)
-
-
-def build_extends(scope: Scope, name: str) -> list[Extend]:
-    """The ``extend`` blocks of a scope with this full name, and of the messages in it."""
-    inside = [extend for message in scope.messages for extend in message.build_extends(name)]
-    return [*(extend.build(name) for extend in scope.extends), *inside]
+    def build(self, scope: str) -> Iterator[ProtoExtension]:
+        """The fields, in the message of this name, or in none."""
+        yield from (ProtoExtension(self._extendee, scope, field) for field in self._fields)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from generator.declarations.blocks import Block, SkippedBlock
-from generator.declarations.messages import Scope, build_extends
+from generator.declarations.messages import Declarations, Scope
 from generator.declarations.model import File, Import
 from generator.declarations.phrases import Words
 from generator.declarations.source import Source
@@ -55,18 +55,20 @@ class FileBlock(Scope):
                 return False
             self.imports.append(Import(path, kind, keyword.line, keyword.column))
         else:
-            return keyword.text == "option" and bool(words.option(self.source.text)[1])
+            return keyword.text == "option" and bool(words.option()[1])
         return words.done
 
     def build(self) -> File:
         """The file."""
+        found = Declarations()
+        self.collect(self.package, found)
         return File(
             syntax=self.syntax,
             package=self.package,
             imports=tuple(self.imports),
-            messages=tuple(message.build(self.package) for message in self.messages),
-            enums=tuple(enum.build(self.package) for enum in self.enums),
-            extends=tuple(build_extends(self, self.package)),
+            messages=tuple(found.messages),
+            enums=tuple(found.enums),
+            extensions=tuple(found.extensions),
             problems=self.source.problems,
         )
 
@@ -139,11 +141,11 @@ class _Parser:
             self._source.problem(token, "a closing brace too many")
         elif fitting is not None and self._open[0].unclosed:
             self._abandon(fitting + 1)
-            self._pop(token)
+            self._open.pop()
         elif block.depth:
             block.depth -= 1
         else:
-            self._pop(token)
+            self._open.pop()
         self._index += 1
 
     def _fitting(self, token: Token) -> int | None:
@@ -160,11 +162,8 @@ class _Parser:
         block = self._innermost
         return not block.depth and token.column > block.indentation > 0
 
-    def _pop(self, token: Token) -> None:
-        self._open.pop().end_line = token.line
-
     def _abandon(self, size: int) -> None:
         """Close blocks until so many are open, though no brace says so."""
         while len(self._open) > size:
             self._source.problem(self._innermost.opening, "a block that is not closed")
-            self._pop(self._tokens[self._index - 1])
+            self._open.pop()

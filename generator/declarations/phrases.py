@@ -142,25 +142,21 @@ class Words:
         end = self.number(signed)
         return start if end is None else end
 
-    def bracketed(self, text: str) -> dict[str, str]:
-        """The options in brackets, if any are next."""
-        options: dict[str, str] = {}
+    def skip_brackets(self) -> None:
+        """Take the options in brackets, if any are next."""
         if not self.take("["):
-            return options
+            return
         while not self.done and not self.next().is_symbol("]"):
-            name, value = self.option(text, ",")
-            if name:
-                options[name] = value
+            self.option(",")
             if not self.take(","):
                 break
         self.closed = bool(self.take("]"))
-        return options
 
-    def option(self, text: str, end: str = "") -> tuple[str, str]:
-        """An option's name and value, as written, up to one of the characters ``end`` that is in no bracket."""
+    def option(self, end: str = "") -> tuple[str, str]:
+        """An option's name and value, without spaces, up to one of the characters ``end`` that is in no bracket."""
         name = "".join(token.text for token in self._up_to("=" + end))
         value = self._up_to(end) if self.take("=") else []
-        return name, text[value[0].start : value[-1].end] if value else ""
+        return name, "".join(token.text for token in value)
 
     def _up_to(self, ends: str) -> list[Token]:
         """Tokens up to one of these characters, or up to a bracket that closes what was not opened here."""

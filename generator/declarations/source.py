@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from generator.declarations.comments import Gap, clean
 from generator.declarations.model import Problem
 from generator.declarations.statements import Statement, Tokens
 from generator.declarations.tokens import Lexer, Token
+from generator.findings import Span
 
 _LONGEST_QUOTE = 60
 
@@ -35,14 +35,7 @@ class Source:
         quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
         self.problem(first, f"{why}: {quote}")
 
-    def comment(self, statement: Statement) -> str:
-        """What a declaration's comment says: the one before it, or else the one behind it or its opening brace."""
-        first = self.tokens[statement.start]
-        if first.comments:
-            before = self.tokens[statement.start - 1] if statement.start else None
-            if leading := clean(Gap(self.text, before, first).leading):
-                return leading
-        behind = self.tokens[statement.end + 1]
-        if not (statement.ending and behind.comments):
-            return ""
-        return clean(Gap(self.text, self.tokens[statement.end], behind).trailing)
+    def span(self, statement: Statement) -> Span:
+        """The place of a statement's first token, in a file that only the caller knows."""
+        first = statement.tokens[0]
+        return Span("", first.line, first.column)

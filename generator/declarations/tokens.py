@@ -26,13 +26,11 @@ class Kind(Enum):
 class Comment:
     """A comment, by what stands between its marks."""
 
-    block: bool
     start: int
     end: int
     line: int
     column: int
     """Where its text starts, behind the mark."""
-    end_line: int
 
 
 class Token(NamedTuple):
@@ -127,7 +125,7 @@ class Lexer:
             if kind := _KINDS.get(name):
                 self._token(kind, text, start)
             elif name == "line_comment":
-                self._comment(False, start + 2, offset)
+                self._comment(start + 2, offset)
             elif name == "block_comment":
                 offset = self._block_comment(start)
             elif name == "string":
@@ -158,10 +156,9 @@ class Lexer:
         self._place.move_to(offset)
         self.problems.append(Problem(self._place.line, self._place.column, what))
 
-    def _comment(self, block: bool, start: int, end: int) -> None:
+    def _comment(self, start: int, end: int) -> None:
         self._place.move_to(start)
-        line, column = self._place.line, self._place.column
-        self._comments.append(Comment(block, start, end, line, column, line + self._text.count("\n", start, end)))
+        self._comments.append(Comment(start, end, self._place.line, self._place.column))
 
     def _block_comment(self, start: int) -> int:
         """Take a comment and return its end; one that does not end is taken to end on its line.
@@ -170,12 +167,12 @@ class Lexer:
         """
         end = self._find("*/", start + 2)
         if end >= 0:
-            self._comment(True, start + 2, end)
+            self._comment(start + 2, end)
             return end + 2
         self._problem(start, "a comment that does not end")
         line_end = self._text.find("\n", start + 2)
         end = line_end if line_end >= 0 else len(self._text)
-        self._comment(True, start + 2, end)
+        self._comment(start + 2, end)
         return end
 
     def _find(self, wanted: str, start: int) -> int:

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import inspect
 import json
 import os
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
-from generator import declarations
+from generator import declarations, protos
 from generator.history.numbered_types import NumberedType, NumberedTypes
-from generator.history.usage_model import Fact
+from generator.protos import Fact
 
 _LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a million
 
@@ -82,12 +82,12 @@ def _checksum(body: bytes) -> bytes:
 
 @cache
 def _version() -> bytes:
-    """Return a checksum of the code that an entry depends on: that of the parser and of this package."""
+    """Return a checksum of the code that an entry depends on: the parser, its model, and this package."""
     checksum = hashlib.sha256(sys.version.encode())
-    for package in (declarations.__name__, __package__):
-        for file in sorted(files(package).iterdir(), key=lambda file: file.name):
-            if file.name.endswith(".py"):
-                checksum.update(file.read_bytes())
+    for module in (declarations, protos, sys.modules[__package__]):
+        path = Path(inspect.getfile(module))
+        for file in sorted(path.parent.glob("*.py")) if path.name == "__init__.py" else [path]:
+            checksum.update(file.read_bytes())
     return checksum.digest()
 
 

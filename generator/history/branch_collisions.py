@@ -9,7 +9,8 @@ from generator.history.commits import Ref
 from generator.history.lineage import Span
 from generator.history.lookup import Record
 from generator.history.same_meaning import differ
-from generator.history.usage_model import Allocation, Collision, Fact
+from generator.history.usage_model import Allocation, Collision
+from generator.protos import Fact
 
 _LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
 _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (_LOCAL, f"{_REMOTE}origin/"))

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 from generator.history.commit_graph import Graph, Node
 from generator.history.numbered_types import NumberedType, NumberedTypes
-from generator.history.usage_model import Fact
+from generator.protos import Fact
 
 Declared = Mapping[str, NumberedType]
 """The declarations of one message or enum in one state, by file: mostly one."""

@@ -9,7 +9,8 @@ from functools import cached_property
 from generator.declarations import SCALARS
 from generator.history.commit_graph import Graph
 from generator.history.lineage import Declared, Past, Span
-from generator.history.usage_model import Confidence, Content, Fact
+from generator.history.usage_model import Confidence, Content
+from generator.protos import Fact
 
 
 class Record:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from generator.declarations import Enum, File, Message
-from generator.history.usage_model import Fact
+from generator.declarations import File
+from generator.protos import Fact, ProtoEnum, ProtoMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,24 +28,18 @@ NumberedTypes = dict[str, NumberedType]
 def numbered_types(file: File) -> NumberedTypes:
     """Return what a parsed file says about numbers; of a type that it declares twice, both declarations in one."""
     found: NumberedTypes = {}
-    types: list[Message | Enum] = [*file.all_messages(), *file.all_enums()]
-    for type in sorted(types, key=lambda one: one.line):
-        enum = isinstance(type, Enum)
-        facts = found.setdefault(type.full_name, NumberedType({}, type.line, file.broken, enum)).facts
+    types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
+    for type in sorted(types, key=lambda one: one.span.line):
+        enum = isinstance(type, ProtoEnum)
+        facts = found.setdefault(type.full_name, NumberedType({}, type.span.line, file.broken, enum)).facts
         for fact, line in _facts(type):
             facts[fact] = min(facts.get(fact, line), line)
     return found
 
 
-def _facts(type: Message | Enum) -> Iterator[tuple[Fact, int]]:
+def _facts(type: ProtoMessage | ProtoEnum) -> Iterator[tuple[Fact, int]]:
     """Yield the facts of a type, with their lines."""
-    if isinstance(type, Enum):
-        for value in type.values:
-            if value.number is not None:
-                yield Fact(value.number, value.name, ""), value.line
-    else:
-        for field in type.fields:
-            if field.number is not None:
-                yield Fact(field.number, field.name, field.type, field.label, field.oneof), field.line
-    for claim in type.claims:
-        yield Fact(claim.number, claim.name, claim.type, "", claim.oneof, claimed=True), claim.line
+    for part in type.fields if isinstance(type, ProtoMessage) else type.values:
+        yield part.fact, part.span.line
+    for part in type.claims:
+        yield part.fact._replace(claimed=True), part.span.line

@@ -9,9 +9,10 @@ from generator.changes.field_type_changes import broken_by_kind
 from generator.declarations import SCALARS
 from generator.history.lookup import Record
 from generator.history.same_meaning import ValueNames, alike, is_telling, nearly_the_same, replaced, simple, survivors
-from generator.history.usage_model import Confidence, Content, Fact, Kind, Relation, Reuse
+from generator.history.usage_model import Confidence, Content, Kind, Relation, Reuse
 from generator.history.usage_relations import Relations
 from generator.history.usages import TracedUsage
+from generator.protos import Fact
 
 _MOST = 16  # uses of one number that each further one is compared with: the latest
 

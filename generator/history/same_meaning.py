@@ -8,7 +8,8 @@ from functools import lru_cache
 from generator.changes.field_type_changes import broken_by_kind
 from generator.changes.name_words import share_a_word, words
 from generator.declarations import SCALARS
-from generator.history.usage_model import Content, Fact
+from generator.history.usage_model import Content
+from generator.protos import Fact
 
 _FEWEST = 3  # of so few fields that each may have changed by itself
 _TELLING = 2  # of a single field, half of all messages consist

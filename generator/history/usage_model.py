@@ -4,22 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum
-from typing import NamedTuple
 
 from generator.git import Commit
-
-
-class Fact(NamedTuple):
-    """What a message or an enum says about one of its numbers. Equal facts, wherever they stand, are one usage."""
-
-    number: int
-    name: str
-    type: str
-    """As written; empty for an enum value."""
-    label: str = ""
-    oneof: str = ""
-    claimed: bool = False
-    """Whether it is commented out."""
+from generator.protos import Fact
 
 
 class Confidence(IntEnum):

@@ -8,8 +8,9 @@ from itertools import combinations
 
 from generator.history.lineage import Declared
 from generator.history.lookup import Record
-from generator.history.usage_model import Fact, Relation
+from generator.history.usage_model import Relation
 from generator.history.usages import Stretch, TracedUsage
+from generator.protos import Fact
 
 
 class Relations:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from generator.history.lineage import Span
 from generator.history.lookup import Record
-from generator.history.usage_model import Confidence, Fact, Interval, Usage
+from generator.history.usage_model import Confidence, Interval, Usage
+from generator.protos import Fact
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,25 +25,25 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 
 from generator.context import Subject
-from generator.declarations import Enum, Message
 from generator.findings import Finding, Rule, Severity, Span
 from generator.naming import snake_case
+from generator.protos import ProtoEnum, ProtoMessage
 
 RULE = Rule("NAM103", "enum-value-collides")
 
-_Messages = Mapping[str, tuple[str, Message]]  # by full name, each with its file
+_Messages = Mapping[str, tuple[str, ProtoMessage]]  # by full name, each with its file
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Enums with values that are called as a message in the same scope is; each enum once."""
     files = {**subject.excluded_files, **subject.files}
-    messages = {found.full_name: (path, found) for path, file in files.items() for found in file.all_messages()}
+    messages = {found.full_name: (path, found) for path, file in files.items() for found in file.messages}
     for path, file in files.items():
-        for enum in file.all_enums():
+        for enum in file.enums:
             yield from _check(path, enum, messages, subject)
 
 
-def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iterator[Finding]:
+def _check(path: str, enum: ProtoEnum, messages: _Messages, subject: Subject) -> Iterator[Finding]:
     scope = enum.full_name.removesuffix(enum.name)
     colliding = [value for value in enum.values if f"{scope}{value.name}" in messages]
     if not colliding:
@@ -53,7 +53,7 @@ def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iter
     named = [value.name for value in colliding[:3]] + ["..."] * (len(colliding) > 3)
     prefixed = f"{snake_case(enum.name)}_{snake_case(first.name)}".upper()
     finding = RULE.at(
-        subject.place(path, first.line, first.column),
+        subject.place(path, first.span.line, first.span.column),
         f"values of the enum {enum.name} have the names of messages: {', '.join(named)}",
         f"start its values with its own name ({prefixed}), or delete the enum if nobody uses it",
         [(_place(file, message, subject), "the message")],
@@ -65,5 +65,5 @@ def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iter
     yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding
 
 
-def _place(file: str, message: Message, subject: Subject) -> Span:
-    return subject.place(file, message.line, message.column)
+def _place(file: str, message: ProtoMessage, subject: Subject) -> Span:
+    return subject.place(file, message.span.line, message.span.column)

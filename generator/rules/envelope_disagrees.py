@@ -29,7 +29,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from generator.context import Subject
-from generator.declarations import Message, resolve_type
+from generator.declarations import resolve_type
 from generator.findings import Finding, Rule, Span
 from generator.protos import ProtoMessage
 from generator.table import Row, Table
@@ -116,19 +116,18 @@ def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
     return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
 
 
-def _written_members(envelope: Message, subject: Subject) -> list[_Member]:
+def _written_members(envelope: ProtoMessage, subject: Subject) -> list[_Member]:
     path = subject.table.envelope.file
-    declared = {message.full_name for file in subject.files.values() for message in file.all_messages()}
+    declared = {message.full_name for file in subject.files.values() for message in file.messages}
     return [
         _Member(
             field.number,
             field.name,
             resolve_type(field.type, envelope.full_name, declared) or field.type.removeprefix("."),
             field.oneof,
-            subject.place(path, field.line, field.column),
+            subject.place(path, field.span.line, field.span.column),
         )
         for field in envelope.fields
-        if field.number is not None
     ]
 
 
@@ -187,7 +186,7 @@ def _without_row(member: _Member, table: Table, cures: _Cures) -> Iterator[Findi
         yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number)
 
 
-def _unreserved(envelope: Message, used: set[int], table: Table) -> Iterator[Finding]:
+def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Finding]:
     """What is retired in the table, and free in the file."""
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)

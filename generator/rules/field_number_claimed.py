@@ -25,8 +25,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.declarations import Message
 from generator.findings import Finding, Rule, Severity
+from generator.protos import ProtoMessage
 
 RULE = Rule("ENV109", "field-number-claimed", Severity.WARNING)
 
@@ -34,12 +34,12 @@ RULE = Rule("ENV109", "field-number-claimed", Severity.WARNING)
 def check(subject: Subject) -> Iterator[Finding]:
     """Fields of any message but the envelope, whose members are payloads."""
     for path, file in subject.files.items():
-        for message in file.all_messages():
+        for message in file.messages:
             if message.claims and message.full_name != subject.table.envelope.message:
                 yield from _check(path, message, subject)
 
 
-def _check(path: str, declared: Message, subject: Subject) -> Iterator[Finding]:
+def _check(path: str, declared: ProtoMessage, subject: Subject) -> Iterator[Finding]:
     compiled = subject.schema.messages.get(declared.full_name) if subject.schema else None
     fields = compiled.fields if compiled and compiled.file == path else ()
     for field in fields:
@@ -47,6 +47,6 @@ def _check(path: str, declared: Message, subject: Subject) -> Iterator[Finding]:
             if claim.number == field.number and claim.name != field.name:
                 message = f"{field.name} = {field.number} has a number that a comment names for {claim.name}"
                 help = f"take another number and reserve {field.number}, or delete a comment that never was in use"
-                also = [(subject.place(path, claim.line, claim.column), "in this comment")]
+                also = [(subject.place(path, claim.span.line, claim.span.column), "in this comment")]
                 span = field.at("number")
                 yield RULE.at(span, message, help, also, type=declared.full_name, number=field.number)

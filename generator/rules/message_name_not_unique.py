@@ -25,25 +25,25 @@ import dataclasses
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.declarations import Message
 from generator.findings import Finding, Rule, Severity
+from generator.protos import ProtoMessage
 
 RULE = Rule("NAM101", "message-name-not-unique")
 
 
 def check(subject: Subject) -> Iterator[Finding]:
     """Messages that stand in no other and have the name of one in an earlier file; excluded files come last."""
-    seen: dict[str, tuple[str, Message]] = {}
+    seen: dict[str, tuple[str, ProtoMessage]] = {}
     for files in (subject.files, subject.excluded_files):
         for path, file in sorted(files.items()):
-            for message in file.messages:
+            for message in file.outermost:
                 first, earlier = seen.setdefault(message.name, (path, message))
                 if first != path:
                     finding = RULE.at(
-                        subject.place(path, message.line, message.column),
+                        subject.place(path, message.span.line, message.span.column),
                         f"the message {message.full_name} has the name of one in {first}",
                         "start each name with its component's, such as SensorBoard",
-                        [(subject.place(first, earlier.line, earlier.column), "first declared here")],
+                        [(subject.place(first, earlier.span.line, earlier.span.column), "first declared here")],
                         type=message.full_name,
                     )
                     excluded = path in subject.excluded_files  # and takes part in no build

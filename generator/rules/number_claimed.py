@@ -23,8 +23,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.declarations import Claim
 from generator.findings import Finding, Rule, Severity
+from generator.protos import ProtoField
 from generator.table import Row
 
 RULE = Rule("ENV108", "number-claimed", Severity.WARNING)
@@ -43,5 +43,5 @@ def check(subject: Subject) -> Iterator[Finding]:
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 
 
-def _is_same_payload(claim: Claim, row: Row) -> bool:
+def _is_same_payload(claim: ProtoField, row: Row) -> bool:
     return claim.name == row.name or claim.type.rpartition(".")[2] == row.proto.rpartition(".")[2]

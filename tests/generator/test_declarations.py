@@ -8,13 +8,17 @@ from random import Random
 from typing import Any
 
 import pytest
-from declarations.descriptors import WELL_KNOWN, Theirs, comparable, compiled, declared_names
+from declarations.descriptors import WELL_KNOWN, compiled, declared_names, ours, theirs
 from declarations.schemas import proto_text
 from golden import ROOT
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from generator.declarations import Field, File, Message, parse, resolve_type
+from generator.declarations import File, parse, resolve_type
+from generator.declarations.tokens import Lexer
+from generator.descriptors import schema_of
+from generator.protos import ProtoField, ProtoMessage
 
 _EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
 _ROOTS = [ROOT / "proto", WELL_KNOWN, *sorted((ROOT / "tests" / "generator" / "cases").glob("*/proto"))]
@@ -30,13 +34,13 @@ def _agree(root: Path, name: str) -> bool:
     files = compiled(root, name)
     if files:
         text = (root / name).read_bytes().decode("utf-8")
-        assert comparable(parse(text), declared_names(files)) == Theirs(files[-1]).file()
+        assert ours(parse(text), declared_names(files)) == theirs(files[-1])
         assert parse(text).imported == tuple(files[-1].dependency)
     return bool(files)
 
 
 def test_files_are_read_as_protoc_reads_them() -> None:
-    """Names, numbers, types, labels, ranges, imports, comments and places are protoc's in every file that compiles."""
+    """Names, numbers, types, labels, ranges, imports and places are protoc's in every file that compiles."""
     refused = {f"{root.parent.name}/{name}" for root, name in _FILES if not _agree(root, name)}
     assert {name.partition("/")[0] for name in refused} == {
         "only_what_is_needed",
@@ -75,46 +79,36 @@ def test_types_are_found_as_protoc_finds_them(tmp_path: Path) -> None:
             text = "".join([*lines[:1], lines[1].format(texts[0]), lines[2].format(""), lines[3].format(texts[1])])
             (tmp_path / "a.proto").write_text(text, encoding="utf-8")
             files = compiled(tmp_path, "a.proto")
-            theirs = (
-                next((message for message in _all(Theirs(files[-1]).file()) if message.full_name == scope), None)
-                if files
-                else None
-            )
-            assert resolve_type(name, scope, names) == (theirs.fields[0].type if theirs else None), (name, scope)
+            found = schema_of(FileDescriptorSet(file=files), "").messages.get(scope)
+            assert resolve_type(name, scope, names) == (found.fields[0].wire_type if found else None), (name, scope)
 
 
 def _all(file: File) -> list[Any]:
-    return [*file.all_messages(), *file.all_enums()]
+    return [*file.messages, *file.enums]
 
 
 # --- what protoc does not tell ----------------------------------------------------------------------------------
 
 
-def _message(inside: str, **expected: Any) -> Message:
+def _message(inside: str, **expected: Any) -> ProtoMessage:
     """The only message of a file, with this between its braces."""
     file = parse(f"message M {{\n{inside}\n}}\n")
     assert not file.broken, file.problems
     return file.messages[0]
 
 
-def _numbers(message: Message) -> dict[str, int | None]:
+def _numbers(message: ProtoMessage) -> dict[str, int]:
     return {field.name: field.number for field in message.fields}
 
 
-def test_options_are_kept_as_written() -> None:
-    """The names of options lose their spaces; their values keep everything."""
+def test_options_are_passed_over() -> None:
+    """Whatever stands in the values of options, nothing of it is taken for a declaration."""
     text = """
       option (my.option) = { a: "}" b { c: [1, 2]; } };
       string s = 1 [(nanopb) . max_size = 20, json_name="a" "b", features.x = {y: 1}, default = -inf];
     """
     message = _message(text)
-    assert message.options == {"(my.option)": '{ a: "}" b { c: [1, 2]; } }'}
-    assert message.fields[0].options == {
-        "(nanopb).max_size": "20",
-        "json_name": '"a" "b"',
-        "features.x": "{y: 1}",
-        "default": "-inf",
-    }
+    assert _numbers(message) == {"s": 1}
     assert hash(message)
 
 
@@ -162,7 +156,8 @@ message M {
 
 def test_claims_are_what_was_commented_out() -> None:
     """Fields and enum values in comments are claims on their numbers where they would be declared, and nowhere else."""
-    message = parse(_CLAIMS).messages[0]
+    file = parse(_CLAIMS)
+    message = file.messages[0]
     assert [(claim.number, claim.name, claim.type, claim.oneof) for claim in message.claims] == [
         (30, "timeout", "uint32", ""),
         (12, "x", "SensorBoardX", ""),
@@ -173,11 +168,11 @@ def test_claims_are_what_was_commented_out() -> None:
         (41, "b", "int32", "old"),
         (98, "tab", "int32", ""),
     ]
-    assert [(claim.number, claim.name) for claim in message.enums[0].claims] == [
+    assert [(claim.number, claim.name) for claim in file.enums[0].claims] == [
         (4, "RESERVED_LATER"),
         (-1, "NEGATIVE"),
     ]
-    places = {claim.name: (claim.line, claim.column) for claim in message.claims}
+    places = {claim.name: (claim.span.line, claim.span.column) for claim in message.claims}
     assert places["timeout"] == (4, 6)
     assert places["no"] == (9, 23)
     assert places["tab"] == (29, 9)
@@ -192,17 +187,17 @@ _BROKEN = {
     "no closing bracket nor semicolon": ("int32 a = 1 [deprecated = true\nint32 b = 2;", {"a": 1, "b": 2}),
     "no closing quote": ('int32 a = 1 [json_name = "x];\nint32 b = 2;', {"a": 1, "b": 2}),
     "no end of comment": ("int32 a = 1; /* one\nint32 b = 2;", {"a": 1, "b": 2}),
-    "no number": ("int32 a = ;\nint32 b = 2;", {"a": None, "b": 2}),
-    "no number nor semicolon": ("int32 a =\nint32 b = 2;", {"a": None, "b": 2}),
+    "no number": ("int32 a = ;\nint32 b = 2;", {"b": 2}),
+    "no number nor semicolon": ("int32 a =\nint32 b = 2;", {"b": 2}),
     "no equals sign": ("int32 a 1;\nint32 b = 2;", {"a": 1, "b": 2}),
     "no type": ("a = 1;\nint32 b = 2;", {"a": 1, "b": 2}),
-    "no octal number": ("int32 a = 09;\nint32 b = 2;", {"a": None, "b": 2}),
-    "a negative number": ("int32 a = -1;\nint32 b = 2;", {"a": None, "b": 2}),
-    "a number too long for Python": (f"int32 a = {'9' * 9999};\nint32 b = 2;", {"a": None, "b": 2}),
+    "no octal number": ("int32 a = 09;\nint32 b = 2;", {"b": 2}),
+    "a negative number": ("int32 a = -1;\nint32 b = 2;", {"b": 2}),
+    "a number too long for Python": (f"int32 a = {'9' * 9999};\nint32 b = 2;", {"b": 2}),
     "two numbers": ("int32 a = 1 3;\nint32 b = 2;", {"a": 1, "b": 2}),
     "a letter of another alphabet": ("int32 ä = 1;\nint32 b = 2;", {"ä": 1, "b": 2}),
     "a space that is none": ("int32\u00a0a = 1;\nint32 b\x00 = 2;", {"a": 1, "b": 2}),
-    "prose": ("this is; not a field ...\nint32 b = 2;", {"is": None, "b": 2}),
+    "prose": ("this is; not a field ...\nint32 b = 2;", {"b": 2}),
     "a stray sign": ("int32 a = 1;\n?\nint32 b = 2;\n@ int32 c = 3;", {"a": 1, "b": 2}),
     "a field before a message": ("int32 a = 1 message In {}\nint32 b = 2;", {"a": 1, "b": 2}),
     "an unknown block": ("int32 a = 1;\nmesage X { int32 x = 3; }\n{ int32 x = 4; }\nint32 b = 2;", {"a": 1, "b": 2}),
@@ -230,9 +225,9 @@ def test_a_broken_line_hides_no_other(name: str) -> None:
     """What a broken line still says is read; so are its neighbours and the messages around; and it is a problem."""
     inside, numbers = _BROKEN[name]
     file = parse(f"message A {{ int32 x = 1; }}\n\nmessage M {{\n{inside}\n}}\nmessage Z {{\n  A z = 9;\n}}\n")
-    assert [message.name for message in file.messages] == ["A", "M", "Z"]
-    assert _numbers(file.messages[1]) == numbers
-    assert _numbers(file.messages[2]) == {"z": 9}
+    assert [message.name for message in file.outermost] == ["A", "M", "Z"]
+    assert _numbers(file.outermost[1]) == numbers
+    assert _numbers(file.outermost[2]) == {"z": 9}
     assert file.broken
     assert all(file.problems[0].line <= problem.line for problem in file.problems)
     assert file.problems[0].line >= 3
@@ -245,7 +240,6 @@ def test_a_broken_enum_value_hides_no_other() -> None:
     )
     assert [(value.name, value.number) for value in file.enums[0].values] == [
         ("A", 0),
-        ("B", None),
         ("C", -2),
         ("F", 4),
     ]
@@ -269,8 +263,21 @@ def test_the_top_of_a_file_is_read_as_far_as_it_goes() -> None:
 def test_braces_that_match_are_believed() -> None:
     """Without indentation, a message in another one is in it, as long as no brace is missing."""
     text = "message A {\nmessage B {\nint32 x = 1;\n}\n}\n"
-    assert [message.full_name for message in parse(text).all_messages()] == ["A", "A.B"]
-    assert [message.full_name for message in parse(text.removesuffix("}\n")).all_messages()] == ["A", "B"]
+    assert [message.full_name for message in parse(text).messages] == ["A", "A.B"]
+    assert [message.full_name for message in parse(text.removesuffix("}\n")).messages] == ["A", "B"]
+
+
+def _end_line(text: str, line: int) -> int:
+    """The line on which the block ends that begins on a line."""
+    lexer = Lexer(text)
+    lexer.run()
+    depth = 0
+    for token in lexer.tokens:
+        if token.line >= line and token.text in ("{", "}"):
+            depth += 1 if token.text == "{" else -1
+            if not depth:
+                return token.line
+    raise AssertionError(f"no block ends behind line {line}")
 
 
 def _edited(random: Random, text: str) -> tuple[str, int, int]:
@@ -291,10 +298,11 @@ def test_messages_survive_what_happens_elsewhere(random: Random) -> None:
     """After an edit of any line, the messages at the top of a file that the line is not part of are read as before."""
     text = random.choice([text for text in _TEXTS if len(text) < 9000 and "/*" not in text])
     edited, line, more = _edited(random, text)
-    after = {message.line: message for message in parse(edited).messages}
-    for message in parse(text).messages:
-        if not message.line <= line <= message.end_line:
-            found = after[message.line + (more if message.line > line else 0)]
+    after = {message.span.line: message for message in parse(edited).outermost}
+    for message in parse(text).outermost:
+        start = message.span.line
+        if not start <= line <= _end_line(text, start):
+            found = after[start + (more if start > line else 0)]
             assert (found.name, _numbers(found)) == (message.name, _numbers(message))
 
 
@@ -350,9 +358,9 @@ def _holds_together(text: str) -> None:
     file = parse(text)
     assert hash(file) == hash(parse(text))
     lines = text.count("\n") + 1
-    for message in file.all_messages():
-        assert 1 <= message.line <= message.end_line <= lines
-        assert all(isinstance(item, Field) and item.name in text.lower() + text for item in message.fields)
+    for message in file.messages:
+        assert 1 <= message.span.line <= lines
+        assert all(isinstance(item, ProtoField) and item.name in text.lower() + text for item in message.fields)
         assert all(claim.name in text for claim in message.claims)
     assert all(1 <= problem.line <= lines for problem in file.problems)
 

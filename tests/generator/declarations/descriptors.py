@@ -1,28 +1,23 @@
-"""protoc's view of a file in the words of `generator.declarations`, so that the two can be compared."""
+"""What protoc and the tolerant parser say of a file, so that the two can be compared."""
 
 from __future__ import annotations
 
 import os
+import re
 import tempfile
-from dataclasses import replace
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import grpc_tools
-from google.protobuf.descriptor_pb2 import (
-    DescriptorProto,
-    Edition,
-    EnumDescriptorProto,
-    FieldDescriptorProto,
-    FileDescriptorProto,
-    FileDescriptorSet,
-)
+from google.protobuf.descriptor_pb2 import Edition, FileDescriptorProto, FileDescriptorSet
 from grpc_tools import protoc
 
-from generator.declarations import Enum, EnumValue, Extend, Field, File, Import, Message, resolve_type
+from generator.declarations import File, resolve_type
+from generator.descriptors import schema_of
+from generator.protos import Declared, ProtoEnum, ProtoField, ProtoMessage
 
 WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
-_TYPES = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
-_LABELS = {FieldDescriptorProto.LABEL_REPEATED: "repeated", FieldDescriptorProto.LABEL_REQUIRED: "required"}
 
 
 def compiled(root: Path, name: str) -> list[FileDescriptorProto]:
@@ -41,171 +36,97 @@ def compiled(root: Path, name: str) -> list[FileDescriptorProto]:
         return list(FileDescriptorSet.FromString(out.read_bytes()).file) if code == 0 else []
 
 
-# --- protoc's ---------------------------------------------------------------------------------------------------
+# --- both, in words that can be compared ------------------------------------------------------------------------
 
 
-class Theirs:
-    """A file as protoc describes it."""
+def theirs(file: FileDescriptorProto) -> dict[str, Any]:
+    """What a file declares as protoc describes it; the descriptors are read as the generator reads them."""
+    schema = schema_of(FileDescriptorSet(file=[file]), "")
+    kinds = dict.fromkeys(file.public_dependency, "public") | dict.fromkeys(file.weak_dependency, "weak")
+    editions = {"editions": Edition.Name(file.edition).removeprefix("EDITION_")}
+    places = {tuple(location.path): location for location in file.source_code_info.location}
 
-    def __init__(self, file: FileDescriptorProto) -> None:
-        self._file = file
-        self._places = {tuple(location.path): location for location in file.source_code_info.location}
+    def field(one: ProtoField) -> tuple[Any, ...]:
+        entry = schema.messages.get(one.type_name)
+        if entry and entry.map_entry:
+            key, value = (part.wire_type for part in entry.fields)
+            return _field(one, f"map<{key}, {value}>", "")
+        written = one.declared_optional or (one.label == "optional" and file.syntax in ("", "proto2") and not one.oneof)
+        if one.repeated or (one.label == "required" and file.syntax != "editions"):  # there, it is a feature
+            written_label = one.label
+        else:
+            written_label = "optional" if written else ""
+        return _field(one, "group" if one.type == "group" else one.wire_type, written_label)
 
-    def file(self) -> File:
-        """All of it."""
-        file = self._file
-        extends = [
-            Extend(field.extendee[1:], file.package, (self._field((7, index), field, None),), 0, 0)
-            for index, field in enumerate(file.extension)
-        ]
-        messages = tuple(self._message((4, index), file.package, item) for index, item in enumerate(file.message_type))
-        for index, message in enumerate(file.message_type):
-            extends += self._extends((4, index), file.package, message)
-        kinds = dict.fromkeys(file.public_dependency, "public") | dict.fromkeys(file.weak_dependency, "weak")
-        editions = {"editions": Edition.Name(file.edition).removeprefix("EDITION_")}
-        return File(
-            syntax=editions.get(file.syntax, file.syntax or "proto2"),
-            package=file.package,
-            imports=tuple(
-                Import(path, kinds.get(index, ""), *self._at((3, index))[1:3])
-                for index, path in enumerate(file.dependency)
-            ),
-            messages=messages,
-            enums=tuple(self._enum((5, index), file.package, item) for index, item in enumerate(file.enum_type)),
-            extends=tuple(extends),
-            problems=(),
-        )
-
-    def _at(self, path: tuple[int, ...]) -> tuple[str, int, int, int]:
-        location = self._places[path]
-        comment = _clean(location.leading_comments) or _clean(location.trailing_comments)
-        line, column, *end = location.span
-        return comment, line + 1, column + 1, (end[0] if len(end) == 2 else line) + 1
-
-    def _extends(self, path: tuple[int, ...], scope: str, message: DescriptorProto) -> list[Extend]:
-        name = f"{scope}.{message.name}" if scope else message.name
-        extends = [
-            Extend(field.extendee[1:], name, (self._field((*path, 6, index), field, None),), 0, 0)
-            for index, field in enumerate(message.extension)
-        ]
-        for index, nested in enumerate(message.nested_type):
-            extends += self._extends((*path, 3, index), name, nested)
-        return extends
-
-    def _message(self, path: tuple[int, ...], scope: str, message: DescriptorProto) -> Message:
-        name = f"{scope}.{message.name}" if scope else message.name
-        comment, line, column, end_line = self._at(path)
-        synthetic = {field.oneof_index for field in message.field if field.proto3_optional}
-        return Message(
-            name=message.name,
-            full_name=name,
-            fields=tuple(self._field((*path, 2, index), item, message) for index, item in enumerate(message.field)),
-            oneofs=tuple(oneof.name for index, oneof in enumerate(message.oneof_decl) if index not in synthetic),
-            messages=tuple(
-                self._message((*path, 3, index), name, item)
-                for index, item in enumerate(message.nested_type)
-                if not item.options.map_entry
-            ),
-            enums=tuple(self._enum((*path, 4, index), name, item) for index, item in enumerate(message.enum_type)),
-            reserved=tuple((item.start, item.end - 1) for item in message.reserved_range),
-            reserved_names=tuple(message.reserved_name),
-            extension_ranges=tuple((item.start, item.end - 1) for item in message.extension_range),
-            options={},
-            comment=comment,
-            claims=(),
-            line=line,
-            column=column,
-            end_line=end_line,
-        )
-
-    def _field(self, path: tuple[int, ...], field: FieldDescriptorProto, message: DescriptorProto | None) -> Field:
-        entries = {entry.name: entry for entry in message.nested_type if entry.options.map_entry} if message else {}
-        entry = entries.get(field.type_name.rpartition(".")[2])
-        key, value = (_type_of(item) for item in entry.field) if entry else ("", "")
-        in_oneof = field.HasField("oneof_index") and not field.proto3_optional
-        label = "" if entry else _LABELS.get(field.label, "")
-        if not (label or entry or in_oneof) and (field.proto3_optional or self._file.syntax in ("", "proto2")):
-            label = "optional"
-        comment, line, column, _ = self._at(path)
-        oneof = message.oneof_decl[field.oneof_index].name if message and in_oneof else ""
-        type = f"map<{key}, {value}>" if entry else _type_of(field)
-        return Field(field.number, field.name, type, key, value, label, oneof, {}, comment, line, column)
-
-    def _enum(self, path: tuple[int, ...], scope: str, enum: EnumDescriptorProto) -> Enum:
-        comment, line, column, end_line = self._at(path)
-        return Enum(
-            name=enum.name,
-            full_name=f"{scope}.{enum.name}" if scope else enum.name,
-            values=tuple(
-                EnumValue(value.name, value.number, {}, *self._at((*path, 2, index))[:3])
-                for index, value in enumerate(enum.value)
-            ),
-            reserved=tuple((item.start, item.end) for item in enum.reserved_range),
-            reserved_names=tuple(enum.reserved_name),
-            options={},
-            comment=comment,
-            claims=(),
-            line=line,
-            column=column,
-            end_line=end_line,
-        )
+    return {
+        "syntax": editions.get(file.syntax, file.syntax or "proto2"),
+        "package": file.package,
+        "imports": [
+            (path, kinds.get(index, ""), *(part + 1 for part in places[3, index].span[:2]))
+            for index, path in enumerate(file.dependency)
+        ],
+        "messages": [
+            _message(message, [field(one) for one in message.fields])
+            for message in schema.messages.values()
+            if not message.map_entry
+        ],
+        "enums": _enums(schema.enums.values()),
+        "extensions": [(one.extendee, one.scope, field(one.field)) for one in schema.extensions],
+    }
 
 
-def _clean(comment: str) -> str:
-    """As the generator shows comments: without the space after the slashes, and without empty lines at the ends."""
-    return "\n".join(line.removeprefix(" ").rstrip() for line in comment.splitlines()).strip("\n")
+def ours(file: File, names: frozenset[str]) -> dict[str, Any]:
+    """What was read of a file, with types by their full names."""
 
+    def field(one: ProtoField, scope: str) -> tuple[Any, ...]:
+        if match := re.fullmatch(r"map<(.*), (.*)>", one.type):
+            return _field(one, f"map<{match[1]}, {resolve_type(match[2], scope, names) or match[2]}>", one.label)
+        return _field(one, resolve_type(one.type, scope, names) or one.type, one.label)
 
-def _type_of(field: FieldDescriptorProto) -> str:
-    group = field.type == FieldDescriptorProto.TYPE_GROUP
-    return "group" if group else field.type_name.removeprefix(".") or _TYPES[field.type]
-
-
-# --- ours -------------------------------------------------------------------------------------------------------
+    return {
+        "syntax": file.syntax or "proto2",
+        "package": file.package,
+        "imports": [(one.path, one.kind, one.line, one.column) for one in file.imports],
+        "messages": [
+            _message(message, [field(one, message.full_name) for one in message.fields]) for message in file.messages
+        ],
+        "enums": _enums(file.enums),
+        "extensions": [
+            (resolve_type(one.extendee, scope, names), one.scope, field(one.field, scope))
+            for one in file.extensions
+            for scope in [one.scope or file.package]
+        ],
+    }
 
 
 def declared_names(files: list[FileDescriptorProto]) -> frozenset[str]:
     """Full names of the messages and enums in files."""
-    described = [Theirs(file).file() for file in files]
-    return frozenset(item.full_name for file in described for item in (*file.all_messages(), *file.all_enums()))
+    schema = schema_of(FileDescriptorSet(file=files), "")
+    messages = (message.full_name for message in schema.messages.values() if not message.map_entry)
+    return frozenset((*messages, *schema.enums))
 
 
-def comparable(file: File, names: frozenset[str]) -> File:
-    """What was read, with types by their full names, and without what protoc does not tell in the same way."""
-    extends = [
-        Extend(resolve_type(extend.extendee, extend.scope, names) or "", extend.scope, (item,), 0, 0)
-        for extend in file.extends
-        for item in _fields(extend.fields, extend.scope, names)
-    ]
-    return replace(
-        file,
-        syntax=file.syntax or "proto2",
-        messages=tuple(_message(message, names) for message in file.messages),
-        enums=tuple(_enum(enum) for enum in file.enums),
-        extends=tuple(extends),
+def _place(declared: Declared) -> tuple[int, int]:
+    return declared.span.line, declared.span.column
+
+
+def _field(field: ProtoField, type: str, label: str) -> tuple[Any, ...]:
+    return field.number, field.name, type, label, field.oneof, *_place(field)
+
+
+def _message(message: ProtoMessage, fields: list[tuple[Any, ...]]) -> tuple[Any, ...]:
+    numbers = message.reserved, message.reserved_names, message.extension_ranges
+    return message.full_name, fields, message.oneofs, *numbers, *_place(message)
+
+
+def _enums(enums: Iterable[ProtoEnum]) -> list[tuple[Any, ...]]:
+    return sorted(
+        (
+            enum.full_name,
+            [(value.name, value.number, *_place(value)) for value in enum.values],
+            enum.reserved,
+            enum.reserved_names,
+            *_place(enum),
+        )
+        for enum in enums
     )
-
-
-def _message(message: Message, names: frozenset[str]) -> Message:
-    return replace(
-        message,
-        fields=_fields(message.fields, message.full_name, names),
-        messages=tuple(_message(nested, names) for nested in message.messages),
-        enums=tuple(_enum(enum) for enum in message.enums),
-        options={},
-        claims=(),
-    )
-
-
-def _enum(enum: Enum) -> Enum:
-    return replace(enum, values=tuple(replace(value, options={}) for value in enum.values), options={}, claims=())
-
-
-def _fields(fields: tuple[Field, ...], scope: str, names: frozenset[str]) -> tuple[Field, ...]:
-    return tuple(_field(field, scope, names) for field in fields)
-
-
-def _field(field: Field, scope: str, names: frozenset[str]) -> Field:
-    value = resolve_type(field.value_type, scope, names) or field.value_type
-    type = f"map<{field.key_type}, {value}>" if value else resolve_type(field.type, scope, names) or field.type
-    return replace(field, type=type, value_type=value, options={})
