@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
 from generator.protos import ProtoEnum, ProtoMessage, Schema
 
 NOT_INSTALLED = Rule("BUF101", "buf-not-installed", Severity.FATAL)
@@ -42,14 +42,14 @@ def executable() -> str | None:
 
 
 def require() -> None:
-    """Raise `FindingsError` if buf is not installed."""
+    """Raise `DiagnosticsError` if buf is not installed."""
     if executable() is None:
         message = "there is no buf beside this Python interpreter or on the PATH; nothing was linted"
-        raise FindingsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
+        raise DiagnosticsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
 
 
-def breaking(before: Schema, after: Schema, shown_root: str) -> list[Finding]:
-    """List what buf finds in a schema against an earlier one. Raises `FindingsError` if buf fails.
+def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
+    """List what buf finds in a schema against an earlier one. Raises `DiagnosticsError` if buf fails.
 
     The deletion of a map's entry is left out: nobody wrote the entry.
     """
@@ -94,12 +94,12 @@ def _first_line(text: str) -> str:
     return next(filter(None, map(str.strip, text.splitlines())), "")
 
 
-def _failure(why: str) -> FindingsError:
+def _failure(why: str) -> DiagnosticsError:
     help = f"if this buf is old or broken: {sys.executable} -m pip install --upgrade buf-bin"
-    return FindingsError([FAILED.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
+    return DiagnosticsError([FAILED.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
 
 
-def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Finding:
+def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
     """Read a line of buf's; a deleted file has no place. Raises any of several errors if it is none."""
     id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
     broken = rule(id)
@@ -137,7 +137,7 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
     return ""
 
 
-def unstated(theirs: Iterable[Finding], ours: Iterable[Finding]) -> Iterator[Finding]:
+def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """Yield the findings of buf's that are not about a field, value or reserved range of which ours say more."""
     told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
     for one in theirs:

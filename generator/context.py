@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from generator.changes import Change
 from generator.declarations import File
-from generator.findings import Span, shown
+from generator.diagnostics import Span, shown
 from generator.history import History, branch_name
 from generator.ledger import NAME as LEDGER
 from generator.ledger import Entry, Ledger

@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from generator import envelope_file, ir, ledger, targets, template_folder
-from generator.findings import Finding, FindingsError, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Span, nearest
 from generator.rendering import Files
 from generator.table import Table, json_schema
 
@@ -28,7 +28,7 @@ def emit(bridge: ir.Bridge, table: Table, published: ledger.Ledger, project: Pat
     """Every file that a table compiles to: its path, relative to the table, and its text.
 
     ``published`` is what the ledger had before; ``project`` is the folder from which those of templates are named.
-    Raises `FindingsError` with everything that is wrong with targets and templates.
+    Raises `DiagnosticsError` with everything that is wrong with targets and templates.
     """
     collected = _Collected()
     collected.add(Span(bridge.table), [(f"{bridge.folder}/{json_schema.FILE}", json_schema.text())])
@@ -51,7 +51,7 @@ class _Collected:
     def __init__(self) -> None:
         self._files: dict[str, str] = {}
         self._asked: dict[str, Span] = {}
-        self._findings: list[Finding] = []
+        self._findings: list[Diagnostic] = []
 
     def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
         """Add what is asked for at a place; two must not make one file."""
@@ -62,13 +62,13 @@ class _Collected:
                     self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is made twice", also=also))
                 self._files[path] = text
                 self._asked[path] = span
-        except FindingsError as error:
+        except DiagnosticsError as error:
             self._findings += error.findings
 
     def files(self) -> dict[str, str]:
-        """The files in the order of their paths. Raises `FindingsError` where anything is wrong."""
+        """The files in the order of their paths. Raises `DiagnosticsError` where anything is wrong."""
         if self._findings:
-            raise FindingsError(self._findings)
+            raise DiagnosticsError(self._findings)
         return dict(sorted(self._files.items()))
 
 
@@ -80,7 +80,7 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
     else:
         known = targets.names()
         help = nearest(name, known, f"there are {', '.join(known)}")
-        raise FindingsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
+        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
@@ -91,7 +91,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
     except Exception as error:  # another's code: any error of its is its author's to mend
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
-        raise FindingsError([TARGET_FAILED.at(span, message)]) from error
+        raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
 
 
 def _placed(files: Files, bridge: ir.Bridge) -> Files:
@@ -104,5 +104,5 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
             message = f"would write {path!r}, which is not below {FOLDER}/"
-            raise FindingsError([FORBIDDEN_PATH.at(span, message)])
+            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield str(pure), text

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
 from generator import well_known
-from generator.findings import Finding, Rule, nearest
+from generator.diagnostics import Diagnostic, Rule, nearest
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.shape import DISAGREEING_ROWS
 from generator.table import Row, Table
@@ -29,7 +29,7 @@ Key = tuple[str, str]
 class FieldSettings:
     """The settings of fields, by message and field."""
 
-    def __init__(self, table: Table, schema: Schema, report: Callable[[Finding], None]) -> None:
+    def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._report = schema, report
         rows = [row for row in table.rows if row.proto in schema.messages]
         self.presence = self._collected("presence", ((row, row.presence) for row in rows), self._no_presence)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Span, Use
+from generator.diagnostics import Diagnostic, Rule, Span, Use
 from generator.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
@@ -53,7 +53,7 @@ def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) 
     return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
-def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Finding:
+def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """A finding about one number, with everything that it stood for. There must be a past."""
     assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
     usages = _usages(subject.past.history, owner, number, reuses)

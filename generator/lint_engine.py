@@ -11,7 +11,7 @@ from generator.baseline import Baseline, Layout, open_baseline
 from generator.changes import Change
 from generator.consumer_pins import read_pins
 from generator.context import Past, Subject, since_last_generate
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
@@ -62,7 +62,7 @@ class Question:
 class Linted:
     """What a lint found, and how to show more of it."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[Diagnostic, ...]
     folder: Path
     """The folder from which the files of findings are named."""
     commit_of: Callable[[Span], Commit | None]
@@ -71,41 +71,43 @@ class Linted:
     """What the rules looked at."""
 
     @property
-    def limits(self) -> list[Finding]:
+    def limits(self) -> list[Diagnostic]:
         """The findings that say what could not be looked at, or not all of it."""
         partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
         return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
-    """Lint the project of a table. Raises `FindingsError` where nothing can be looked at."""
+    """Lint the project of a table. Raises `DiagnosticsError` where nothing can be looked at."""
     project = table_path.resolve().parent
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     table = reader.read(table_path, findings, table_path.name)
     published = ledger.read(project / ledger.NAME, findings)
     return _lint(project, table, published, question, findings)
 
 
 def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
-    """Lint a folder of .proto files, without a table. Raises `FindingsError` where nothing can be looked at."""
-    findings: list[Finding] = []
+    """Lint a folder of .proto files, without a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    findings: list[Diagnostic] = []
     return _lint(root.resolve(), bare_tree.table_of_tree(envelope), ledger.Ledger(), question, findings)
 
 
-def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
+def _lint(
+    project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Diagnostic]
+) -> Linted:
     if question.with_buf:
         buf.require()
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
-        raise FindingsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
+        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
     if question.of_the_envelope:
         bare_tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
     found_before = len(findings)
     declared = read_protos(root, shown_root, findings)
     if not declared and len(findings) == found_before and not (past and past.history.messages):
-        raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
+        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
@@ -132,13 +134,13 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
     return Linted(tuple(in_order(findings)), project, _blame(project, baseline), subject)
 
 
-def _past(root: Path, envelope: str, question: Question, findings: list[Finding]) -> Past:
-    """The past, as far as it is asked for. Raises `FindingsError` where there is no repository."""
+def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
+    """The past, as far as it is asked for. Raises `DiagnosticsError` where there is no repository."""
     try:
         history = read_history(root, question.report)
     except GitError as error:
         message = "the history cannot be read"
-        raise FindingsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
+        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
     if history.shallow:
         message = f"this is a shallow clone: its history goes back {history.depth} commits, and no further"
         findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
@@ -148,20 +150,20 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Finding]
     return Past(history, question.history, question.branches, tuple(pins))
 
 
-def _baseline(question: Question, project: Path, layout: Layout, findings: list[Finding]) -> Baseline | None:
+def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
     """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
     try:
         return open_baseline(question.against, project, layout, findings) if question.against else None
-    except FindingsError as error:
+    except DiagnosticsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
 
 
-def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Finding]) -> list[Finding]:
+def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagnostic]) -> list[Diagnostic]:
     """List what buf finds; if buf fails, the rest is linted all the same."""
     try:
         return buf.breaking(before, after, shown_root)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         findings += error.findings
         return []
 

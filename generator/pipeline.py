@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from generator import context, emission, envelope_file, ir, ledger, naming, resolve
-from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations, read_protos
 from generator.protoc import Compilation, compile_protos
@@ -34,13 +34,13 @@ class Compiled:
     """Text by path, relative to the table."""
     folders: tuple[str, ...]
     """Where generated files stand; one that stands there and is none of `files` is an earlier run's."""
-    warnings: tuple[Finding, ...]
+    warnings: tuple[Diagnostic, ...]
 
 
 def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
     """Compile a table, also to further targets and with further folders of templates. Nothing is written.
 
-    Raises `FindingsError` with everything that is wrong, as far as it can be seen at once.
+    Raises `DiagnosticsError` with everything that is wrong, as far as it can be seen at once.
     """
     text = read_text(table_path, table_path.name)
     return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
@@ -49,7 +49,7 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
 def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
     """Compile a table that is not written yet; the changes of the disk have the table's own among them.
 
-    Raises `FindingsError` as `compile_table`.
+    Raises `DiagnosticsError` as `compile_table`.
     """
     compiled = _compiled(table_path, text)
     return compiled, compare(table_path.resolve().parent, {**compiled.files, table_path.name: text}, compiled.folders)
@@ -58,7 +58,7 @@ def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
     """What a table compiles to without a number's row, and the changes of the disk, the table's own among them.
 
-    Raises `FindingsError` where no row has the number, and as `compile_table`.
+    Raises `DiagnosticsError` where no row has the number, and as `compile_table`.
     """
     return compile_text(table_path, with_retired(_table_text(table_path), number, table_path.name))
 
@@ -66,13 +66,13 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
     """What a table compiles to with one more row, and the changes of the disk, the table's own among them.
 
-    Raises `FindingsError` where the rows are not written one below the other, and as `compile_table`.
+    Raises `DiagnosticsError` where the rows are not written one below the other, and as `compile_table`.
     """
     return compile_text(table_path, with_row(_table_text(table_path), row, table_path.name))
 
 
 def _table_text(table_path: Path) -> str:
-    """Read a table that is to be edited. Raises `FindingsError` for what is no table."""
+    """Read a table that is to be edited. Raises `DiagnosticsError` for what is no table."""
     text = read_text(table_path, table_path.name)
     reader.parse(text, table_path.name, [])
     return text
@@ -90,7 +90,7 @@ def _compiled(
     further: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
 ) -> Compiled:
     project = table_path.resolve().parent
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     table = reader.parse(text, table_path.name, findings)
     published = published or ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
@@ -109,17 +109,17 @@ def _compiled(
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
-        raise FindingsError(in_order(findings))
+        raise DiagnosticsError(in_order(findings))
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
     files = emission.emit(bridge, table.and_further(*further), published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))
 
 
-def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
+def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
     """What a phase gives; None, with its findings, where it cannot go on. The others still can."""
     try:
         return phase()
-    except FindingsError as error:
+    except DiagnosticsError as error:
         findings += error.findings
         return None
 
@@ -128,25 +128,27 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     root = project / table.proto.root
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
-        raise FindingsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")])
-    findings: list[Finding] = []
+        raise DiagnosticsError(
+            [NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")]
+        )
+    findings: list[Diagnostic] = []
     files = read_protos(root, table.proto.root, findings)
     if findings:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     return index_declarations(files, table.proto.exclude)
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
     """What protoc makes of the payloads, the envelope, and what stands in an Any.
 
-    Raises `FindingsError` where it refuses them.
+    Raises `DiagnosticsError` where it refuses them.
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
     overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"there is no {envelope.file} below {table.proto.root}"
-        raise FindingsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
+        raise DiagnosticsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
     return compile_protos(root, wanted, overlay, table.proto.root)
 
 

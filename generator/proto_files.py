@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from generator.declarations import File, parse
-from generator.findings import Finding, Rule, Severity, Span, shown
+from generator.diagnostics import Diagnostic, Rule, Severity, Span, shown
 
 UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
 
@@ -41,7 +41,7 @@ def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> Dec
     return index
 
 
-def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[str]:
+def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list[str]:
     """The .proto files below a folder, relative to it, links followed; hidden files are an editor's.
 
     A folder that cannot be listed, a link that leads back to where it is, and a name that is no text, is a finding.
@@ -68,7 +68,7 @@ def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[st
     return [name for name in sorted(found) if _is_text(name, shown_root, findings)]
 
 
-def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
+def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     """Whether a file's name can be said: protoc, JSON and terminals take UTF-8 alone."""
     readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
     if readable != name:
@@ -77,7 +77,7 @@ def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
     return readable == name
 
 
-def read_protos(root: Path, shown_root: str, findings: list[Finding]) -> dict[str, File]:
+def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict[str, File]:
     """Return what the .proto files below a folder declare, as far as it can be read; any that has no text is a finding.
 
     ``shown_root`` is how findings call the folder.
@@ -92,7 +92,7 @@ def declarations(text: str) -> File:
     return parse(text)
 
 
-def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str | None:
+def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> str | None:
     """The text of a .proto file; None, with a finding, where it has none that anybody wrote."""
     path, span = root / name, Span(shown(shown_root, name))
     data = b""

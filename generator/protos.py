@@ -9,7 +9,7 @@ from typing import NamedTuple
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator import ir
-from generator.findings import Span
+from generator.diagnostics import Span
 
 Ranges = tuple[tuple[int, int], ...]
 """Ranges of numbers, both ends included."""

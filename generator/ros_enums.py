@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from generator import ir, naming
 from generator.deprecation import commented
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.protos import ProtoEnum, ProtoEnumValue
 
 CONSTANT_NAME = Rule("CNV108", "constant-name")
@@ -24,7 +24,7 @@ def integer_type(enum: ProtoEnum) -> str:
     raise AssertionError("an enum value is an int32")
 
 
-def constants(enum: ProtoEnum, prefix: str, report: Callable[[Finding], None]) -> Iterator[ir.RosConstant]:
+def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
     """An enum's values as constants of a ROS message."""
     type = integer_type(enum)
     seen: dict[str, ProtoEnumValue] = {}
@@ -46,7 +46,7 @@ def constants_of(
     others: Iterable[ir.RosConstant],
     ros: str,
     span: Span,
-    report: Callable[[Finding], None],
+    report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
     """The constants of a ROS message that stands at a place: its enums' values, and those of its oneofs.
 
@@ -70,7 +70,7 @@ def _unless_taken(
     seen: dict[str, ir.RosConstant],
     ros: str,
     span: Span,
-    report: Callable[[Finding], None],
+    report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
     holder = seen.setdefault(constant.name, constant).enum
     if holder == constant.enum:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from generator import ir, naming, oneofs, ros_enums, well_known
 from generator.deprecation import commented
+from generator.diagnostics import Rule, nearest
 from generator.field_settings import CONTRADICTING_PATHS, UNKNOWN_FIELD
 from generator.field_types import FieldTypes
-from generator.findings import Rule, nearest
 from generator.protos import ProtoField, ProtoMessage
 from generator.shape import Shape
 

@@ -6,8 +6,8 @@ import keyword
 
 from generator import ir, naming, ros_enums
 from generator.deprecation import commented
+from generator.diagnostics import Diagnostic, Rule, Severity, Span, nearest
 from generator.field_settings import FieldSettings
-from generator.findings import Finding, Rule, Severity, Span, nearest
 from generator.oneofs import NONE, smallest
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Schema
 from generator.ros_fields import CANNOT_CONVERT, FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN, MessageBuilder
@@ -22,7 +22,7 @@ EXTENSIONS = Rule("CNV110", "extensions-not-carried", Severity.WARNING)
 class RosMessages:
     """Makes ROS messages and conversions, each once, from the protos that the rows reach."""
 
-    def __init__(self, table: Table, schema: Schema, findings: list[Finding]) -> None:
+    def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
         self.schema, self.report = schema, findings.append
         self._enum_settings = {enum.proto: enum for enum in table.enums}
         self._shapes = shapes_of(table, findings)

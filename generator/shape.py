@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.table import Row, Table
 
 DISAGREEING_ROWS = Rule("CNV107", "rows-disagree-on-a-message")
@@ -26,7 +26,7 @@ class Shape:
         return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
 
 
-def shapes_of(table: Table, findings: list[Finding]) -> dict[str, Shape]:
+def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
     """By proto message; rows that carry the same one must agree on what it becomes."""
     shapes: dict[str, Shape] = {}
     for row in table.rows:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.findings import FindingsError, Rule, Severity, Span
+from generator.diagnostics import DiagnosticsError, Rule, Severity, Span
 from generator.rendering import REGENERATE
 
 CANNOT_WRITE = Rule("OUT101", "cannot-write", Severity.FATAL)
@@ -62,7 +62,7 @@ def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> 
 def write(project: Path, changes: Iterable[Change]) -> None:
     """Make the disk what it should be; each file is replaced as a whole, and none before all could be prepared.
 
-    Raises `FindingsError` for a file that cannot be written.
+    Raises `DiagnosticsError` for a file that cannot be written.
     """
     changes = list(changes)
     with contextlib.ExitStack() as prepared:
@@ -88,7 +88,7 @@ def _reporting(path: str, done: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise FindingsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
+        raise DiagnosticsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
 
 
 def _text(project: Path, path: str) -> str | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from generator.findings import Finding, FindingsError
+from generator.diagnostics import Diagnostic, DiagnosticsError
 from generator.table import reader
 from roverlink.console import TABLE
 from runtime import Registry, load_registry
@@ -16,8 +16,8 @@ def load_project(folder: Path) -> Registry:
     The import name is that of the table (``python.package``); without a table that can be read, it is ``generated``.
     Raises `RegistryError` as `load_registry`.
     """
-    ignored: list[Finding] = []  # `generate` and `lint` show them
+    ignored: list[Diagnostic] = []  # `generate` and `lint` show them
     try:
         return load_registry(folder, reader.read(folder / TABLE, ignored).python.package)
-    except FindingsError:
+    except DiagnosticsError:
         return load_registry(folder)

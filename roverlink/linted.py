@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from generator.bare_tree import EnvelopeName
-from generator.findings import Severity
+from generator.diagnostics import Severity
 from generator.git import Repository
 from generator.lint_engine import Linted, Question, lint_project, lint_tree
 from roverlink.console import OK, UNABLE, add_table, table_file

@@ -19,7 +19,7 @@ from generator.adopt.retired_numbers import AdoptedPast, read_past
 from generator.adopt.table_text import text_of
 from generator.context import Subject
 from generator.declarations import parse
-from generator.findings import Finding, in_order
+from generator.diagnostics import Diagnostic, in_order
 from generator.ledger import Ledger
 from generator.nanopb import read_bounds
 from generator.pipeline import Compiled, compile_text
@@ -48,7 +48,7 @@ class Adoption:
     draft: Draft
     past: AdoptedPast
     compiled: Compiled
-    findings: tuple[Finding, ...]
+    findings: tuple[Diagnostic, ...]
     """What lint and compiler say of it; rules of the lint count for as little as the table says."""
     changes: tuple[Change, ...]
     """What is to be written, the table among it."""
@@ -59,7 +59,7 @@ class Adoption:
 def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] | None = None) -> Adoption:
     """Take over a tree of .proto files. Nothing is written.
 
-    Raises `FindingsError` with everything that is in the way, and that a table cannot mend.
+    Raises `DiagnosticsError` with everything that is in the way, and that a table cannot mend.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
     shown_root = Path(os.path.relpath(root, project)).as_posix()
@@ -84,7 +84,7 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
         retired=past.retired,
     )
     fit(draft, tree.schema, table_path.name)
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     subject = _subject(draft, tree, table_path.name, findings)
     lower(draft, lint(subject), subject.schema or tree.schema)
     text = text_of(draft)
@@ -95,7 +95,7 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
 
 
-def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Finding]) -> Subject:
+def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Subject:
     """Make what the rules look at: the draft, and the tree with the envelope that generate will write."""
     table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from generator import naming
 from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.table_text import text_of
-from generator.findings import Finding, Severity, Span
+from generator.diagnostics import Diagnostic, Severity, Span
 from generator.protos import ProtoField, Schema
 from generator.ros_fields import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
 from generator.ros_messages import RosMessages
@@ -24,7 +24,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
     ``table`` is the file that the draft is for. A fault of a payload as a whole stays; generate reports it.
     """
     _name_messages(draft.rows, schema)
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     parsed = reader.parse(text_of(draft), table, [])
     messages = RosMessages(parsed, schema, findings)
     for row in parsed.rows:
@@ -65,7 +65,7 @@ def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]
     return {span: one for span, one in found.items() if span.line}
 
 
-def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Finding, schema: Schema) -> None:
+def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Diagnostic, schema: Schema) -> None:
     """Rename a field of a payload, or leave out the payloads' fields in which the fault is."""
     payloads = {row.proto for row in rows}
     for row in rows:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from generator.adopt.draft import Draft, DraftRow
-from generator.findings import Finding, Severity
+from generator.diagnostics import Diagnostic, Severity
 from generator.protos import Schema
 from generator.rules import modules
 
@@ -15,7 +15,7 @@ _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB10
 _MANY_ROWS = 3
 
 
-def lower(draft: Draft, findings: Iterable[Finding], schema: Schema) -> None:
+def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
     """Let what the lint found count as a hint: in the rows that it is about, or everywhere where those are many."""
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
     may_count_less = modules().keys() - _MUST_HOLD
@@ -32,7 +32,7 @@ def lower(draft: Draft, findings: Iterable[Finding], schema: Schema) -> None:
             draft.lint[rule] = f"the tree had it {times} when it was taken over"
 
 
-def _rows_about(finding: Finding, draft: Draft, schema: Schema) -> list[DraftRow]:
+def _rows_about(finding: Diagnostic, draft: Draft, schema: Schema) -> list[DraftRow]:
     """Return the rows that a finding is about, as the table's own settings of a row are understood."""
     if finding.type in ("", draft.message):
         return [row for row in draft.rows if row.number == finding.number]

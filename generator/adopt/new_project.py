@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ledger
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span
 from generator.pipeline import compile_table
 from generator.rendering import REGENERATE, render
 from generator.write import Change, compare
@@ -40,10 +40,10 @@ class NewProject:
 def new_project(folder: Path, package: str) -> NewProject:
     """Make the files of a project with one board and one message, for a folder without a table. Nothing is written.
 
-    ``package`` is the ROS 2 package's name. Raises `FindingsError` where files are in the way.
+    ``package`` is the ROS 2 package's name. Raises `DiagnosticsError` where files are in the way.
     """
     if findings := list(_foreign_protos(folder)):
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     kept = tuple(path for path in _TEMPLATES if (folder / path).exists())
     own = {
         path: render(f"project/{template}", package=package)
@@ -67,7 +67,7 @@ def _put(target: Path, data: bytes) -> None:
     target.write_bytes(data)
 
 
-def _foreign_protos(folder: Path) -> Iterable[Finding]:
+def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
     """Find .proto files that a new project would not know."""
     for path in sorted((folder / _PROTOS).rglob("*.proto")):
         name = path.relative_to(folder).as_posix()
@@ -77,13 +77,13 @@ def _foreign_protos(folder: Path) -> Iterable[Finding]:
 
 
 def check_the_way(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
-    """Refuse to overwrite what was not generated, but for some files. Raises `FindingsError`."""
+    """Refuse to overwrite what was not generated, but for some files. Raises `DiagnosticsError`."""
     theirs = [
         change.path
         for change in changes
         if change.before is not None and change.path not in besides and REGENERATE not in change.before
     ]
     if theirs:
-        raise FindingsError(
+        raise DiagnosticsError(
             [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
         )

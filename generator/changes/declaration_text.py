@@ -8,7 +8,7 @@ from generator.changes import default_values
 from generator.changes.cardinality import is_map
 from generator.changes.field_type_changes import kind
 from generator.changes.pairing import FieldPair, MessagePair, written
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnum, ProtoField, Schema, Syntax
 
 _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}

@@ -9,7 +9,7 @@ from generator.declarations.phrases import MAX, Range, Words
 from generator.declarations.source import Source
 from generator.declarations.statements import VISIBILITIES, Statement
 from generator.declarations.tokens import Comment
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnum, ProtoEnumValue
 
 

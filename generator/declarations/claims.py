@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from generator.declarations.phrases import number_of
 from generator.declarations.tokens import Comment, Place
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnumValue, ProtoField
 
 _DECORATION = re.compile(r"[\s/*!-]*")

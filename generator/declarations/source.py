@@ -5,7 +5,7 @@ from __future__ import annotations
 from generator.declarations.model import Problem
 from generator.declarations.statements import Statement, Tokens
 from generator.declarations.tokens import Lexer, Token
-from generator.findings import Span
+from generator.diagnostics import Span
 
 _LONGEST_QUOTE = 60
 

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnumValue, ProtoField, Schema
 
 NAME = "mapping.lock"

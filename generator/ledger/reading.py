@@ -7,7 +7,7 @@ from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.git import Repository
 from generator.ledger.model import NAME, Burned, Entry, Ledger, checksum
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
@@ -37,7 +37,7 @@ _NOW = " now"
 _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 
 
-def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
+def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
     """The ledger on disk, as far as it can be read; empty where there is none yet.
 
     It is a finding where it cannot be read, where a line is none of the ledger's, where it is not as generate wrote it,
@@ -127,7 +127,7 @@ class _Reader:
         self.merged = False
         """Whether there was a merge conflict."""
         self.checksum = ""
-        self.broken: list[Finding] = []
+        self.broken: list[Diagnostic] = []
 
     def ledger(self) -> Ledger:
         """What was read."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.nanopb.bounded_field import BoundedField, fields_of, varint_size
 from generator.nanopb.bounds import Bounds
 from generator.protos import ProtoMessage, Schema

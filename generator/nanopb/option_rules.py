@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.findings import Rule, Severity
+from generator.diagnostics import Rule, Severity
 
 UNREADABLE_OPTIONS = Rule("NPB101", "unreadable-nanopb-options")
 """An option of nanopb's, in a .options file or in a .proto file, or the whole file, cannot be read."""

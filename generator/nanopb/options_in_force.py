@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from generator.findings import Finding, Span, shown
+from generator.diagnostics import Diagnostic, Span, shown
 from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
 from generator.nanopb.options import Decoded, decode_options
@@ -28,7 +28,7 @@ def read_bounds(
     schema: Schema,
     root: Path,
     shown_root: str,
-    findings: list[Finding],
+    findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
 ) -> Bounds | None:
     """Read nanopb's options that hold for the messages and fields of a schema.
@@ -86,7 +86,7 @@ class _FileReader:
         file: str,
         shown_file: str,
         lines: Sequence[OptionsLine],
-        findings: list[Finding],
+        findings: list[Diagnostic],
         decodes: bool,
     ) -> None:
         """Read the file's own options; with ``decodes`` false, no options inside .proto files are nanopb's."""

@@ -16,7 +16,7 @@ from typing import Protocol, cast
 
 from generator.buf import unstated
 from generator.context import Subject
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
@@ -29,7 +29,7 @@ class RuleModule(Protocol):
     RULE: Rule
     __doc__: str
 
-    def check(self, subject: Subject) -> Iterator[Finding]:
+    def check(self, subject: Subject) -> Iterator[Diagnostic]:
         """What the rule finds."""
 
 
@@ -41,14 +41,14 @@ def modules() -> Mapping[str, RuleModule]:
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
 
 
-def lint(subject: Subject, of_buf: Sequence[Finding] = ()) -> list[Finding]:
+def lint(subject: Subject, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
     """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
     said = [*_without_repetitions(found, subject.table.envelope.message), *unstated(of_buf, found)]
     return [finding for finding in (_as_the_table_says(finding, subject) for finding in said) if finding is not None]
 
 
-def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Finding]:
+def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
     """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
@@ -58,7 +58,7 @@ def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Fi
             yield one
 
 
-def _as_the_table_says(finding: Finding, subject: Subject) -> Finding | None:
+def _as_the_table_says(finding: Diagnostic, subject: Subject) -> Diagnostic | None:
     """The finding with its severity lowered where the table lowers it; None where it turns it off."""
     if finding.severity is Severity.FATAL:
         return finding
@@ -70,7 +70,7 @@ def _as_the_table_says(finding: Finding, subject: Subject) -> Finding | None:
     return dataclasses.replace(finding, severity=severity)
 
 
-def _lowerings(finding: Finding, subject: Subject) -> Iterator[Lowered]:
+def _lowerings(finding: Diagnostic, subject: Subject) -> Iterator[Lowered]:
     table, id = subject.table, finding.rule.id
     yield from (lowered for lowered in table.lint if lowered.rule == id)
     for row in table.rows:
@@ -79,7 +79,7 @@ def _lowerings(finding: Finding, subject: Subject) -> Iterator[Lowered]:
             yield from of_row
 
 
-def _is_about(finding: Finding, number: int, proto: str, subject: Subject) -> bool:
+def _is_about(finding: Diagnostic, number: int, proto: str, subject: Subject) -> bool:
     """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
     if finding.type in ("", subject.table.envelope.message):
         return finding.number == number

@@ -19,14 +19,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Span, Use
+from generator.diagnostics import Diagnostic, Rule, Span, Use
 from generator.history import Allocation, branch_name
 from generator.history_diagnostics import place_of
 
 RULE = Rule("HIS104", "number-given-on-two-branches")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that branches have given away since they parted."""
     past, envelope = subject.past, subject.table.envelope.message
     if past is None or not past.of_branches:

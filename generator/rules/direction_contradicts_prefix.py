@@ -22,13 +22,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.table import PeerSettings
 
 RULE = Rule("TAB105", "direction-contradicts-prefix")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose message is called as those of another peer are."""
     table = subject.table
     if not table.whole:

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 from generator.context import Subject
 from generator.declarations import resolve_type
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.protos import ProtoMessage
 from generator.table import Row, Table
 
@@ -73,7 +73,7 @@ _OF_OWNER = {
 }
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows and members of the oneof that are not each other's; what is retired and not reserved."""
     if subject.table.envelope.owner == "proto":
         yield from _check_of_another_owner(subject)
@@ -81,7 +81,7 @@ def check(subject: Subject) -> Iterator[Finding]:
         yield from _check_written_file(subject)
 
 
-def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
+def _check_of_another_owner(subject: Subject) -> Iterator[Diagnostic]:
     table, schema, name = subject.table, subject.schema, subject.table.envelope.message
     if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
         return
@@ -92,7 +92,7 @@ def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
 
-def _check_written_file(subject: Subject) -> Iterator[Finding]:
+def _check_written_file(subject: Subject) -> Iterator[Diagnostic]:
     table, name = subject.table, subject.table.envelope.message
     path = table.envelope.file
     if not path or not name:
@@ -131,7 +131,7 @@ def _written_members(envelope: ProtoMessage, subject: Subject) -> list[_Member]:
     ]
 
 
-def _compare(table: Table, members: list[_Member]) -> Iterator[Finding]:
+def _compare(table: Table, members: list[_Member]) -> Iterator[Diagnostic]:
     """Rows against members; each difference once."""
     name, oneof = table.envelope.message, table.envelope.oneof
     cures = _OF_OWNER[table.envelope.owner]
@@ -157,7 +157,7 @@ def _is_moved(row: Row, member: _Member, table: Table) -> bool:
     return member.name == row.name and member.number not in table.numbers
 
 
-def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Finding]:
+def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
     if member is None:
         message = f"the envelope has no member {row.number}, which {row.name} names"
@@ -176,7 +176,7 @@ def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures:
         yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number)
 
 
-def _without_row(member: _Member, table: Table, cures: _Cures) -> Iterator[Finding]:
+def _without_row(member: _Member, table: Table, cures: _Cures) -> Iterator[Diagnostic]:
     envelope, number = table.envelope.message, member.number
     if number in {row.number for row in table.retired}:
         message = f"{member} is retired in {table.file}"
@@ -186,7 +186,7 @@ def _without_row(member: _Member, table: Table, cures: _Cures) -> Iterator[Findi
         yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number)
 
 
-def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Finding]:
+def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:
     """What is retired in the table, and free in the file."""
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)

@@ -19,12 +19,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 
 RULE = Rule("ENV103", "field-number-vanished")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Payloads that were published and whose number the table does not have."""
     table = subject.table
     if not table.whole:

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import Unbounded, largest_size
 from generator.table import PeerSettings, Row
 
@@ -30,7 +30,7 @@ RULE = Rule("FIX101", "field-unbounded")
 _HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Payloads that go to or come from a peer with a largest size; each once, at its first such field."""
     schema, bounds = subject.schema, subject.bounds
     if schema is None or bounds is None:

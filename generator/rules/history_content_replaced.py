@@ -17,14 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.history import Kind
 from generator.history_diagnostics import reported, reuses_by_number
 
 RULE = Rule("HIS103", "payload-content-replaced")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload kept its name and lost its fields."""
     for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.REPLACED})):
         yield reported(RULE, subject, owner, number, reuses)

@@ -17,14 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.history import Kind
 from generator.history_diagnostics import reported, reuses_by_number
 
 RULE = Rule("HIS102", "payload-renamed", Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload has another name than once, and nothing worse."""
     worse = {(owner, number) for owner, number, _ in reuses_by_number(subject, frozenset(Kind) - {Kind.RENAMED})}
     for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.RENAMED})):

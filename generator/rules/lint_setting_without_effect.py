@@ -24,13 +24,13 @@ from functools import cache
 
 from generator import buf
 from generator.context import Subject
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.table import Lowered
 
 RULE = Rule("TAB108", "lint-setting-without-effect", Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Settings of the table and of its rows that change no finding's severity."""
     table = subject.table
     for lowered in table.lint:
@@ -40,7 +40,7 @@ def check(subject: Subject) -> Iterator[Finding]:
             yield from _check(lowered, table.envelope.message, row.number)
 
 
-def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Finding]:
+def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnostic]:
     rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
     if rule is None:
         message = f"there is no rule {lowered.rule} that a table could lower"

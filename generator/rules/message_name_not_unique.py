@@ -25,13 +25,13 @@ import dataclasses
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoMessage
 
 RULE = Rule("NAM101", "message-name-not-unique")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages that stand in no other and have the name of one in an earlier file; excluded files come last."""
     seen: dict[str, tuple[str, ProtoMessage]] = {}
     for files in (subject.files, subject.excluded_files):

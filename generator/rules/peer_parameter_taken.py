@@ -20,14 +20,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.node_parameters import node_parameters
 from generator.table import PeerSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Peers whose parameter another peer has, or the node itself."""
     seen: dict[str, PeerSettings] = {}
     of_the_node = {"use_sim_time", *node_parameters()}

@@ -20,12 +20,12 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 
 RULE = Rule("PIN102", "pins-disagree")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Each pair of consumers whose commits disagree, with the numbers about which they do."""
     past, envelope = subject.past, subject.table.envelope.message
     if past is None:

@@ -22,14 +22,14 @@ from generator.changes import values_by_number
 from generator.changes.fixits import reserve
 from generator.changes.fixits import values as declared
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import next_enum_number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
 
 RULE = Rule("WIR112", "enum-number-reuse")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
@@ -46,7 +46,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _finding(
     schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], old: ProtoEnumValue, free: int | None
-) -> Finding:
+) -> Diagnostic:
     names, was = [value.name for value in values], old.name
     freed = reserve(enum, schema.syntax_of(enum.file), [(old.number, old.number)], [was])
     return RULE.at(

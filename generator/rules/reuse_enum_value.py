@@ -22,19 +22,19 @@ from generator.changes.declaration_text import value_place
 from generator.changes.enum_values import moved_away, moved_here, renamed_values, stands_for_another
 from generator.changes.fixits import values as declared
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import new_numbers
 from generator.protos import ProtoEnumValue
 
 RULE = Rule("WIR110", "enum-value-meaning-replaced")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values whose name belonged to another number, or whose number had a name that another one has now."""
     return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     for pair, number, gone, values in renamed_values(change):
         if stands_for_another(pair, number):
             help = _help(subject, pair, number, gone, values)

@@ -22,14 +22,14 @@ from generator.changes.declaration_text import declaration
 from generator.changes.field_type_changes import broken_by_kind
 from generator.changes.fixits import reserve
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import next_field_number
 from generator.protos import ProtoField, ProtoMessage, Schema
 
 RULE = Rule("WIR111", "field-number-reuse-in-message")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
@@ -50,7 +50,7 @@ def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
     return old.wire_type == new.wire_type or not broken_by_kind(old.wire_type, new.wire_type)
 
 
-def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: ProtoField, free: int | None) -> Finding:
+def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: ProtoField, free: int | None) -> Diagnostic:
     was = f"{old.name} ({old.wire_type})"
     return RULE.at(
         field.at("number"),

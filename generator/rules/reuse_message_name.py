@@ -22,18 +22,18 @@ from generator.changes import Change, MessagePair, each_once, earlier, fields_of
 from generator.changes.field_type_changes import broken_by_type
 from generator.changes.renames import Rename, rename
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 
 RULE = Rule("WIR113", "message-content-replaced")
 _FEWEST = 3  # of so few fields that each may have changed by itself
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
     return each_once(subject.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         before = len(pair.old.fields)
         replaced, left = _counts(pair)

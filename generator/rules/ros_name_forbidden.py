@@ -18,13 +18,13 @@ from collections.abc import Iterator
 
 from generator import naming
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.table import Row
 
 RULE = Rule("ROS101", "ros-name-forbidden")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """The package, and the messages and topics of the rows."""
     table = subject.table
     if table.ros.package and not naming.is_package_name(table.ros.package):

@@ -18,12 +18,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 
 RULE = Rule("TAB107", "topic-changed", Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows that were published with the same number and message, and with another topic."""
     envelope = subject.table.envelope.message
     first = {row.number: row for row in reversed(subject.table.rows)}

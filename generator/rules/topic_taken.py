@@ -18,13 +18,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.table import Row
 
 RULE = Rule("TAB102", "topic-taken")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose topic an earlier row has."""
     seen: dict[str, tuple[str, Span]] = {}
     envelope = subject.table.envelope.message

@@ -24,13 +24,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.findings import Finding, Rule, nearest
+from generator.diagnostics import Diagnostic, Rule, nearest
 from generator.table import Row
 
 RULE = Rule("TAB103", "unknown-peer")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Directions and forwards without a peer."""
     table = subject.table
     if not table.whole:

@@ -24,17 +24,17 @@ from generator.changes.default_values import default, default_changed, shown
 from generator.changes.field_type_changes import broken_by_type
 from generator.changes.fixits import back
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 
 RULE = Rule("WIR108", "field-default-changed")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields with another default, unless their type is already said to be another."""
     return each_once(subject.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if default_changed(pair) and not broken_by_type(pair):
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)

@@ -22,17 +22,17 @@ from generator.changes.declaration_text import value_place
 from generator.changes.fixits import value_back_or_reserve
 from generator.changes.number_ranges import covers
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 
 RULE = Rule("WIR107", "enum-value-number-freed")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that were a value's, and are neither a value's nor reserved."""
     return each_once(subject.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, number, names in gone_values(change):
         if not covers(pair.new.reserved, number):
             yield RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.declaration_text import declaration_of_old
 from generator.changes.fixits import names_in_use, put_back_or_reserve
 from generator.changes.number_ranges import covers
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField
 
 RULE = Rule("WIR102", "field-number-freed")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that were a field's, and are neither a field's nor reserved."""
     return each_once(subject.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, field in gone_fields(change):
         if not covers(pair.new.reserved, field.number):
             yield RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.declaration_text import retyping, type_place
 from generator.changes.field_type_changes import broken_by_type
 from generator.changes.fixits import was
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose old and new type cannot read each other."""
     return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if broken_by_type(pair):

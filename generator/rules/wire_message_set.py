@@ -19,18 +19,18 @@ from collections.abc import Iterator
 
 from generator.changes import Change, each_once, earlier, messages
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 
 RULE = Rule("WIR109", "message-set-format-changed")
 _OPTION = "message_set_wire_format"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages whose option `message_set_wire_format` is another."""
     return each_once(subject.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         old, new = (message.facets.get(_OPTION, "false") for message in (pair.old, pair.new))
         if old != new and not change.of_ledger:

@@ -20,18 +20,18 @@ from collections.abc import Iterator
 from generator.changes import Change, each_once, earlier, fields
 from generator.changes.oneof_changes import broken_by_oneof, moved_back, moved_text
 from generator.context import Subject
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR105", "field-moved-between-oneofs")
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose company in a oneof is another."""
     return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if broken_by_oneof(pair):

@@ -22,7 +22,7 @@ from generator.changes import Change, EnumPair, MessagePair, each_once, earlier,
 from generator.changes.declaration_text import declaration
 from generator.changes.number_ranges import Range, covers, missing, spelled
 from generator.context import Subject
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.free_numbers import NewNumbers, next_enum_number
 
 RULE = Rule("WIR106", "reserved-number-freed")
@@ -39,12 +39,12 @@ class _User:
     """How it is to be declared, with another number; empty where there is none left."""
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Reserved ranges of messages and enums of which something is not reserved any more."""
     return each_once(subject.changes, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in messages(change):
         for place, freed in _freed(pair):
@@ -84,7 +84,7 @@ def _values(pair: EnumPair, subject: Subject, freed: list[Range]) -> list[_User]
     return users
 
 
-def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Finding:
+def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Diagnostic:
     return RULE.at(
         pair.new.span,
         f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import yaml
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.findings import FindingsError, Rule, Span
+from generator.diagnostics import DiagnosticsError, Rule, Span
 
 NO_SUCH_ROW = Rule("RET101", "no-such-row")
 NO_PLACE_FOR_A_ROW = Rule("RET103", "no-place-for-a-row")
@@ -23,13 +23,13 @@ _KEPT = ("number", "name", "proto")
 def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
     """Return the table's text with a row behind the last one, written as that one is.
 
-    ``file`` is how findings call the table. Raises `FindingsError` where the rows are not a list of one a line.
+    ``file`` is how findings call the table. Raises `DiagnosticsError` where the rows are not a list of one a line.
     """
     messages = _value_of(yaml.compose(text, Loader=yaml.SafeLoader), "messages")
     last = messages.value[-1] if isinstance(messages, SequenceNode) and messages.value else None
     if not isinstance(messages, SequenceNode) or messages.flow_style or not isinstance(last, MappingNode):
         message = "there is no list of rows, one below the other, under `messages`"
-        raise FindingsError([NO_PLACE_FOR_A_ROW.at(Span(file), message, "write the first row by hand")])
+        raise DiagnosticsError([NO_PLACE_FOR_A_ROW.at(Span(file), message, "write the first row by hand")])
     lines = text.splitlines(keepends=True)
     entries = [f"{key}: {value if isinstance(value, int) else scalar(value)}" for key, value in row.items()]
     end = _last_line(last) + 1
@@ -42,7 +42,7 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
 def with_retired(text: str, number: int, file: str) -> str:
     """Return the table's text with the row of a number moved to ``retired``.
 
-    ``file`` is how findings call the table. Raises `FindingsError` where no row has the number.
+    ``file`` is how findings call the table. Raises `DiagnosticsError` where no row has the number.
     """
     root = yaml.compose(text, Loader=yaml.SafeLoader)
     messages, retired = _value_of(root, "messages"), _value_of(root, "retired")
@@ -50,7 +50,7 @@ def with_retired(text: str, number: int, file: str) -> str:
     row = next((row for row in rows if _scalar_of(row, "number") == str(number)), None)
     if row is None:
         known = f"there are {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
-        raise FindingsError([NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", known)])
+        raise DiagnosticsError([NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", known)])
     entry = "{" + ", ".join(f"{key}: {_scalar_of(row, key)}" for key in _KEPT) + "}"
     lines = text.splitlines(keepends=True)
     removal = row.start_mark.line, _last_line(row) + 1, list[str]()

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from ipaddress import IPv4Network
 from typing import Annotated, Literal
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.ir import Qos
 from generator.table.parts import NAME, NOT_EMPTY, Form, Part
 from generator.table.value_types import (

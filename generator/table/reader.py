@@ -8,7 +8,7 @@ from pathlib import Path
 from string import ascii_lowercase
 
 from generator import naming
-from generator.findings import Finding, FindingsError, Rule
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule
 from generator.table.keys import FeedSettings, PeerSettings, Row, Table
 from generator.table.parts import Form, build, object_of
 from generator.table.yaml_items import read_form, read_text
@@ -20,22 +20,22 @@ KEY_WITHOUT_STANDARD = Rule("STD101", "key-without-standard-message")
 _FIRST_PORT = 6000
 
 
-def read(path: Path, findings: list[Finding], name: str | None = None) -> Table:
+def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Table:
     """Read a table; ``name`` is how findings call the file.
 
     Every mistake in the file is added to the findings. What is whole is read all the same, and `Table.whole` says
-    whether that is everything. Raises `FindingsError` where there is nothing to read.
+    whether that is everything. Raises `DiagnosticsError` where there is nothing to read.
     """
     file = name or str(path)
     return parse(read_text(path, file), file, findings)
 
 
-def parse(text: str, file: str, findings: list[Finding]) -> Table:
+def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
     """Read the table that a text holds; as `read`."""
     before = len(findings)
     form = read_form(text, file, object_of(Table), "the table", findings)
     if form is None:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
     rows = tuple(replace(row, ros=row.ros or naming.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
     for row in rows:
@@ -60,7 +60,7 @@ def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
         yield replace(peer, parameter=parameter, port=peer.port or _FIRST_PORT + index)
 
 
-def _mistakes(row: Row) -> Iterator[Finding]:
+def _mistakes(row: Row) -> Iterator[Diagnostic]:
     """Check keys of a row against each other."""
     for feed in (row, *row.also):
         yield from _conflicting_depths(feed)
@@ -68,14 +68,14 @@ def _mistakes(row: Row) -> Iterator[Finding]:
         yield from _of_standard_messages(row)
 
 
-def _conflicting_depths(feed: FeedSettings) -> Iterator[Finding]:
+def _conflicting_depths(feed: FeedSettings) -> Iterator[Diagnostic]:
     depth = feed.qos.depth
     if feed.queue is not None and depth is not None and feed.queue != depth:
         message = f"queue is {feed.queue}, but the depth of qos is {depth}"
         yield CONFLICTING_KEYS.at(feed.qos.at("depth"), message, "they mean the same; keep one of them")
 
 
-def _of_standard_messages(row: Row) -> Iterator[Finding]:
+def _of_standard_messages(row: Row) -> Iterator[Diagnostic]:
     """Find what only a row with a standard message may hold, in one whose message is of the table's own package."""
     for key in ("frame_id", "stamp", "unset"):
         if key in row.spans:

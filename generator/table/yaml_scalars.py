@@ -9,7 +9,7 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.findings import Finding, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, Rule, Span, nearest
 from generator.table.parts import Form
 from generator.table.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Number, Scalar, Text, Type
 
@@ -68,7 +68,7 @@ class ScalarReader:
     """Reads scalars, and collects what does not fit."""
 
     file: str
-    findings: list[Finding]
+    findings: list[Diagnostic]
 
     def span(self, node: Node) -> Span:
         """Where a node starts."""

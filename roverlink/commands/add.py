@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from generator.context import Subject
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.lint_engine import Question, lint_project
 from generator.pipeline import add as add_row
 from generator.write import write
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         compiled, changes = add_row(table, row)
         if not arguments.dry_run:
             write(table.resolve().parent, changes)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return report(table, error)
     if arguments.dry_run:
         sys.stdout.writelines(change.diff() for change in changes)

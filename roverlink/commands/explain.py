@@ -7,7 +7,7 @@ import json
 import sys
 from typing import Any
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.rules import RuleModule, modules
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from runtime.errors import SetupError, nearest
@@ -60,7 +60,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         raise SetupError(f"the lint has no rule {what!r} ({hint}), and there is no {table} with rows")
     try:
         project = Project(table, history=arguments.history)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         print(error, file=sys.stderr)
         return FINDINGS
     row = project.find(what)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.history import Usage, branch_name
 from generator.lint_engine import Question
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)
             found = linted(arguments, arguments.root, question)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         print(error, file=sys.stderr)
         return UNABLE
     subject, code = found.subject, say_limits(found)

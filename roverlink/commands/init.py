@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
-from generator.findings import FindingsError, Severity
+from generator.diagnostics import DiagnosticsError, Severity
 from generator.write import Change, write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.progress import progress
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             adoption = adopt(table, wanted, report)
         if _write(adoption.changes, arguments.dry_run):
             _tell(adoption)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         print(error, file=sys.stderr)
         print("nothing was written", file=sys.stderr)
         return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS

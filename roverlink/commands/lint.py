@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.findings import FindingsError, Severity
+from generator.diagnostics import DiagnosticsError, Severity
 from generator.lint_engine import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.linted import add_subject, linted
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         found = _lint(arguments)
         if arguments.accept:
             return _accept(arguments, found)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         print(error, file=sys.stderr)
         return UNABLE
     FORMATS[arguments.format](found)

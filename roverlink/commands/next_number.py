@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from generator.context import Subject
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.lint_engine import Question
 from generator.table import LARGEST_NUMBER
 from roverlink.console import UNABLE, Subparsers, command, table_file
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress("reading history") as report:
             question = Question(branches=in_repository(_folder(arguments)), envelope=True, report=report)
             found = linted(arguments, arguments.root, question)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         print(error, file=sys.stderr)
         return UNABLE
     code = say_limits(found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.findings import Finding, Severity
+from generator.diagnostics import Diagnostic, Severity
 from generator.lint_engine import Linted
 from roverlink.reports.places import from_here, told
 
@@ -15,7 +15,7 @@ def write(linted: Linted) -> None:
         print(_command(finding, linted))
 
 
-def _command(finding: Finding, linted: Linted) -> str:
+def _command(finding: Diagnostic, linted: Linted) -> str:
     span, rule = from_here(finding.span, linted), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.lint_engine import Linted
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import quote
 
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.lint_engine import Linted
 from generator.rules import modules
 from roverlink.reports.places import from_here, told
@@ -33,7 +33,7 @@ def _rule(rule: Rule, documentation: str) -> dict[str, Any]:
     return {**described, "defaultConfiguration": {"level": _LEVELS[rule.severity]}}
 
 
-def _result(finding: Finding, linted: Linted) -> dict[str, Any]:
+def _result(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
     text = f"{finding.message}\n{finding.help}" if finding.help else finding.message
     result: dict[str, Any] = {
         "ruleId": finding.rule.id,

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from generator.findings import Finding, Severity, Span
+from generator.diagnostics import Diagnostic, Severity, Span
 from generator.lint_engine import Linted
 from generator.pinned_numbers import Pinned
 from roverlink.reports.places import from_here, told
@@ -47,7 +47,7 @@ def _matrix(pinned: Sequence[Pinned]) -> Table:
     return table
 
 
-def _lines(finding: Finding, linted: Linted) -> Iterator[Text]:
+def _lines(finding: Diagnostic, linted: Linted) -> Iterator[Text]:
     style = _STYLES[finding.severity]
     yield Text.assemble(
         (f"{from_here(finding.span, linted)}: ", "bold"),

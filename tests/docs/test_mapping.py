@@ -12,7 +12,7 @@ import reference
 from page import ROOT, blocks
 
 import generator
-from generator.findings import Rule
+from generator.diagnostics import Rule
 from generator.pipeline import compile_table
 from generator.rules import modules
 from generator.table import Table, reader

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from golden import CASES, ROOT, Case, generate
 
-from generator.findings import Finding
+from generator.diagnostics import Diagnostic
 from generator.table import reader
 
 _LOADS = """
@@ -93,7 +93,7 @@ def test_a_name_that_cannot_be_imported_is_refused(tmp_path: Path, name: str, ex
     table = tmp_path / "mapping.yaml"
     text = (CASES / "python_package" / "mapping.yaml").read_text(encoding="utf-8")
     table.write_text(text.replace("my_rover.generated", name), encoding="utf-8")
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
 
     assert reader.read(table, findings).python.package == "generated"
     assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 6, 19)]

@@ -17,7 +17,7 @@ from comparing import ROOT, changes_found, compiled
 from mutations import MUTATIONS, together, write
 
 from generator.buf import breaking, unstated
-from generator.findings import Finding
+from generator.diagnostics import Diagnostic
 from generator.protoc import compile_tree
 from generator.protos import Schema
 from roverlink.__main__ import main
@@ -462,14 +462,14 @@ def test_nothing_of_bufs_is_lost(tmp_path: Path) -> None:
         assert {one.rule.id for one in shown} >= _SOURCE_AND_JSON if mutation is rest else shown
 
 
-def _is_about_the_same(theirs: Finding, ours: Finding) -> bool:
+def _is_about_the_same(theirs: Diagnostic, ours: Diagnostic) -> bool:
     """Whether two findings are in one line, or in one file about one number."""
     return theirs.span.file == ours.span.file and (
         theirs.span.line == ours.span.line or f'"{ours.number}"' in theirs.message
     )
 
 
-def _places(found: list[Finding]) -> set[tuple[str, str, int]]:
+def _places(found: list[Diagnostic]) -> set[tuple[str, str, int]]:
     return {(one.rule.id, one.span.file.removeprefix(ROOT).lstrip("/"), one.span.line or 1) for one in found}
 
 

@@ -11,7 +11,7 @@ from generator.targets.cpp.files import FOLDER
 def emit(bridge: ir.Bridge) -> Files:
     """Yield handlers, feeds, conversions and registry, a copy of the runtime library, and the CMake project.
 
-    Raises `FindingsError` for names that protobuf's C++ cannot have.
+    Raises `DiagnosticsError` for names that protobuf's C++ cannot have.
     """
     faults.check(bridge)
     context = conversions.context_of(bridge)

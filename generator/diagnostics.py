@@ -63,14 +63,14 @@ class Rule:
         type: str = "",
         number: int | None = None,
         uses: Sequence[Use] = (),
-    ) -> Finding:
+    ) -> Diagnostic:
         """A finding of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
         about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
         the number stood for in history.
         """
-        return Finding(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses))
+        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class Use:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Diagnostic:
     """One fault at one place."""
 
     rule: Rule
@@ -111,20 +111,20 @@ class Finding:
         return "\n".join(lines)
 
 
-class FindingsError(Exception):
+class DiagnosticsError(Exception):
     """A phase cannot go on: the findings say why."""
 
-    def __init__(self, findings: Iterable[Finding]) -> None:
+    def __init__(self, findings: Iterable[Diagnostic]) -> None:
         self.findings = tuple(findings)
         super().__init__("\n".join(finding.render() for finding in self.findings))
 
 
-def in_order(findings: Iterable[Finding]) -> list[Finding]:
+def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Findings by place, then id; each once."""
     return sorted(set(findings), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
-def has_errors(findings: Iterable[Finding]) -> bool:
+def has_errors(findings: Iterable[Diagnostic]) -> bool:
     """Whether any finding is an error."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
