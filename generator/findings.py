@@ -63,14 +63,17 @@ class Rule:
         type: str = "",
         number: int | None = None,
         uses: Sequence[Use] = (),
+        rests_on: Sequence[Span] = (),
     ) -> Finding:
         """A finding of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
         about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
-        the number stood for in history.
+        the number stood for in history. ``rests_on`` are places that the finding takes for granted: where one of
+        them is wrong by itself, the finding only follows from that and is dropped (see `independent`).
         """
-        return Finding(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses))
+        rests = tuple(rests_on)
+        return Finding(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,8 @@ class Finding:
     """The rule's, or what the table has lowered that to."""
     uses: tuple[Use, ...] = ()
     """Of a finding of history: what the number stood for, the earliest first."""
+    rests_on: tuple[Span, ...] = ()
+    """Places that it takes for granted."""
 
     def render(self) -> str:
         """The finding as text: the place, what is wrong, the other places, the cure."""
@@ -115,13 +120,23 @@ class FindingsError(Exception):
     """A phase cannot go on: the findings say why."""
 
     def __init__(self, findings: Iterable[Finding]) -> None:
-        self.findings = tuple(findings)
+        self.findings = tuple(in_order(findings))
         super().__init__("\n".join(finding.render() for finding in self.findings))
 
 
+def independent(findings: Iterable[Finding]) -> list[Finding]:
+    """Drop every finding that rests on a place with an error of its own.
+
+    An error that itself rests on other places drops nothing; so two findings never drop each other.
+    """
+    findings = list(findings)
+    wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
+    return [one for one in findings if wrong.isdisjoint(one.rests_on)]
+
+
 def in_order(findings: Iterable[Finding]) -> list[Finding]:
-    """Findings by place, then id; each once."""
-    return sorted(set(findings), key=lambda finding: (finding.span, finding.rule.id, finding.message))
+    """Sort findings by place, then id; each once, and without those that only follow from others."""
+    return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
 def has_errors(findings: Iterable[Finding]) -> bool:

@@ -105,7 +105,7 @@ def _compiled(
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
-        raise FindingsError(in_order(findings))
+        raise FindingsError(findings)
     folders = (emission.FOLDER, *([table.proto.root] if envelope.ours else []))
     files = emission.emit(bridge, table.outputs.and_further(*further), table.proto.root, published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))

@@ -133,13 +133,22 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, folders)
+    imports: dict[str, list[Span]] = {}  # the broken ones, by the file that has them
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
-            places.setdefault(Span(shown(shown_root, error.file), error.line, error.column), []).append(error.text)
+            span = Span(shown(shown_root, error.file), error.line, error.column)
+            places.setdefault(span, []).append(error.text)
+            if _BROKEN_IMPORT.fullmatch(error.text):
+                imports.setdefault(span.file, []).append(span)
     if not places:
         return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
-    return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
+    return [
+        DOES_NOT_COMPILE.at(
+            span, first, " ".join(rest), rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else ()
+        )
+        for span, (first, *rest) in places.items()
+    ]
 
 
 def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:

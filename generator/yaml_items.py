@@ -91,20 +91,25 @@ class _Reader(ScalarReader):
             return None
         item = Item(None, self.span(node))
         present: set[str] = set()
+        unknown: dict[str, Span] = {}
         for name, key_node, value_node in self._entries(node, what):
             present.add(name)
             if name not in type.keys and type.others and re.fullmatch(type.others.key.pattern, name):
                 if (value := self.value(value_node, type.others.value, f"{what}.{name}")) is not None:
                     item.entries[name] = value
             elif name not in type.keys:
+                unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(self.span(key_node), f"{what} has no key {name!r}", help))
+                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"{what} has no key {name!r}", help))
             elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
                 item.entries[name] = value
         for name, key in type.keys.items():
             if key.required and name not in present:
-                finding = MISSING_KEY.at(item.span, f"{what} lacks the key {name!r}", f"{name}: {key.meaning}")
-                self.findings.append(finding)
+                misspelt = [
+                    span for other, span in unknown.items() if nearest(other, type.keys) == nearest(name, [name])
+                ]
+                message, help = f"{what} lacks the key {name!r}", f"{name}: {key.meaning}"
+                self.findings.append(MISSING_KEY.at(item.span, message, help, rests_on=misspelt))
         return item
 
     def _map(self, node: Node, type: MapOf, what: str) -> Item | None:

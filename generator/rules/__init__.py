@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Protocol, cast
 
-from generator.findings import Finding, Rule, Severity
+from generator.findings import Finding, Rule, Severity, independent
 from generator.subject import Subject
 from generator.table import Lowered
 
@@ -44,7 +44,8 @@ def lint(subject: Subject) -> list[Finding]:
     """What every rule finds, counting for as much as the table says."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
     said = _without_repetitions(found, subject.table.envelope.message)
-    return [finding for finding in (_as_the_table_says(finding, subject) for finding in said) if finding is not None]
+    counted = (_as_the_table_says(finding, subject) for finding in said)
+    return independent(finding for finding in counted if finding is not None)
 
 
 def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Finding]:

@@ -59,4 +59,5 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
 def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Finding:
     message = f"field {row.number} was published for {entry.name} ({entry.proto}), not for {row.proto}"
     also = [(entry.span, "published here")]
-    return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
+    rests_on = [row.at("number"), row.at("proto")]
+    return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -40,4 +40,5 @@ def check(subject: Subject) -> Iterator[Finding]:
         of_ledger = entry in subject.ledger.entries
         span = entry.span if of_ledger else Span(table.file)  # nobody can mend an earlier state
         also = [] if of_ledger else [(entry.span, "published here")]
-        yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number)
+        moved = [row.at("number") for row in table.rows if row.proto == entry.proto]
+        yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)
