@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -117,10 +117,14 @@ class Finding:
 
 
 class FindingsError(Exception):
-    """A phase cannot go on: the findings say why."""
+    """A phase cannot go on: the findings say why.
 
-    def __init__(self, findings: Iterable[Finding]) -> None:
+    ``texts`` has the text of each file that the findings name and that is not on disk as it was read.
+    """
+
+    def __init__(self, findings: Iterable[Finding], texts: Mapping[str, str] | None = None) -> None:
         self.findings = tuple(in_order(findings))
+        self.texts = texts or {}
         super().__init__("\n".join(finding.render() for finding in self.findings))
 
 

@@ -53,12 +53,7 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
 
     Raises `FindingsError` where no row has the number, and as `compile_table`.
     """
-    file = table_path.name
-    text = read_text(table_path, file)
-    read.parse(text, file, [])  # what is no table is reported as such
-    text = with_retired(text, number, file)
-    compiled = _compiled(table_path, text)
-    return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
+    return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
@@ -66,11 +61,19 @@ def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[
 
     Raises `FindingsError` where the rows are not written one below the other, and as `compile_table`.
     """
+    return _edited(table_path, lambda text, file: with_row(text, row, file))
+
+
+def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled, list[Change]]:
+    """Compile a table with its text edited, and return what changes on disk."""
     file = table_path.name
     text = read_text(table_path, file)
     read.parse(text, file, [])  # what is no table is reported as such
-    text = with_row(text, row, file)
-    compiled = _compiled(table_path, text)
+    text = edit(text, file)
+    try:
+        compiled = _compiled(table_path, text)
+    except FindingsError as error:
+        raise FindingsError(error.findings, {file: text}) from error
     return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
 
 

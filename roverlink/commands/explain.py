@@ -10,6 +10,7 @@ from typing import Any
 from generator.findings import FindingsError
 from generator.rules import RuleModule, modules
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
+from roverlink.diagnostic_text import show_error
 from runtime.errors import SetupError, nearest
 
 
@@ -61,7 +62,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     try:
         project = Project(table, history=arguments.history)
     except FindingsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, table.parent, sys.stderr)
         return FINDINGS
     row = project.find(what)
     if row is None and (taken := project.taken(what)):

@@ -10,7 +10,8 @@ from generator.history import Life
 from generator.linting import Question
 from generator.retrospect import branch
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
-from roverlink.linted import add_subject, linted, say_limits
+from roverlink.diagnostic_text import show_error
+from roverlink.linted import add_subject, folder_of, linted, say_limits
 from roverlink.progress import progress
 
 
@@ -37,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
             question = Question(history=True, envelope=not arguments.of, report=report)
             found = linted(arguments, arguments.root, question)
     except FindingsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     subject, code = found.subject, say_limits(found)
     if subject.past is None:

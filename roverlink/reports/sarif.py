@@ -10,7 +10,7 @@ from urllib.parse import quote
 from generator.findings import Finding, Rule, Severity, Span
 from generator.linting import Linted
 from generator.rules import modules
-from roverlink.reports.places import from_here, told
+from roverlink.linted import sources
 
 _LEVELS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "note"}
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -34,16 +34,17 @@ def _rule(rule: Rule, documentation: str) -> dict[str, Any]:
 
 
 def _result(finding: Finding, linted: Linted) -> dict[str, Any]:
+    files = sources(linted)
     text = f"{finding.message}\n{finding.help}" if finding.help else finding.message
     result: dict[str, Any] = {
         "ruleId": finding.rule.id,
         "level": _LEVELS[finding.severity],
         "message": {"text": text},
-        "locations": [_location(from_here(finding.span, linted))],
+        "locations": [_location(files.from_here(finding.span))],
     }
     if finding.also:
         result["relatedLocations"] = [
-            {**_location(from_here(span, linted)), "message": {"text": told(span, what, linted)}}
+            {**_location(files.from_here(span)), "message": {"text": files.told(span, what)}}
             for span, what in finding.also
         ]
     return result
