@@ -5,15 +5,14 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.edit_rules import NOTHING_TO_ACCEPT_INTO
+from generator.findings import Finding, FindingsError, Span
 from generator.ledger import Burned
 from generator.linting import Linted
 from generator.pipeline import recompile
 from generator.retrospect import stands_today
 from generator.subject import Subject
 from generator.write import Change, compare
-
-NOTHING_TO_ACCEPT_INTO = Rule("RET102", "no-ledger-to-accept-into", Severity.FATAL)
 
 _OF_HISTORY = ("HIS101", "HIS103")
 

@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import yaml
 from yaml.nodes import MappingNode, SequenceNode
 
-from generator.findings import FindingsError, Rule, Span
+from generator.edit_rules import NO_PLACE_FOR_A_ROW
+from generator.findings import FindingsError, Span
 from generator.yaml_text import Edit, edited, last_line, scalar, value_of
-
-NO_PLACE_FOR_A_ROW = Rule("RET103", "no-place-for-a-row")
 
 
 def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:

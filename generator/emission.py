@@ -7,13 +7,10 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from generator import envelope_file, ir, ledger, mapping_schema, targets, template_folder
-from generator.findings import Finding, FindingsError, Rule, Span, nearest
+from generator.findings import Finding, FindingsError, Span, nearest
+from generator.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from generator.rendering import Files
 from generator.table import Outputs
-
-UNKNOWN_TARGET = Rule("OUT102", "unknown-target")
-TARGET_FAILED = Rule("OUT103", "target-failed")
-FORBIDDEN_PATH = Rule("OUT104", "forbidden-path")
 
 FOLDER = "generated"
 """Where the files go, but for a few that have a place of their own."""

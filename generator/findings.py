@@ -47,11 +47,23 @@ def shown(folder: str, path: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of fault. Its id is never given to another kind, even after the rule is gone."""
+    """A kind of diagnostic. Its id is never given to another kind, even after the rule is gone.
+
+    The documentation says in its first line what the rule finds, then why that hurts, and ends with a section
+    ``Bad::`` and a section ``Good::`` that hold an example each. An example is a part of a project: rows, or whole
+    sections, of mapping.yaml, or of a .proto file; a comment with a path starts a further file. Where a project alone
+    does not show the rule, the example is what a terminal shows.
+    """
 
     id: str
     name: str
+    documentation: str
     severity: Severity = Severity.ERROR
+
+    @property
+    def summary(self) -> str:
+        """The first line of the documentation."""
+        return self.documentation.strip().splitlines()[0]
 
     def at(
         self,

@@ -8,16 +8,10 @@ import struct
 from collections.abc import Iterator
 
 from generator import ir
-from generator.findings import Finding, Rule, Span, nearest
+from generator.findings import Finding, Span, nearest
+from generator.guard_rules import MISPLACED, RATE_WITHOUT_SOURCES, SLOWER_THAN_DEADMAN, STOP_VALUE, UNKNOWN_STOP_FIELD
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import DeadmanSettings, Row, Table
-
-MISPLACED = Rule("SAF101", "misplaced-guard")
-UNKNOWN_STOP_FIELD = Rule("SAF102", "unknown-stop-field")
-STOP_VALUE = Rule("SAF103", "stop-value")
-SLOWER_THAN_DEADMAN = Rule("SAF104", "rate-slower-than-deadman")
-
-RATE_WITHOUT_SOURCES = Rule("SAF105", "rate-without-sources")
 
 Value = bool | int | float | str | bytes
 

@@ -8,24 +8,22 @@ from pathlib import Path
 
 from generator import ledger, read, tree
 from generator.declarations import File, parse
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, in_order
+from generator.findings import Finding, FindingsError, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
 from generator.past import Past, read_pinned
 from generator.pins import read_pins
 from generator.proto_files import DeclarationIndex, proto_files, read_protos
-from generator.protoc import DOES_NOT_COMPILE, compile_tree
+from generator.proto_rules import DOES_NOT_COMPILE
+from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
+from generator.state_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
 from generator.states import Layout, State, open_state
 from generator.subject import Change, Subject, since_last_generate
 from generator.table import Table
-
-NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
-UNREADABLE_HISTORY = Rule("STA105", "unreadable-history", Severity.FATAL)
-LIMITED_HISTORY = Rule("STA106", "limited-history", Severity.WARNING)
 
 
 @dataclass(frozen=True, slots=True)

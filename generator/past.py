@@ -9,7 +9,8 @@ from generator.declarations import parse
 from generator.findings import Finding, Span
 from generator.git import Commit, GitError, Repository, name_of_repository
 from generator.history import History, differ
-from generator.pins import UNREADABLE_PINS, Pin
+from generator.pins import Pin
+from generator.state_rules import UNREADABLE_PINS
 
 _FETCH = "git fetch --all gets what is new"
 

@@ -10,9 +10,10 @@ from typing import TypeVar
 
 from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
 from generator.add import with_row
-from generator.findings import Finding, FindingsError, Rule, has_errors, in_order
+from generator.findings import Finding, FindingsError, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations
+from generator.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
 from generator.protoc import Compilation, compile_protos
 from generator.retire import with_retired
 from generator.rules import lint
@@ -20,9 +21,6 @@ from generator.table import Table
 from generator.table_format import IMPLEMENTATION_NUMBERS
 from generator.write import Change, compare
 from generator.yaml_items import read_text
-
-NO_PROTO_ROOT = Rule("PRO107", "no-proto-root")
-NO_ENVELOPE = Rule("PRO108", "no-envelope-file")
 
 T = TypeVar("T")
 

@@ -13,9 +13,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, shown
-
-UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
+from generator.findings import Finding, FindingsError, Span, shown
+from generator.proto_rules import UNREADABLE_PROTO
 
 _LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
 

@@ -15,8 +15,9 @@ import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator.descriptors import schema_of
-from generator.findings import Finding, FindingsError, Rule, Span, shown
+from generator.findings import Finding, FindingsError, Span, shown
 from generator.proto_files import imported_files
+from generator.proto_rules import DOES_NOT_COMPILE
 from generator.protos import Schema
 
 # As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
@@ -26,8 +27,6 @@ from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
-
-DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from string import ascii_lowercase
 
 from generator import ir, naming
 from generator.feed_format import FEED
-from generator.findings import Finding, FindingsError, Rule
+from generator.findings import Finding, FindingsError
 from generator.read_feeds import is_standard, read_feed, read_renames
 from generator.table import (
     Bound,
@@ -24,10 +24,10 @@ from generator.table import (
     Table,
 )
 from generator.table_format import ENUM, RETIRED, ROW, TABLE
+from generator.table_rules import CONFLICTING_KEYS
 from generator.value_types import Object
-from generator.yaml_items import Item, read_item, read_text
-
-CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
+from generator.yaml_items import read_item, read_text
+from generator.yaml_scalars import Item
 
 _USUAL_TARGETS = ("python", "ros2", "markdown")
 _FIRST_PORT = 6000

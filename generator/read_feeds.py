@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from generator.findings import Finding, Rule
+from generator.findings import Finding
 from generator.ir import Qos
 from generator.table import FeedSettings, Form
-from generator.yaml_items import WRONG_TYPE, Item
-
-KEY_WITHOUT_STANDARD = Rule("STD101", "key-without-standard-message")
+from generator.table_rules import KEY_WITHOUT_STANDARD, WRONG_TYPE
+from generator.yaml_scalars import Item
 
 _KEYS = ("frame_id", "stamp", "unset")
 

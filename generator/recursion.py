@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from generator.conversion_rules import DISAGREEING_ROWS
 from generator.findings import Finding
-from generator.shape import DISAGREEING_ROWS
 from generator.table import Row, Table
 
 CUT = 0

@@ -5,10 +5,9 @@ from __future__ import annotations
 import yaml
 from yaml.nodes import Node, ScalarNode, SequenceNode
 
-from generator.findings import FindingsError, Rule, Span
+from generator.edit_rules import NO_SUCH_ROW
+from generator.findings import FindingsError, Span
 from generator.yaml_text import Edit, edited, last_line, value_of
-
-NO_SUCH_ROW = Rule("RET101", "no-such-row")
 
 _KEPT = ("number", "name", "proto")
 

@@ -7,10 +7,17 @@ import itertools
 from typing import TYPE_CHECKING
 
 from generator import ir, naming, oneofs, ros_enums, well_known
+from generator.conversion_rules import (
+    CANNOT_CONVERT,
+    CONTRADICTING_PATHS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    UNKNOWN_FIELD,
+    UNMAPPED_FIELD,
+)
 from generator.deprecation import commented
-from generator.field_settings import CONTRADICTING_PATHS, UNKNOWN_FIELD
 from generator.field_types import FieldTypes
-from generator.findings import Rule, nearest
+from generator.findings import nearest
 from generator.protos import ProtoField, ProtoMessage
 from generator.recursion import CUT
 from generator.shape import Shape
@@ -18,10 +25,6 @@ from generator.shape import Shape
 if TYPE_CHECKING:
     from generator.ros_messages import RosMessages
 
-CANNOT_CONVERT = Rule("CNV101", "cannot-convert")
-UNMAPPED_FIELD = Rule("CNV102", "unmapped-field")
-FIELD_NAME_FORBIDDEN = Rule("CNV104", "field-name-forbidden")
-FIELD_NAME_TAKEN = Rule("CNV105", "field-name-taken")
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
 """What generated code asks of a payload; a field of that name would be found in its place."""

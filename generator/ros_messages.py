@@ -7,19 +7,24 @@ import keyword
 from collections.abc import Iterator
 
 from generator import ir, naming, ros_enums, well_known
+from generator.conversion_rules import (
+    CANNOT_CONVERT,
+    EXTENSIONS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    MESSAGE_NAME_TAKEN,
+    UNKNOWN_ENUM,
+    WITHOUT_EFFECT,
+)
 from generator.deprecation import commented
-from generator.field_settings import WITHOUT_EFFECT, FieldSettings, without_effect_on_standard
-from generator.findings import Finding, Rule, Severity, Span, nearest
+from generator.field_settings import FieldSettings, without_effect_on_standard
+from generator.findings import Finding, Span, nearest
 from generator.oneofs import NONE, smallest
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Schema
 from generator.recursion import CUT, Levels
-from generator.ros_fields import CANNOT_CONVERT, FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN, MessageBuilder
+from generator.ros_fields import MessageBuilder
 from generator.shape import Shape, shapes_of
 from generator.table import EnumSettings, Row, Table
-
-MESSAGE_NAME_TAKEN = Rule("CNV106", "message-name-taken")
-UNKNOWN_ENUM = Rule("CNV109", "unknown-enum")
-EXTENSIONS = Rule("CNV110", "extensions-not-carried", Severity.WARNING)
 
 _LARGEST = 1000  # messages that stand in one another; two fields in sixteen levels would make 65535
 

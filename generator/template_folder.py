@@ -9,11 +9,9 @@ from typing import Any
 from jinja2 import Environment, TemplateSyntaxError
 
 from generator import ir, naming
-from generator.findings import FindingsError, Rule, Span
+from generator.findings import FindingsError, Span
+from generator.output_rules import NO_TEMPLATES, TEMPLATE_FAILED
 from generator.rendering import Files, environment, header
-
-NO_TEMPLATES = Rule("OUT105", "no-templates")
-TEMPLATE_FAILED = Rule("OUT106", "template-failed")
 
 SUFFIX = ".j2"
 

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from generator import ir
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.findings import Finding, FindingsError, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
+from generator.state_rules import NO_ENVELOPE_MESSAGE
 from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Row, Table
-
-NO_ENVELOPE_MESSAGE = Rule("STA104", "no-envelope-message", Severity.FATAL)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,17 +14,10 @@ import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from generator.feed_format import DEFINITIONS
-from generator.findings import Finding, FindingsError, Rule, Severity, Span, nearest
+from generator.findings import Finding, FindingsError, Span, nearest
+from generator.table_rules import BAD_VALUE, DUPLICATE_KEY, MISSING_KEY, SYNTAX, UNKNOWN_KEY, UNREADABLE, WRONG_TYPE
 from generator.value_types import AnyOf, ListOf, MapOf, Named, Network, Object, Text, Type
-from generator.yaml_scalars import BAD_VALUE, WRONG_TYPE, Item, ScalarReader, fitting_form
-
-__all__ = ["WRONG_TYPE", "Item", "read_item", "read_text"]
-
-UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
-SYNTAX = Rule("MAP102", "yaml-syntax")
-DUPLICATE_KEY = Rule("MAP103", "duplicate-key")
-UNKNOWN_KEY = Rule("MAP104", "unknown-key")
-MISSING_KEY = Rule("MAP105", "missing-key")
+from generator.yaml_scalars import Item, ScalarReader, fitting_form
 
 
 def read_item(text: str, file: str, type: Type, what: str, findings: list[Finding]) -> Item | None:

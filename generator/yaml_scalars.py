@@ -11,12 +11,9 @@ from typing import Any
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from generator.feed_format import DEFINITIONS
-from generator.findings import Finding, Rule, Span, nearest
+from generator.findings import Finding, Span, nearest
+from generator.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
 from generator.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Network, Number, Scalar, Text, Type
-
-WRONG_TYPE = Rule("MAP106", "wrong-type")
-SURPRISING_SCALAR = Rule("MAP107", "surprising-scalar")
-BAD_VALUE = Rule("MAP108", "bad-value")
 
 _LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
 _LONGEST_NUMBER = 40

@@ -10,16 +10,15 @@ from pathlib import Path
 
 from generator.adopt.cures import cure
 from generator.adopt.draft import Draft
+from generator.adopt.faults import IN_THE_WAY
 from generator.adopt.guesses import guess_rows
 from generator.adopt.past import AdoptedPast, read_past
 from generator.adopt.text import text_of
 from generator.adopt.tree import Tree, owner, read_tree
 from generator.adopt.trial import Trial, tried
-from generator.findings import Finding, FindingsError, Rule, Severity, Span
+from generator.findings import Finding, FindingsError, Span
 from generator.pipeline import Compiled
 from generator.write import Change, compare
-
-IN_THE_WAY = Rule("ADO103", "file-in-the-way", Severity.FATAL)
 
 _MOST_ATTEMPTS = 20
 _OURS = "Regenerate with: roverlink generate"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 
 from generator.feeds import faults
 from generator.feeds.filling import Filling
@@ -10,7 +10,7 @@ from generator.feeds.inverse import sources_of, way_back
 from generator.feeds.places import Places, short
 from generator.feeds.sources import Sources
 from generator.feeds.unset import Tree
-from generator.findings import Finding, nearest
+from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Constant, Feed, Interface, Moment
 from generator.protos import Schema
 from generator.standard import definitions
@@ -131,15 +131,16 @@ class Feeds:
         used = {source for feed in feeds for source in _sources_of(feed)}
         if len(feeds) < len(row.feeds):
             return  # what the one that is missing takes is not known
+        rests_on = [row.at("direction"), *(span for settings in row.feeds for span in _entries(settings))]
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of {row.name} takes {path}"
                 help = f"map it, or name {path} under `ignore`"
-                self._report(faults.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=[row.at("direction")]))
+                self._report(faults.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_way_back(self, row: Row, settings: FeedSettings, obstacle: str, lost: list[str]) -> None:
         """What goes to a peer must be told by the message."""
-        span, rests_on = settings.at("fields"), [row.at("direction")]
+        span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
             message = f"{settings.ros} on {settings.topic} cannot be turned back into the payload: {obstacle}"
             self._report(faults.NO_WAY_BACK.at(span, message, rests_on=rests_on))
@@ -156,6 +157,14 @@ class Feeds:
                 span = settings.spans.get(f"ignore.{path}", settings.span)
                 help = nearest(path, sources.paths())
                 self._report(faults.UNKNOWN_SOURCE.at(span, f"{sources.proto} has no field {path!r}", help))
+
+
+def _entries(settings: FeedSettings) -> Iterator[Span]:
+    """Yield the place of each entry under `fields`, and of the parts of each."""
+    forms = list(settings.fields.values())
+    for form in forms:  # which grows
+        yield form.span
+        forms += [*(form.entries or {}).values(), *(form.items or ())]
 
 
 def _covers(paths: Iterable[str], path: str) -> bool:

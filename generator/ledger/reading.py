@@ -7,14 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from generator import ir
-from generator.findings import Finding, Rule, Severity, Span
+from generator.findings import Finding, Span
 from generator.git import Repository
+from generator.ledger.faults import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
 from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
-
-UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
-BROKEN_LEDGER = Rule("LED102", "broken-ledger")
-EDITED_LEDGER = Rule("LED103", "edited-ledger")
-DELETED_LEDGER = Rule("LED104", "deleted-ledger")
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)

@@ -1,8 +1,7 @@
 """The rules: pure functions from what is known to findings. One file a rule; none knows another.
 
-Each module has `RULE` and `check`, and its docstring is the rule's documentation, which `roverlink explain` prints:
-what it finds, why that hurts, a bad and a good example. A module that is put into this folder is a rule; nothing else
-has to know it.
+Each module has `RULE` and `check`, and its docstring is the rule's documentation. A module that is put into this folder
+is a rule of the lint; nothing else has to know it.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ class RuleModule(Protocol):
     """What a module of this folder has."""
 
     RULE: Rule
-    __doc__: str
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """What the rule finds."""

@@ -23,7 +23,7 @@ from generator.history import Allocation
 from generator.retrospect import branch, place_of
 from generator.subject import Subject
 
-RULE = Rule("HIS104", "number-given-on-two-branches")
+RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

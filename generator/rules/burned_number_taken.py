@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from generator.findings import Finding, Rule
 from generator.subject import Subject
 
-RULE = Rule("ENV110", "burned-number-taken")
+RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ from generator.findings import Finding, Rule
 from generator.subject import Subject
 from generator.table import PeerSettings
 
-RULE = Rule("TAB105", "direction-contradicts-prefix")
+RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -29,7 +29,7 @@ from generator.findings import Finding, Rule, Severity, Span
 from generator.naming import snake_case
 from generator.subject import Subject
 
-RULE = Rule("NAM103", "enum-value-collides")
+RULE = Rule("NAM103", "enum-value-collides", __doc__)
 
 _Messages = Mapping[str, tuple[str, Message]]  # by full name, each with its file
 

@@ -34,7 +34,7 @@ from generator.protos import ProtoMessage
 from generator.subject import Subject
 from generator.table import Row, Table
 
-RULE = Rule("ENV105", "envelope-disagrees")
+RULE = Rule("ENV105", "envelope-disagrees", __doc__)
 _GENERATE = "run `roverlink generate`"
 
 

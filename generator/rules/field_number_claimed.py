@@ -28,7 +28,7 @@ from generator.declarations import Message
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 
-RULE = Rule("ENV109", "field-number-claimed", Severity.WARNING)
+RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -19,7 +19,7 @@ from generator.findings import Finding, Rule
 from generator.subject import Subject
 from generator.table_format import IMPLEMENTATION_NUMBERS
 
-RULE = Rule("ENV104", "field-number-out-of-range")
+RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -27,7 +27,7 @@ from generator.ledger import Entry
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
-RULE = Rule("ENV102", "field-number-reuse")
+RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

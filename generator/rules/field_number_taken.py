@@ -24,7 +24,7 @@ from generator.findings import Finding, Rule, Span
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
-RULE = Rule("ENV101", "field-number-taken")
+RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

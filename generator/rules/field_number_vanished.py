@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from generator.findings import Finding, Rule, Span
 from generator.subject import Subject
 
-RULE = Rule("ENV103", "field-number-vanished")
+RULE = Rule("ENV103", "field-number-vanished", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -21,7 +21,7 @@ from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
 
-RULE = Rule("HIS103", "payload-content-replaced")
+RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -21,7 +21,7 @@ from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
 
-RULE = Rule("HIS102", "payload-renamed", Severity.HINT)
+RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

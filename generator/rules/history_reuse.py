@@ -27,7 +27,7 @@ from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
 
-RULE = Rule("HIS101", "field-number-reuse")
+RULE = Rule("HIS101", "field-number-reuse", __doc__)
 _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 

@@ -24,7 +24,7 @@ from generator.changes.spelling import value_place
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN108", "enum-value-name-freed", Severity.WARNING)
+RULE = Rule("JSN108", "enum-value-name-freed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

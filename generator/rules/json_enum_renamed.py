@@ -24,7 +24,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN107", "enum-value-renamed", Severity.WARNING)
+RULE = Rule("JSN107", "enum-value-renamed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -26,7 +26,7 @@ from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN103", "field-cardinality-changed-in-json", Severity.WARNING)
+RULE = Rule("JSN103", "field-cardinality-changed-in-json", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -23,7 +23,7 @@ from generator.changes.spelling import declaration_of_old
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN102", "field-name-freed", Severity.WARNING)
+RULE = Rule("JSN102", "field-name-freed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -24,7 +24,7 @@ from generator.changes.spelling import declaration
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN104", "field-renamed", Severity.WARNING)
+RULE = Rule("JSN104", "field-renamed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ from generator.changes.types import retyped
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN101", "field-type-changed-in-json", Severity.WARNING)
+RULE = Rule("JSN101", "field-type-changed-in-json", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

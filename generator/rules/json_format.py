@@ -22,7 +22,7 @@ from generator.changes.cures import type_feature
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN106", "json-support-dropped", Severity.WARNING)
+RULE = Rule("JSN106", "json-support-dropped", __doc__, Severity.WARNING)
 _FULL = "ALLOW"
 
 

@@ -21,7 +21,7 @@ from generator.changes.renames import Rename, json_name_changed, rename
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN105", "json-name-changed", Severity.WARNING)
+RULE = Rule("JSN105", "json-name-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

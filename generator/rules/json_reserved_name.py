@@ -22,7 +22,7 @@ from generator.changes.cures import names_in_use, reserve_names
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("JSN109", "reserved-name-freed", Severity.WARNING)
+RULE = Rule("JSN109", "reserved-name-freed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -26,7 +26,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 from generator.table import Lowered
 
-RULE = Rule("TAB108", "lint-setting-without-effect", Severity.WARNING)
+RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

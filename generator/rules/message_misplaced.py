@@ -29,7 +29,7 @@ from generator.naming import snake_case
 from generator.subject import Subject
 from generator.table import Row
 
-RULE = Rule("NAM102", "message-misplaced", Severity.WARNING)
+RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -28,7 +28,7 @@ from generator.declarations import Message
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 
-RULE = Rule("NAM101", "message-name-not-unique")
+RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

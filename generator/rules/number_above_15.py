@@ -25,7 +25,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoMessage
 from generator.subject import Subject
 
-RULE = Rule("FIX104", "number-above-15", Severity.HINT)
+RULE = Rule("FIX104", "number-above-15", __doc__, Severity.HINT)
 _LAST_SHORT = 15
 
 

@@ -27,7 +27,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 from generator.table import Row
 
-RULE = Rule("ENV108", "number-claimed", Severity.WARNING)
+RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

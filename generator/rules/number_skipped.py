@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Subject
 
-RULE = Rule("TAB106", "number-skipped", Severity.HINT)
+RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -31,7 +31,7 @@ from generator.findings import Finding, Rule
 from generator.protos import ProtoField
 from generator.subject import Subject
 
-RULE = Rule("ENV106", "payload-outside-oneof")
+RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -24,7 +24,7 @@ from generator.node_parameters import NODE_PARAMETERS
 from generator.subject import Subject
 from generator.table import PeerSettings
 
-RULE = Rule("TAB104", "peer-parameter-taken")
+RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 _OF_THE_NODE = frozenset({"use_sim_time", *(parameter.name for parameter in NODE_PARAMETERS)})
 
 

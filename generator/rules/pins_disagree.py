@@ -22,7 +22,7 @@ from itertools import combinations
 from generator.findings import Finding, Rule
 from generator.subject import Subject
 
-RULE = Rule("PIN102", "pins-disagree")
+RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

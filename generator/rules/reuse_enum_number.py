@@ -27,7 +27,7 @@ from generator.ledger import Number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
 from generator.subject import Subject
 
-RULE = Rule("WIR112", "enum-number-reuse")
+RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

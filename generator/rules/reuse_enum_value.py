@@ -25,7 +25,7 @@ from generator.findings import Finding, Rule
 from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR110", "enum-value-meaning-replaced")
+RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

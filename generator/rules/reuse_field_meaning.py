@@ -24,7 +24,7 @@ from generator.changes.renumbering import NewNumbers
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR114", "field-meaning-replaced")
+RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -29,7 +29,7 @@ from generator.ledger import Number
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.subject import Subject
 
-RULE = Rule("WIR111", "field-number-reuse-in-message")
+RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ from generator.changes.units import factor
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR115", "field-unit-changed", Severity.WARNING)
+RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -24,7 +24,7 @@ from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR113", "message-content-replaced")
+RULE = Rule("WIR113", "message-content-replaced", __doc__)
 _FEWEST = 3  # of so few fields that each may have changed by itself
 
 

@@ -21,7 +21,7 @@ from generator.findings import Finding, Rule
 from generator.subject import Subject
 from generator.table import Row
 
-RULE = Rule("ROS101", "ros-name-forbidden")
+RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -21,7 +21,7 @@ from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC115", "cpp-string-type-changed", Severity.WARNING)
+RULE = Rule("SRC115", "cpp-string-type-changed", __doc__, Severity.WARNING)
 _FEATURES = '"google/protobuf/cpp_features.proto"'
 _WITH_CTYPE = ("proto2", "proto3", "2023")
 _HARMLESS = ("STRING_PIECE", "STRING")  # the one was never more than the other

@@ -20,7 +20,7 @@ from generator.changes import each_once, earlier, messages
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC111", "descriptor-accessor-removed", Severity.WARNING)
+RULE = Rule("SRC111", "descriptor-accessor-removed", __doc__, Severity.WARNING)
 _OPTION = "no_standard_descriptor_accessor"
 
 

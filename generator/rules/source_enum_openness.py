@@ -22,7 +22,7 @@ from generator.changes.cures import type_feature
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC112", "enum-openness-changed", Severity.WARNING)
+RULE = Rule("SRC112", "enum-openness-changed", __doc__, Severity.WARNING)
 _CONSEQUENCE = {
     "OPEN": "code is given numbers that no value has",
     "CLOSED": "what is sent with a number that no value has is read as the first value",

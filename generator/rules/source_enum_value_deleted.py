@@ -23,7 +23,7 @@ from generator.changes.spelling import value_place
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC113", "enum-value-deleted", Severity.HINT)
+RULE = Rule("SRC113", "enum-value-deleted", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

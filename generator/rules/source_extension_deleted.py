@@ -24,7 +24,7 @@ from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoExtension, Schema
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC109", "extension-deleted", Severity.WARNING)
+RULE = Rule("SRC109", "extension-deleted", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -22,7 +22,7 @@ from generator.changes.ranges import Range, covers, missing, spelled
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC110", "extension-range-narrowed", Severity.WARNING)
+RULE = Rule("SRC110", "extension-range-narrowed", __doc__, Severity.WARNING)
 _MESSAGE_SET = "message_set_wire_format"
 
 

@@ -24,7 +24,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC102", "field-deleted", Severity.HINT)
+RULE = Rule("SRC102", "field-deleted", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

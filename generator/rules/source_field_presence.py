@@ -25,7 +25,7 @@ from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC103", "field-presence-changed", Severity.WARNING)
+RULE = Rule("SRC103", "field-presence-changed", __doc__, Severity.WARNING)
 _TOLD = "told absent from zero, and does not any more"
 _TELLS = "tells absent from zero now, and did not"
 

@@ -23,7 +23,7 @@ from generator.changes.renames import Rename, json_name_changed, rename, renamed
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC104", "field-renamed-in-code", Severity.WARNING)
+RULE = Rule("SRC104", "field-renamed-in-code", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ from generator.changes.types import retyped
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC101", "field-type-changed-in-code", Severity.WARNING)
+RULE = Rule("SRC101", "field-type-changed-in-code", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

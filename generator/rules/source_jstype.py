@@ -20,7 +20,7 @@ from generator.changes import each_once, earlier, fields
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC114", "jstype-changed", Severity.WARNING)
+RULE = Rule("SRC114", "jstype-changed", __doc__, Severity.WARNING)
 _TYPES = frozenset({"int64", "uint64", "sint64", "fixed64", "sfixed64"})
 
 

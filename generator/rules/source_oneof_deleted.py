@@ -22,7 +22,7 @@ from generator.findings import Finding, Rule, Severity
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC105", "oneof-deleted", Severity.WARNING)
+RULE = Rule("SRC105", "oneof-deleted", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -22,7 +22,7 @@ from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text, sa
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC106", "oneof-of-a-field-changed", Severity.WARNING)
+RULE = Rule("SRC106", "oneof-of-a-field-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -21,7 +21,7 @@ from generator.changes.absences import absent_types, heir
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC107", "type-deleted", Severity.WARNING)
+RULE = Rule("SRC107", "type-deleted", __doc__, Severity.WARNING)
 _OR_CHANGE = "or change the code that uses it on every side"
 
 

@@ -22,7 +22,7 @@ from generator.changes.absences import absent_types
 from generator.findings import Finding, Rule, Severity
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC108", "type-moved", Severity.WARNING)
+RULE = Rule("SRC108", "type-moved", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -22,7 +22,7 @@ from generator.findings import Finding, Rule, Severity, Span
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
-RULE = Rule("SRC116", "utf8-validation-changed", Severity.WARNING)
+RULE = Rule("SRC116", "utf8-validation-changed", __doc__, Severity.WARNING)
 _CHECKED = "VERIFY"
 _FEATURES = '"google/protobuf/java_features.proto"'
 _IS_CHECKED = (

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from generator.findings import Finding, Rule, Severity, Span
 from generator.subject import Subject
 
-RULE = Rule("TAB107", "topic-changed", Severity.WARNING)
+RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

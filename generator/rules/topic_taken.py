@@ -21,7 +21,7 @@ from generator.findings import Finding, Rule, Span
 from generator.subject import Subject
 from generator.table import Row
 
-RULE = Rule("TAB102", "topic-taken")
+RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

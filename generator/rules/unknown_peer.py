@@ -27,7 +27,7 @@ from generator.findings import Finding, Rule, Span, nearest
 from generator.subject import Subject
 from generator.table import Row
 
-RULE = Rule("TAB103", "unknown-peer")
+RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -26,7 +26,7 @@ from generator.changes.types import broken_by_type
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR108", "field-default-changed")
+RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

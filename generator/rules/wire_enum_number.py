@@ -24,7 +24,7 @@ from generator.changes.spelling import value_place
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR107", "enum-value-number-freed")
+RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

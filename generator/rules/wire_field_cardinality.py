@@ -23,7 +23,7 @@ from generator.changes.renumbering import NewNumbers
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire")
+RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 

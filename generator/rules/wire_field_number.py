@@ -25,7 +25,7 @@ from generator.findings import Finding, Rule
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR102", "field-number-freed")
+RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

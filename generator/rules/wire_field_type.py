@@ -25,7 +25,7 @@ from generator.changes.types import retyped
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR101", "field-type-changed-on-the-wire")
+RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

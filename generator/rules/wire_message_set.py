@@ -21,7 +21,7 @@ from generator.changes import each_once, earlier, messages
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR109", "message-set-format-changed")
+RULE = Rule("WIR109", "message-set-format-changed", __doc__)
 _OPTION = "message_set_wire_format"
 
 

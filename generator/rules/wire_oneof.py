@@ -24,7 +24,7 @@ from generator.changes.renumbering import NewNumbers
 from generator.findings import Finding, Rule
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR105", "field-moved-between-oneofs")
+RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

@@ -25,7 +25,7 @@ from generator.findings import Finding, Rule
 from generator.protos import ProtoField, ProtoMessage
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR104", "required-field-changed")
+RULE = Rule("WIR104", "required-field-changed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Finding]:

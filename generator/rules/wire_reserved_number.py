@@ -26,7 +26,7 @@ from generator.changes.spelling import declaration
 from generator.findings import Finding, Rule, Span
 from generator.subject import Change, Subject
 
-RULE = Rule("WIR106", "reserved-number-freed")
+RULE = Rule("WIR106", "reserved-number-freed", __doc__)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,19 +18,21 @@ _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 def write(linted: Linted) -> None:
     """Print the log of one run."""
-    rules = {id: _rule(module.RULE, module.__doc__) for id, module in modules().items()}
-    rules |= {finding.rule.id: _rule(finding.rule, "") for finding in linted.findings if finding.rule.id not in rules}
+    rules = {id: _rule(module.RULE) for id, module in modules().items()}
+    rules |= {finding.rule.id: _rule(finding.rule) for finding in linted.findings}
     driver = {"name": "roverlink", "rules": [rules[id] for id in sorted(rules)]}
     run = {"tool": {"driver": driver}, "results": [_result(finding, linted) for finding in linted.findings]}
     print(json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2))
 
 
-def _rule(rule: Rule, documentation: str) -> dict[str, Any]:
-    described: dict[str, Any] = {"id": rule.id, "name": rule.name}
-    if documentation:
-        described["shortDescription"] = {"text": documentation.strip().splitlines()[0]}
-        described["help"] = {"text": documentation.strip()}
-    return {**described, "defaultConfiguration": {"level": _LEVELS[rule.severity]}}
+def _rule(rule: Rule) -> dict[str, Any]:
+    return {
+        "id": rule.id,
+        "name": rule.name,
+        "shortDescription": {"text": rule.summary},
+        "help": {"text": rule.documentation.strip()},
+        "defaultConfiguration": {"level": _LEVELS[rule.severity]},
+    }
 
 
 def _result(finding: Finding, linted: Linted) -> dict[str, Any]:

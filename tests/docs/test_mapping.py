@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from page import ROOT, blocks
 
-import generator
 from generator import read
-from generator.findings import Rule
+from generator.catalogue import rules
 from generator.pipeline import compile_table
 from generator.rules import modules
 from generator.table_format import TABLE
@@ -57,12 +54,6 @@ def _keys(type: Type, path: str = "") -> Iterator[tuple[str, bool]]:
         )
 
 
-def _rules() -> Iterator[Rule]:
-    """Every rule that a module of the generator defines."""
-    for module in pkgutil.walk_packages(generator.__path__, "generator."):
-        yield from (value for value in vars(importlib.import_module(module.name)).values() if isinstance(value, Rule))
-
-
 def test_every_key_of_the_format_is_documented() -> None:
     """The page has the keys of the format, all of them and no other, and says which are required."""
     documented = {key: default == "required" for key, default in _documented_keys().items()}
@@ -95,11 +86,11 @@ def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
 
 
 def test_every_finding_is_documented() -> None:
-    """The page has id, name and severity of every finding but those of the lint's rules, which have a page."""
-    documented = [tuple(row[:3]) for row in _rows(4) if re.fullmatch(r"[A-Z]{3}[0-9]{3}", row[0])]
-    others = {rule for rule in _rules() if rule.id not in modules()}
+    """The page has id, name, severity and summary of every rule but those of the lint, which have a page."""
+    documented = [tuple(row) for row in _rows(4) if re.fullmatch(r"[A-Z]{3}[0-9]{3}", row[0])]
+    others = [rule for rule in rules().values() if rule.id not in modules()]
 
-    assert sorted(documented) == sorted((rule.id, rule.name, rule.severity.value) for rule in others)
+    assert sorted(documented) == [(rule.id, rule.name, rule.severity.value, rule.summary) for rule in others]
 
 
 def test_the_example_of_the_conversions_is_what_generate_writes(tmp_path: Path) -> None:
