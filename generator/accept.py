@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from generator.edit_rules import NOTHING_TO_ACCEPT_INTO
-from generator.findings import Finding, FindingsError, Span
 from generator.ledger import Burned
 from generator.linting import Linted
 from generator.pipeline import recompile
@@ -20,12 +20,12 @@ _OF_HISTORY = ("HIS101", "HIS103")
 def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
     """The changes that burn what history found in a table's project, and how many numbers that are.
 
-    Raises `FindingsError` where there is no table, and where it does not compile.
+    Raises `DiagnosticsError` where there is no table, and where it does not compile.
     """
     past = found.subject.past
     if not found.subject.table.proto.root or past is None or not past.of_numbers:
         message = "there is no ledger: accepting takes --history in a project with a mapping.yaml"
-        raise FindingsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
+        raise DiagnosticsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
     of_history = [finding for finding in found.findings if finding.rule.id in _OF_HISTORY]
     burned = {(one.owner, one.number): one for one in found.subject.ledger.burned}
     for finding in of_history:
@@ -36,7 +36,7 @@ def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
     return compare(table_path.resolve().parent, compiled.files, compiled.folders), len(of_history)
 
 
-def _burned(finding: Finding, subject: Subject) -> Burned:
+def _burned(finding: Diagnostic, subject: Subject) -> Burned:
     owner, number = finding.type, finding.number or 0
     return Burned(
         owner, number, tuple((use.type, use.name) for use in finding.uses), stands_today(subject, owner, number)

@@ -16,8 +16,8 @@ from generator import (
     table_rules,
 )
 from generator.adopt import faults as adopt_faults
+from generator.diagnostics import Rule
 from generator.feeds import faults as feed_faults
-from generator.findings import Rule
 from generator.ledger import faults as ledger_faults
 from generator.nanopb import faults as nanopb_faults
 from generator.rules import modules

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.findings import Rule, Severity
+from generator.diagnostics import Rule, Severity
 
 CANNOT_CONVERT = Rule(
     "CNV101",

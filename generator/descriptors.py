@@ -15,8 +15,8 @@ from google.protobuf.descriptor_pb2 import (
     MessageOptions,
 )
 
+from generator.diagnostics import Span
 from generator.features import Features, features_of_file, label_of, overridden, syntax_of_file
-from generator.findings import Span
 from generator.places import Path, Places
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoExtension, ProtoField, ProtoMessage, Schema
 

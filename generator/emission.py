@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from generator import envelope_file, ir, ledger, mapping_schema, targets, template_folder
-from generator.findings import Finding, FindingsError, Span, nearest
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from generator.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from generator.rendering import Files
 from generator.table import Outputs
@@ -22,7 +22,7 @@ def emit(
     """Every file that a table compiles to: its path, relative to the table, and its text.
 
     ``published`` is what the ledger had before; ``project`` is the folder from which those of templates are named.
-    Raises `FindingsError` with everything that is wrong with targets and templates.
+    Raises `DiagnosticsError` with everything that is wrong with targets and templates.
     """
     collected = _Collected()
     collected.add(Span(bridge.table), mapping_schema.emit())
@@ -45,7 +45,7 @@ class _Collected:
     def __init__(self) -> None:
         self._files: dict[str, str] = {}
         self._asked: dict[str, Span] = {}
-        self._findings: list[Finding] = []
+        self._findings: list[Diagnostic] = []
 
     def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
         """Add what is asked for at a place; two must not make one file."""
@@ -56,13 +56,13 @@ class _Collected:
                     self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is made twice", also=also))
                 self._files[path] = text
                 self._asked[path] = span
-        except FindingsError as error:
+        except DiagnosticsError as error:
             self._findings += error.findings
 
     def files(self) -> dict[str, str]:
-        """The files in the order of their paths. Raises `FindingsError` where anything is wrong."""
+        """The files in the order of their paths. Raises `DiagnosticsError` where anything is wrong."""
         if self._findings:
-            raise FindingsError(self._findings)
+            raise DiagnosticsError(self._findings)
         return dict(sorted(self._files.items()))
 
 
@@ -74,7 +74,7 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
     else:
         known = targets.names()
         help = nearest(name, known, f"there are {', '.join(known)}")
-        raise FindingsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
+        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
@@ -85,7 +85,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
     except Exception as error:  # another's code: any error of its is its author's to mend
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
-        raise FindingsError([TARGET_FAILED.at(span, message)]) from error
+        raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
 
 
 def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:
@@ -94,5 +94,5 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
             message = f"would write {path!r}, which is not below {FOLDER}/"
-            raise FindingsError([FORBIDDEN_PATH.at(span, message)])
+            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield str(pure), text

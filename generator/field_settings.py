@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from generator import well_known
 from generator.conversion_rules import CONTRADICTING_PATHS, DISAGREEING_ROWS, UNKNOWN_FIELD, WITHOUT_EFFECT
-from generator.findings import Finding, nearest
+from generator.diagnostics import Diagnostic, nearest
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import Row, Table
 
@@ -25,7 +25,7 @@ Key = tuple[str, str]
 class FieldSettings:
     """The settings of fields, by message and field."""
 
-    def __init__(self, table: Table, schema: Schema, report: Callable[[Finding], None]) -> None:
+    def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._report = schema, report
         rows = [row for row in table.rows if row.proto in schema.messages]
         self.presence = self._collected("presence", ((row, row.presence) for row in rows), self._no_presence)

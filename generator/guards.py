@@ -8,7 +8,7 @@ import struct
 from collections.abc import Iterator
 
 from generator import ir
-from generator.findings import Finding, Span, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.guard_rules import MISPLACED, RATE_WITHOUT_SOURCES, SLOWER_THAN_DEADMAN, STOP_VALUE, UNKNOWN_STOP_FIELD
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import DeadmanSettings, Row, Table
@@ -31,7 +31,7 @@ _FLOATS = {"float": "f", "double": "d"}
 _LONGEST_NUMBER = 40  # characters
 
 
-def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Finding]) -> ir.Route:
+def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
     """A route with what its row says of deadman, rate and priority; what cannot be is added to the findings."""
     findings += _misplaced(row)
     findings += _too_slow(row)
@@ -39,7 +39,7 @@ def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Finding]) 
     return dataclasses.replace(route, deadman=deadman, max_rate=row.max_rate, priority=row.priority)
 
 
-def check_peers(table: Table) -> Iterator[Finding]:
+def check_peers(table: Table) -> Iterator[Diagnostic]:
     """A rate of sources that are not named: nobody would know whose rate an address has."""
     for peer in table.peers:
         if peer.source_rate is not None and not peer.sources:
@@ -48,7 +48,7 @@ def check_peers(table: Table) -> Iterator[Finding]:
             yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
 
 
-def _misplaced(row: Row) -> Iterator[Finding]:
+def _misplaced(row: Row) -> Iterator[Diagnostic]:
     outgoing = [key for key in ("deadman", "priority") if key in row.spans]
     if row.inbound and outgoing:
         keys, one = " and ".join(f"`{key}`" for key in outgoing), len(outgoing) == 1
@@ -64,7 +64,7 @@ def _misplaced(row: Row) -> Iterator[Finding]:
         yield MISPLACED.at(row.at("deadman"), message, "let one topic command the peer")
 
 
-def _too_slow(row: Row) -> Iterator[Finding]:
+def _too_slow(row: Row) -> Iterator[Diagnostic]:
     """A rate at which a topic that speaks all the time would be taken for silent."""
     if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
         message = f"at {row.max_rate} messages a second, {row.name} counts as silent after {row.deadman.after_ms} ms"
@@ -72,7 +72,7 @@ def _too_slow(row: Row) -> Iterator[Finding]:
         yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate`, or `after`", also)
 
 
-def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Finding]) -> ir.Deadman:
+def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Deadman:
     values: list[tuple[str, Value]] = []
     for path, text in settings.send.items():
         span = settings.at(f"send.{path}")
@@ -88,7 +88,9 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
     return ir.Deadman(settings.after_ms, settings.repeat_ms, tuple(values))
 
 
-def _field(message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Finding]) -> ProtoField | None:
+def _field(
+    message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
+) -> ProtoField | None:
     """The field at the end of a path; None, with a finding, where there is none that holds one value."""
     *outer, name = path.split(".")
     for part in outer:
@@ -102,7 +104,7 @@ def _field(message: ProtoMessage, path: str, schema: Schema, span: Span, finding
     return _member(message, name, path, span, findings)
 
 
-def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Finding]) -> ProtoField | None:
+def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Diagnostic]) -> ProtoField | None:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
         help = nearest(name, fields, f"it has {', '.join(fields)}" if fields else "it has none")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from generator import ledger, read, tree
 from generator.declarations import File, parse
-from generator.findings import Finding, FindingsError, Severity, Span, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
@@ -58,7 +58,7 @@ class Question:
 class Linted:
     """What a lint found, and how to show more of it."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[Diagnostic, ...]
     folder: Path
     """The folder from which the files of findings are named."""
     commit_of: Callable[[Span], Commit | None]
@@ -67,38 +67,40 @@ class Linted:
     """What the rules looked at."""
 
     @property
-    def limits(self) -> list[Finding]:
+    def limits(self) -> list[Diagnostic]:
         """The findings that say what could not be looked at, or not all of it."""
         partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
         return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
-    """Lint the project of a table. Raises `FindingsError` where nothing can be looked at."""
+    """Lint the project of a table. Raises `DiagnosticsError` where nothing can be looked at."""
     project = table_path.resolve().parent
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     table = read.read(table_path, findings, table_path.name)
     published = ledger.read(project / ledger.NAME, findings)
     return _lint(project, table, published, question, findings)
 
 
 def lint_tree(root: Path, envelope: tree.EnvelopeName, question: Question) -> Linted:
-    """Lint a folder of .proto files, without a table. Raises `FindingsError` where nothing can be looked at."""
-    findings: list[Finding] = []
+    """Lint a folder of .proto files, without a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    findings: list[Diagnostic] = []
     return _lint(root.resolve(), tree.table_of_tree(envelope), ledger.Ledger(), question, findings)
 
 
-def _lint(project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Finding]) -> Linted:
+def _lint(
+    project: Path, table: Table, published: ledger.Ledger, question: Question, findings: list[Diagnostic]
+) -> Linted:
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
         message = f"there is no folder {table.proto.root or project}; nothing was looked at"
-        raise FindingsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
+        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
     if question.of_the_envelope:
         tree.must_have_envelope(table, findings)
     past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
     files = proto_files(root, shown_root, findings)
     if not files and not (past and past.history.messages):
-        raise FindingsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
+        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
     declared = {file: parse(text) for file, text in read_protos(root, files, shown_root, findings).items()}
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
@@ -125,13 +127,13 @@ def _lint(project: Path, table: Table, published: ledger.Ledger, question: Quest
     return Linted(tuple(in_order(findings)), project, _blame(project, state), subject)
 
 
-def _past(root: Path, envelope: str, question: Question, findings: list[Finding]) -> Past:
-    """The past, as far as it is asked for. Raises `FindingsError` where there is no repository."""
+def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
+    """The past, as far as it is asked for. Raises `DiagnosticsError` where there is no repository."""
     try:
         history = read_history(root, question.report)
     except GitError as error:
         message = "the history cannot be read"
-        raise FindingsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
+        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
     if history.shallow:
         message = f"this is a shallow clone: its history goes back {history.depth} commits, and no further"
         findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
@@ -141,11 +143,11 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Finding]
     return Past(history, question.history, question.branches, tuple(pins))
 
 
-def _other_state(question: Question, project: Path, layout: Layout, findings: list[Finding]) -> State | None:
+def _other_state(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> State | None:
     """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
     try:
         return open_state(question.against, project, layout, findings) if question.against else None
-    except FindingsError as error:
+    except DiagnosticsError as error:
         findings += [finding for finding in error.findings if finding not in findings]
         return None
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from generator.declarations import parse
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.git import Commit, GitError, Repository, name_of_repository
 from generator.history import History, differ
 from generator.pins import Pin
@@ -61,7 +61,7 @@ def _branch(ref: str) -> str:
     return ref.removeprefix("refs/heads/").removeprefix("refs/remotes/")
 
 
-def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Finding]) -> list[Pinned]:
+def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Diagnostic]) -> list[Pinned]:
     """What each pin's commit of the protos says of the envelope.
 
     A commit that this repository does not have is a finding where a plain list names it, or where the pin is by its
@@ -69,7 +69,7 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
     nothing is known here.
     """
     pinned: list[Pinned] = []
-    faults: list[Finding] = []
+    faults: list[Diagnostic] = []
     ours = repository.called() if pins else set()
     for pin in pins:
         try:
@@ -96,7 +96,7 @@ def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
     return Pinned(pin, commit, numbers)
 
 
-def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Finding]:
+def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
     """The sources of which no pin is of this repository."""
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.git import GitError, Repository
 from generator.state_rules import UNREADABLE_PINS
 
@@ -37,7 +37,7 @@ class Pin:
     """Of the repository that it is a commit of, as far as it is written."""
 
 
-def read_pins(sources: Iterable[Path], findings: list[Finding]) -> tuple[Pin, ...]:
+def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin, ...]:
     """The pins in files and in repositories; one without any is a finding."""
     pins: list[Pin] = []
     for source in sources:
@@ -50,7 +50,7 @@ def read_pins(sources: Iterable[Path], findings: list[Finding]) -> tuple[Pin, ..
     return tuple(pins)
 
 
-def _pins_of(source: Path, findings: list[Finding]) -> Iterator[Pin]:
+def _pins_of(source: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
     if not source.is_dir():
         yield from _pins_in_file(source, findings)
         return
@@ -60,7 +60,7 @@ def _pins_of(source: Path, findings: list[Finding]) -> Iterator[Pin]:
     yield from _cmake_pins({path: _text(path, findings) for path in paths}, source, name)
 
 
-def _pins_in_file(path: Path, findings: list[Finding]) -> Iterator[Pin]:
+def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
     text = _text(path, findings)
     if path.name.endswith(_CMAKE):
         yield from _cmake_pins({path: text}, path, path.resolve().parent.name)
@@ -74,7 +74,7 @@ def _pins_in_file(path: Path, findings: list[Finding]) -> Iterator[Pin]:
                 findings.append(UNREADABLE_PINS.at(Span(str(path), number, 1), f"no `name commit`: {line.strip()!r}"))
 
 
-def _text(path: Path, findings: list[Finding]) -> str:
+def _text(path: Path, findings: list[Diagnostic]) -> str:
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:

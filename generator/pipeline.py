@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from generator import emission, envelope_file, ir, ledger, naming, read, resolve, subject
 from generator.add import with_row
-from generator.findings import Finding, FindingsError, has_errors, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations
 from generator.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
@@ -34,13 +34,13 @@ class Compiled:
     """Text by path, relative to the table."""
     folders: tuple[str, ...]
     """Where generated files stand; one that stands there and is none of `files` is an earlier run's."""
-    warnings: tuple[Finding, ...]
+    warnings: tuple[Diagnostic, ...]
 
 
 def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
     """Compile a table, also to further targets and with further folders of templates. Nothing is written.
 
-    Raises `FindingsError` with everything that is wrong, as far as it can be seen at once.
+    Raises `DiagnosticsError` with everything that is wrong, as far as it can be seen at once.
     """
     text = read_text(table_path, table_path.name)
     return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
@@ -49,7 +49,7 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
     """What a table compiles to without a number's row, and the changes of the disk, the table's own among them.
 
-    Raises `FindingsError` where no row has the number, and as `compile_table`.
+    Raises `DiagnosticsError` where no row has the number, and as `compile_table`.
     """
     return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
@@ -57,7 +57,7 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
     """What a table compiles to with one more row, and the changes of the disk, the table's own among them.
 
-    Raises `FindingsError` where the rows are not written one below the other, and as `compile_table`.
+    Raises `DiagnosticsError` where the rows are not written one below the other, and as `compile_table`.
     """
     return _edited(table_path, lambda text, file: with_row(text, row, file))
 
@@ -70,8 +70,8 @@ def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled
     text = edit(text, file)
     try:
         compiled = _compiled(table_path, text)
-    except FindingsError as error:
-        raise FindingsError(error.findings, {file: text}) from error
+    except DiagnosticsError as error:
+        raise DiagnosticsError(error.findings, {file: text}) from error
     return compiled, compare(table_path.resolve().parent, {**compiled.files, file: text}, compiled.folders)
 
 
@@ -87,7 +87,7 @@ def _compiled(
     further: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
 ) -> Compiled:
     project = table_path.resolve().parent
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     table = read.parse(text, table_path.name, findings)
     published = published or ledger.read(project / ledger.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
@@ -106,17 +106,17 @@ def _compiled(
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     folders = (emission.FOLDER, *([table.proto.root] if envelope.ours else []))
     files = emission.emit(bridge, table.outputs.and_further(*further), table.proto.root, published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))
 
 
-def _collecting(findings: list[Finding], phase: Callable[[], T]) -> T | None:
+def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
     """What a phase gives; None, with its findings, where it cannot go on. The others still can."""
     try:
         return phase()
-    except FindingsError as error:
+    except DiagnosticsError as error:
         findings += error.findings
         return None
 
@@ -125,21 +125,23 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     root = project / table.proto.root
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
-        raise FindingsError([NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")])
+        raise DiagnosticsError(
+            [NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")]
+        )
     return index_declarations(root, table.proto.exclude, table.proto.root)
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
     """What protoc makes of the payloads, the envelope, and what stands in an Any.
 
-    Raises `FindingsError` where it refuses them.
+    Raises `DiagnosticsError` where it refuses them.
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
     overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"there is no {envelope.file} below {table.proto.root}"
-        raise FindingsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
+        raise DiagnosticsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
     return compile_protos(root, wanted, overlay, table.proto.root)
 
 

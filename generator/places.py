@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from google.protobuf.descriptor_pb2 import DescriptorProto, EnumDescriptorProto, FileDescriptorProto
 
 from generator.declarations.comments import clean
-from generator.findings import Span, shown
+from generator.diagnostics import Span, shown
 
 Path = tuple[int, ...]
 

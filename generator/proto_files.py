@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from generator.findings import Finding, FindingsError, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from generator.proto_rules import UNREADABLE_PROTO
 
 _LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
@@ -37,22 +37,22 @@ class DeclarationIndex:
 def index_declarations(root: Path, exclude: Iterable[str], shown_root: str) -> DeclarationIndex:
     """The index of a tree; ``shown_root`` is how findings call the root.
 
-    Raises `FindingsError` for what cannot be read.
+    Raises `DiagnosticsError` for what cannot be read.
     """
     left_out = {str(PurePosixPath(path)) for path in exclude}
     files: dict[str, list[str]] = {}
     excluded: dict[str, list[str]] = {}
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     for name in proto_files(root, shown_root, findings):
         target = excluded if name in left_out else files
         for declared in sorted(set(declared_names(read_proto(root, name, shown_root, findings) or ""))):
             target.setdefault(declared, []).append(name)
     if findings:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     return DeclarationIndex(files, excluded)
 
 
-def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[str]:
+def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list[str]:
     """The .proto files below a folder, relative to it, links followed; hidden files are an editor's.
 
     A folder that cannot be listed, a link that leads back to where it is, and a name that is no text, is a finding.
@@ -79,7 +79,7 @@ def proto_files(root: Path, shown_root: str, findings: list[Finding]) -> list[st
     return [name for name in sorted(found) if _is_text(name, shown_root, findings)]
 
 
-def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
+def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     """Whether a file's name can be said: protoc, JSON and terminals take UTF-8 alone."""
     readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
     if readable != name:
@@ -88,13 +88,13 @@ def _is_text(name: str, shown_root: str, findings: list[Finding]) -> bool:
     return readable == name
 
 
-def read_protos(root: Path, names: Iterable[str], shown_root: str, findings: list[Finding]) -> dict[str, str]:
+def read_protos(root: Path, names: Iterable[str], shown_root: str, findings: list[Diagnostic]) -> dict[str, str]:
     """The texts of those of the .proto files that have one; any other is a finding."""
     texts = {name: read_proto(root, name, shown_root, findings) for name in names}
     return {name: text for name, text in texts.items() if text is not None}
 
 
-def read_proto(root: Path, name: str, shown_root: str, findings: list[Finding]) -> str | None:
+def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> str | None:
     """The text of a .proto file; None, with a finding, where it has none that anybody wrote."""
     path, span = root / name, Span(shown(shown_root, name))
     data = b""

@@ -15,7 +15,7 @@ import grpc_tools
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator.descriptors import schema_of
-from generator.findings import Finding, FindingsError, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from generator.proto_files import imported_files
 from generator.proto_rules import DOES_NOT_COMPILE
 from generator.protos import Schema
@@ -42,7 +42,7 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
     """Run protoc over files and what they import.
 
     ``overlay`` holds files that are not on disk yet, or not as they will be; ``shown_root`` is how findings call the
-    root. Raises `FindingsError` with protoc's own messages.
+    root. Raises `DiagnosticsError` with protoc's own messages.
     """
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
@@ -80,16 +80,16 @@ def _found(file: str, folders: Sequence[Path]) -> Path | None:
     return next((folder / file for folder in folders if (folder / file).is_file()), None)
 
 
-def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Finding]]:
+def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
     """What the files of a tree declare that do compile; a finding for each error in one that does not."""
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     left = list(files)
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         out, result = Path(folder), Path(folder, "set")
         while left:
             try:
                 _protoc([root], left, [f"--descriptor_set_out={result}"], out, shown_root)
-            except FindingsError as error:
+            except DiagnosticsError as error:
                 findings += [finding for finding in error.findings if finding not in findings]
                 broken = {finding.span.file for finding in error.findings}
                 kept = [file for file in left if shown(shown_root, file) not in broken]
@@ -108,7 +108,7 @@ def _protoc(
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         said = done.stderr.decode("utf-8", errors="replace")
-        raise FindingsError(_protoc_findings(said, folders, shown_root))
+        raise DiagnosticsError(_protoc_findings(said, folders, shown_root))
 
 
 _PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
@@ -126,7 +126,7 @@ class _Error(NamedTuple):
     text: str
 
 
-def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Finding]:
+def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Diagnostic]:
     """What protoc says, but for what only follows from something else that it says."""
     errors = list(_errors(output, folders))
     broken = {error.file for error in errors if error.text != _NOT_FOUND}

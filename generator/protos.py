@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from generator import ir
-from generator.findings import Span
+from generator.diagnostics import Span
 
 Ranges = tuple[tuple[int, int], ...]
 """Ranges of numbers, both ends included."""

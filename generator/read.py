@@ -7,8 +7,8 @@ from pathlib import Path
 from string import ascii_lowercase
 
 from generator import ir, naming
+from generator.diagnostics import Diagnostic, DiagnosticsError
 from generator.feed_format import FEED
-from generator.findings import Finding, FindingsError
 from generator.read_feeds import is_standard, read_feed, read_renames
 from generator.table import (
     Bound,
@@ -35,27 +35,27 @@ _REPEAT_MS = 1000
 _MAINTAINER = "unnamed <unnamed@example.com>"  # package.xml wants one; example.com receives nothing (RFC 2606)
 
 
-def read(path: Path, findings: list[Finding], name: str | None = None) -> Table:
+def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Table:
     """Read a table; ``name`` is how findings call the file.
 
     Every mistake in the file is added to the findings. What is whole is read all the same, and `Table.whole` says
-    whether that is everything. Raises `FindingsError` where there is nothing to read.
+    whether that is everything. Raises `DiagnosticsError` where there is nothing to read.
     """
     file = name or str(path)
     return parse(read_text(path, file), file, findings)
 
 
-def parse(text: str, file: str, findings: list[Finding]) -> Table:
+def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
     """The table that a text holds; as `read`."""
     before = len(findings)
     item = read_item(text, file, TABLE, "the table", findings)
     if item is None:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
     whole = len(findings) == before
     return _table(file, item, whole, findings)
 
 
-def _table(file: str, item: Item, whole: bool, findings: list[Finding]) -> Table:
+def _table(file: str, item: Item, whole: bool, findings: list[Diagnostic]) -> Table:
     proto, envelope, ros = item.entry("proto"), item.entry("envelope"), item.entry("ros")
     rows, retired = item.entry("messages").items, item.entry("retired").items
     enums = item.entry("enums").entries
@@ -115,7 +115,7 @@ def _peers(item: Item) -> Iterator[PeerSettings]:
         )
 
 
-def _row(item: Item, findings: list[Finding]) -> Row:
+def _row(item: Item, findings: list[Diagnostic]) -> Row:
     ros = item.get("ros", naming.camel_case(item.get("proto").rpartition(".")[2]))
     qos = _qos(item, findings)
     standard = is_standard(ros)
@@ -161,7 +161,7 @@ def _lowered(item: Item) -> Iterator[Lowered]:
             yield Lowered(entry.span, entry.spans(), rule, entry.get("severity"), entry.get("reason"))
 
 
-def _qos(item: Item, findings: list[Finding]) -> ir.Qos:
+def _qos(item: Item, findings: list[Diagnostic]) -> ir.Qos:
     qos, usual = item.entry("qos"), ir.Qos()
     queue, depth = item.get("queue"), qos.get("depth")
     if queue is not None and depth is not None and queue != depth:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from generator.findings import Finding
+from generator.diagnostics import Diagnostic
 from generator.ir import Qos
 from generator.table import FeedSettings, Form
 from generator.table_rules import KEY_WITHOUT_STANDARD, WRONG_TYPE
@@ -43,7 +43,7 @@ def _form(item: Item) -> Form:
     return Form(item.span, entries={name: _form(entry) for name, entry in item.entries.items()})
 
 
-def read_renames(item: Item, findings: list[Finding]) -> Mapping[str, str]:
+def read_renames(item: Item, findings: list[Diagnostic]) -> Mapping[str, str]:
     """The `fields` of a row whose message is of the table's own package; what belongs to others is a finding."""
     for key in _KEYS:
         if item.has(key):

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from generator.conversion_rules import DISAGREEING_ROWS
-from generator.findings import Finding
+from generator.diagnostics import Diagnostic
 from generator.table import Row, Table
 
 CUT = 0
@@ -23,7 +23,9 @@ CUT = 0
 class Levels:
     """The level of each message inside the others."""
 
-    def __init__(self, table: Table, holds: Callable[[str], Iterable[str]], report: Callable[[Finding], None]) -> None:
+    def __init__(
+        self, table: Table, holds: Callable[[str], Iterable[str]], report: Callable[[Diagnostic], None]
+    ) -> None:
         """``holds`` gives the messages that the fields of a message hold."""
         self._order: dict[str, int] = {}
         self._held: dict[str, tuple[str, ...]] = {}
@@ -45,7 +47,7 @@ class Levels:
                 self._held[name] = tuple(dict.fromkeys(holds(name)))
                 waiting += reversed(self._held[name])
 
-    def _bound(self, row: Row, bound: int, report: Callable[[Finding], None]) -> None:
+    def _bound(self, row: Row, bound: int, report: Callable[[Diagnostic], None]) -> None:
         circles = {self._circle[name] for name in _reachable(row.proto, self._held) if name in self._circle}
         if not circles:
             self.rows_without_effect.append(row)

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from generator import ir
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import Feeds
-from generator.findings import Finding, Span, nearest
 from generator.guards import check_peers, guarded
 from generator.ir_standard import Feed
 from generator.ledger import Ledger
@@ -32,7 +32,7 @@ from generator.table import Table
 # --- which file has it ------------------------------------------------------------------------------------------
 
 
-def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> dict[str, str]:
+def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
     """The file of each message that a row names; a message that cannot be told is a finding."""
     files: dict[str, str] = {}
     for row in table.rows:
@@ -50,7 +50,7 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Finding]) -> di
     return files
 
 
-def locate_anys(table: Table, index: DeclarationIndex, findings: list[Finding]) -> dict[str, str]:
+def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
     """The file of each message that a row lists for an Any; a message that cannot be told is a finding."""
     files: dict[str, str] = {}
     for row in table.rows:
@@ -64,7 +64,7 @@ def locate_anys(table: Table, index: DeclarationIndex, findings: list[Finding]) 
     return files
 
 
-def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Finding:
+def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Diagnostic:
     if declared:
         help = "name all but one of them under proto.exclude"
         return AMBIGUOUS_PROTO.at(span, f"{proto} is declared in {' and in '.join(declared)}", help)
@@ -104,7 +104,7 @@ def resolve(
     compilation: Compilation,
     envelope: ir.Envelope,
     bounds: Iterable[ir.FieldBound],
-    findings: list[Finding],
+    findings: list[Diagnostic],
 ) -> ir.Bridge:
     """The IR of a table. Where findings were added, it is not fit to be emitted."""
     schema = compilation.schema
@@ -148,7 +148,7 @@ def _with_feeds(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]]) ->
     return dataclasses.replace(route, feed=feeds[0], also=feeds[1])
 
 
-def _unimportable(table: Table, schema: Schema) -> Iterator[Finding]:
+def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
     """Files whose Python modules could not be imported by name."""
     for file in schema.files:
         parts = file.removesuffix(".proto").split("/")
@@ -157,7 +157,7 @@ def _unimportable(table: Table, schema: Schema) -> Iterator[Finding]:
             yield UNIMPORTABLE_PROTO.at(span, f"{bad[0]!r} in its path cannot be a Python module", "rename it")
 
 
-def _excluded(table: Table, schema: Schema) -> Iterator[Finding]:
+def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
     """Files that the table leaves out, and that what it needs imports all the same."""
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:

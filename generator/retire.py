@@ -5,8 +5,8 @@ from __future__ import annotations
 import yaml
 from yaml.nodes import Node, ScalarNode, SequenceNode
 
+from generator.diagnostics import DiagnosticsError, Span
 from generator.edit_rules import NO_SUCH_ROW
-from generator.findings import FindingsError, Span
 from generator.yaml_text import Edit, edited, last_line, value_of
 
 _KEPT = ("number", "name", "proto")
@@ -15,14 +15,14 @@ _KEPT = ("number", "name", "proto")
 def with_retired(text: str, number: int, file: str) -> str:
     """The table's text with the row of a number retired.
 
-    ``file`` is how findings call the table. Raises `FindingsError` where no row has the number.
+    ``file`` is how findings call the table. Raises `DiagnosticsError` where no row has the number.
     """
     root = yaml.compose(text, Loader=yaml.SafeLoader)
     messages, retired = value_of(root, "messages"), value_of(root, "retired")
     rows = messages.value if isinstance(messages, SequenceNode) else []
     row = next((row for row in rows if _scalar(row, "number") == str(number)), None)
     if row is None:
-        raise FindingsError(
+        raise DiagnosticsError(
             [NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", _known(rows))]
         )
     entry = "{" + ", ".join(f"{key}: {_scalar(row, key)}" for key in _KEPT) + "}"

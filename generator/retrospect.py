@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
-from generator.findings import Finding, Rule, Span, Use
+from generator.diagnostics import Diagnostic, Rule, Span, Use
 from generator.history import Confidence, History, Kind, Life, Relation, Reuse
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 from generator.subject import Subject
@@ -53,7 +53,7 @@ def _lives(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -
     return [life for life in history.numbers(owner)[number] if life in concerned]
 
 
-def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Finding:
+def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """A finding about one number, with everything that it stood for. There must be a past."""
     assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
     lives = _lives(subject.past.history, owner, number, reuses)

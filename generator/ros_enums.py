@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from generator import ir, naming
 from generator.conversion_rules import CONSTANT_NAME
 from generator.deprecation import commented
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.protos import ProtoEnum, ProtoEnumValue
 
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
@@ -23,7 +23,7 @@ def integer_type(enum: ProtoEnum) -> str:
     raise AssertionError("an enum value is an int32")
 
 
-def constants(enum: ProtoEnum, prefix: str, report: Callable[[Finding], None]) -> Iterator[ir.RosConstant]:
+def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
     """An enum's values as constants of a ROS message."""
     type = integer_type(enum)
     seen: dict[str, ProtoEnumValue] = {}
@@ -45,7 +45,7 @@ def constants_of(
     others: Iterable[ir.RosConstant],
     ros: str,
     span: Span,
-    report: Callable[[Finding], None],
+    report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
     """The constants of a ROS message that stands at a place: its enums' values, and those of its oneofs.
 
@@ -69,7 +69,7 @@ def _unless_taken(
     seen: dict[str, ir.RosConstant],
     ros: str,
     span: Span,
-    report: Callable[[Finding], None],
+    report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
     holder = seen.setdefault(constant.name, constant).enum
     if holder == constant.enum:

@@ -16,8 +16,8 @@ from generator.conversion_rules import (
     UNMAPPED_FIELD,
 )
 from generator.deprecation import commented
+from generator.diagnostics import nearest
 from generator.field_types import FieldTypes
-from generator.findings import nearest
 from generator.protos import ProtoField, ProtoMessage
 from generator.recursion import CUT
 from generator.shape import Shape

@@ -17,8 +17,8 @@ from generator.conversion_rules import (
     WITHOUT_EFFECT,
 )
 from generator.deprecation import commented
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.field_settings import FieldSettings, without_effect_on_standard
-from generator.findings import Finding, Span, nearest
 from generator.oneofs import NONE, smallest
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Schema
 from generator.recursion import CUT, Levels
@@ -32,7 +32,7 @@ _LARGEST = 1000  # messages that stand in one another; two fields in sixteen lev
 class RosMessages:
     """Makes ROS messages and conversions, each once, from the protos that the rows reach."""
 
-    def __init__(self, table: Table, schema: Schema, findings: list[Finding]) -> None:
+    def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
         self.schema, self.report = schema, findings.append
         self._enum_settings = {enum.proto: enum for enum in table.enums}
         self._shapes = shapes_of(table, findings)

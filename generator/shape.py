@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from generator.conversion_rules import DISAGREEING_ROWS
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.table import Row, Table
 
 
@@ -25,7 +25,7 @@ class Shape:
         return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
 
 
-def shapes_of(table: Table, findings: list[Finding]) -> dict[str, Shape]:
+def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
     """By proto message; rows that carry the same one must agree on what it becomes."""
     shapes: dict[str, Shape] = {}
     for row in table.rows:

@@ -12,7 +12,7 @@ from google.protobuf.message import DecodeError
 
 from generator import ledger, read
 from generator.descriptors import schema_of
-from generator.findings import Finding, FindingsError, Severity, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from generator.git import Commit, GitError, Repository
 from generator.ledger import Entry
 from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
@@ -51,10 +51,10 @@ class State:
     """The commit from which a line of the state is; None where that is not known."""
 
 
-def open_state(spec: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+def open_state(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> State:
     """The state that ``--against`` names, as far as it can be read; what cannot is a finding.
 
-    A folder or a file of that name comes before a git ref. Raises `FindingsError` where there is nothing.
+    A folder or a file of that name comes before a git ref. Raises `DiagnosticsError` where there is nothing.
     """
     path = Path(spec)
     if path.is_dir():
@@ -69,21 +69,21 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> State:
         compiled = FileDescriptorSet.FromString(path.read_bytes())
     except (OSError, DecodeError) as error:
         message = "is no descriptor set, as `protoc --descriptor_set_out` or `buf build` writes it"
-        raise FindingsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
     if not compiled.file:
-        raise FindingsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
     schema = schema_of(compiled, spec)
     return State(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
 
 
-def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) -> State:
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> State:
     repository = Repository(project)
     try:
         commit = repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is no folder, no file, and no git ref"
         help = str(error) or "git branch --all and git tag show which refs there are; a shallow clone has few"
-        raise FindingsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
+        raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
             wanted = [file for file in repository.files(commit) if _is_wanted(file)]
@@ -92,7 +92,7 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Finding]) ->
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(data)
         except (GitError, OSError) as error:
-            raise FindingsError([UNREADABLE_STATE.at(Span(ref), f"cannot be read: {error}")]) from error
+            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"cannot be read: {error}")]) from error
 
         def commit_of(span: Span) -> Commit | None:
             file = span.file.removeprefix(f"{ref}:")
@@ -110,17 +110,17 @@ def _state_in(
     name: str,
     layout: Layout,
     commit_of: Callable[[Span], Commit | None],
-    findings: list[Finding],
+    findings: list[Diagnostic],
 ) -> State:
     """The state in a folder: a project, the folder of its protos, or any tree of them."""
-    own: list[Finding] = []  # faults of the state's own, which nobody can mend there
+    own: list[Diagnostic] = []  # faults of the state's own, which nobody can mend there
     table = read.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = ledger.read(folder / ledger.NAME, own, shown(name, ledger.NAME))
     root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
     files = read_protos(folder / root, proto_files(folder / root, shown_root, findings), shown_root, findings)
     if not files:
-        raise FindingsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
+        raise DiagnosticsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
     excluded = table.proto.exclude if table else layout.exclude
     schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
     findings += [finding for finding in own if finding.severity is Severity.FATAL]
@@ -130,7 +130,7 @@ def _state_in(
     return State(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
 
 
-def _of_state(error: Finding) -> Finding:
+def _of_state(error: Diagnostic) -> Diagnostic:
     """An error of protoc's in another state: it was not looked at, and nobody can mend it there."""
     help = "name another state, or lint against a descriptor set"
     return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)

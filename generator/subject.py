@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from generator.declarations import Claim, File, Message
-from generator.findings import Span, shown
+from generator.diagnostics import Span, shown
 from generator.ledger import NAME as LEDGER
 from generator.ledger import Entry, Ledger, as_schema
 from generator.protos import Schema

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.ir import Qos
 
 

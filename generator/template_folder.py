@@ -9,7 +9,7 @@ from typing import Any
 from jinja2 import Environment, TemplateSyntaxError
 
 from generator import ir, naming
-from generator.findings import FindingsError, Span
+from generator.diagnostics import DiagnosticsError, Span
 from generator.output_rules import NO_TEMPLATES, TEMPLATE_FAILED
 from generator.rendering import Files, environment, header
 
@@ -21,14 +21,14 @@ def emit(bridge: ir.Bridge, project: Path, folder: str, span: Span) -> Files:
 
     A template sees ``bridge``. One with ``{route}`` in its path is rendered for each row, and sees that as ``route``;
     ``{message}`` does the same for each message of the ROS 2 package. ``folder`` is named from the project, and
-    ``span`` is where it is asked for. Raises `FindingsError` for a folder without templates, and for the first template
-    that cannot be rendered.
+    ``span`` is where it is asked for. Raises `DiagnosticsError` for a folder without templates, and for the first
+    template that cannot be rendered.
     """
     root = project / folder
     templates = sorted(path.relative_to(root).as_posix() for path in root.rglob(f"*{SUFFIX}"))
     if not templates:
         why = f"holds no file that ends with {SUFFIX}" if root.is_dir() else "is not a folder"
-        raise FindingsError([NO_TEMPLATES.at(span, f"{folder} {why}")])
+        raise DiagnosticsError([NO_TEMPLATES.at(span, f"{folder} {why}")])
     own = environment(root)
     own.filters |= {"snake_case": naming.snake_case, "camel_case": naming.camel_case}
     own.globals["header"] = header
@@ -55,12 +55,14 @@ def _rendered(own: Environment, template: str, view: dict[str, Any], span: Span)
         return own.get_template(template).render(view)
     except TemplateSyntaxError as error:
         place = Span(span.file, error.lineno)
-        raise FindingsError([TEMPLATE_FAILED.at(place, f"not a template: {error.message}")]) from error
+        raise DiagnosticsError([TEMPLATE_FAILED.at(place, f"not a template: {error.message}")]) from error
     except UnicodeDecodeError as error:
-        raise FindingsError([TEMPLATE_FAILED.at(span, f"not a template: it is not UTF-8: {error.reason}")]) from error
+        raise DiagnosticsError(
+            [TEMPLATE_FAILED.at(span, f"not a template: it is not UTF-8: {error.reason}")]
+        ) from error
     except Exception as error:  # what stands in a template can raise anything
         place = Span(span.file, _line(error, template))
-        raise FindingsError([TEMPLATE_FAILED.at(place, f"cannot be rendered: {error}")]) from error
+        raise DiagnosticsError([TEMPLATE_FAILED.at(place, f"cannot be rendered: {error}")]) from error
 
 
 def _line(error: BaseException, template: str) -> int:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from generator import ir
-from generator.findings import Finding, FindingsError, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.state_rules import NO_ENVELOPE_MESSAGE
 from generator.table import EnvelopeSettings, Outputs, ProtoSettings, Row, Table
@@ -49,10 +49,10 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
     )
 
 
-def with_members(table: Table, schema: Schema, findings: Sequence[Finding] = (), past: Iterable[str] = ()) -> Table:
+def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = (), past: Iterable[str] = ()) -> Table:
     """The table of a tree with a row for each member of its envelope; any other table as it is.
 
-    The envelope's message may be named without its package. Raises `FindingsError` where there is no such envelope,
+    The envelope's message may be named without its package. Raises `DiagnosticsError` where there is no such envelope,
     after the ``findings`` that may be why, unless it is among the messages of the ``past``.
     """
     if table.proto.root or not (table.envelope.message or table.envelope.file):
@@ -62,7 +62,7 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Finding] = (),
     if envelope is None and _named(table.envelope.message, past):
         return table
     if envelope is None or table.envelope.file not in ("", envelope.span.file):
-        raise FindingsError([*findings, _no_envelope(table.envelope, schema, envelope)])
+        raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope)])
     oneof = _largest_oneof(envelope)
     members = [field for field in envelope.fields if field.oneof == oneof]
     return dataclasses.replace(
@@ -73,11 +73,11 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Finding] = (),
     )
 
 
-def must_have_envelope(table: Table, findings: Sequence[Finding]) -> None:
-    """Raises `FindingsError` where nobody said which message the envelope is."""
+def must_have_envelope(table: Table, findings: Sequence[Diagnostic]) -> None:
+    """Raises `DiagnosticsError` where nobody said which message the envelope is."""
     if not table.envelope.message:
         message = "which message is the envelope was not said; nothing was looked at"
-        raise FindingsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])
+        raise DiagnosticsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
@@ -91,7 +91,7 @@ def _named(name: str, messages: Iterable[str]) -> list[str]:
     return [message for message in messages if name and f".{message}".endswith(f".{name}")]
 
 
-def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Finding:
+def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Diagnostic:
     """What is wrong with the words that name the envelope."""
     name, file = settings.message, settings.file
     in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]

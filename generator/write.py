@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.findings import FindingsError, Span
+from generator.diagnostics import DiagnosticsError, Span
 from generator.output_rules import CANNOT_WRITE
 from generator.rendering import REGENERATE
 
@@ -61,7 +61,7 @@ def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> 
 def write(project: Path, changes: Iterable[Change]) -> None:
     """Make the disk what it should be; each file is replaced as a whole, and none before all could be prepared.
 
-    Raises `FindingsError` for a file that cannot be written.
+    Raises `DiagnosticsError` for a file that cannot be written.
     """
     changes = list(changes)
     with contextlib.ExitStack() as prepared:
@@ -87,7 +87,7 @@ def _reporting(path: str, done: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise FindingsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
+        raise DiagnosticsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
 
 
 def _text(project: Path, path: str) -> str | None:

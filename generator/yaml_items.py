@@ -13,31 +13,31 @@ from pathlib import Path
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from generator.feed_format import DEFINITIONS
-from generator.findings import Finding, FindingsError, Span, nearest
 from generator.table_rules import BAD_VALUE, DUPLICATE_KEY, MISSING_KEY, SYNTAX, UNKNOWN_KEY, UNREADABLE, WRONG_TYPE
 from generator.value_types import AnyOf, ListOf, MapOf, Named, Network, Object, Text, Type
 from generator.yaml_scalars import Item, ScalarReader, fitting_form
 
 
-def read_item(text: str, file: str, type: Type, what: str, findings: list[Finding]) -> Item | None:
+def read_item(text: str, file: str, type: Type, what: str, findings: list[Diagnostic]) -> Item | None:
     """The text of a file as an item, as far as it fits the format; what does not is added to the findings.
 
     ``file`` and ``what`` are how findings call the file and its whole. None where the whole is of another type.
-    Raises `FindingsError` where the text is not YAML.
+    Raises `DiagnosticsError` where the text is not YAML.
     """
     return _Reader(file, findings).value(_compose(text, file), type, what)
 
 
 def read_text(path: Path, file: str) -> str:
-    """The text of the file. Raises `FindingsError` where it cannot be read."""
+    """The text of the file. Raises `DiagnosticsError` where it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
         help = "give the table with --table, or run this in the folder that holds mapping.yaml"
-        raise FindingsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
+        raise DiagnosticsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
     except UnicodeDecodeError as error:
-        raise FindingsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
+        raise DiagnosticsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
 
 
 def _compose(text: str, file: str) -> Node:
@@ -46,17 +46,17 @@ def _compose(text: str, file: str) -> Node:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
-        raise FindingsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
+        raise DiagnosticsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
-        raise FindingsError(
+        raise DiagnosticsError(
             [SYNTAX.at(span, f"not YAML: it cannot hold the character {error.character:#x}")]
         ) from error
     except RecursionError as error:
-        raise FindingsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
+        raise DiagnosticsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
     if root is None:
-        raise FindingsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
+        raise DiagnosticsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
     return root
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feed_format import DEFINITIONS
-from generator.findings import Finding, Span, nearest
 from generator.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
 from generator.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Network, Number, Scalar, Text, Type
 
@@ -102,7 +102,7 @@ class ScalarReader:
     """Reads scalars, and collects what does not fit."""
 
     file: str
-    findings: list[Finding]
+    findings: list[Diagnostic]
 
     def span(self, node: Node) -> Span:
         """Where a node starts."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from generator.findings import Finding, FindingsError, Severity, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
 from generator.git import Commit
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _text_of(path: Path) -> str:
         return ""
 
 
-def show(findings: Iterable[Finding], sources: Sources, stream: TextIO) -> None:
+def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> None:
     """Print diagnostics; in colour if the stream is a terminal and NO_COLOR is not set."""
     if not (findings := list(findings)):
         return
@@ -73,12 +73,12 @@ def show(findings: Iterable[Finding], sources: Sources, stream: TextIO) -> None:
         console.print(Text("\n").join([*_lines(finding, sources), Text()]))
 
 
-def show_error(error: FindingsError, folder: Path, stream: TextIO) -> None:
+def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
     """Print why a command cannot go on; ``folder`` is that of the table or of the tree."""
     show(error.findings, Sources(folder, error.texts), stream)
 
 
-def _lines(finding: Finding, sources: Sources) -> Iterator[Text]:
+def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
     from rich.text import Text
 
     style = _STYLES[finding.severity]

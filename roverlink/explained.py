@@ -27,7 +27,7 @@ _NUMBER = re.compile("[0-9]{1,9}")  # protobuf's have no more digits
 
 
 class Project:
-    """A table and all that it compiles to. Raises `FindingsError` where it does not."""
+    """A table and all that it compiles to. Raises `DiagnosticsError` where it does not."""
 
     def __init__(self, table: Path, *, history: bool) -> None:
         self.folder = table.resolve().parent

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.findings import Severity
+from generator.diagnostics import Severity
 from generator.git import Repository
 from generator.linting import Linted, Question, lint_project, lint_tree
 from generator.tree import EnvelopeName

@@ -16,7 +16,7 @@ from generator.adopt.past import AdoptedPast, read_past
 from generator.adopt.text import text_of
 from generator.adopt.tree import Tree, owner, read_tree
 from generator.adopt.trial import Trial, tried
-from generator.findings import Finding, FindingsError, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from generator.pipeline import Compiled
 from generator.write import Change, compare
 
@@ -42,7 +42,7 @@ class Adoption:
     draft: Draft
     past: AdoptedPast
     compiled: Compiled
-    findings: tuple[Finding, ...]
+    findings: tuple[Diagnostic, ...]
     """What the lint finds in it, counted for as little as the table says."""
     changes: tuple[Change, ...]
     """What is to be written, the table among it."""
@@ -53,7 +53,7 @@ class Adoption:
 def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] | None = None) -> Adoption:
     """Take over a tree of .proto files. Nothing is written.
 
-    Raises `FindingsError` with everything that is in the way, and that a table cannot mend.
+    Raises `DiagnosticsError` with everything that is in the way, and that a table cannot mend.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
     shown_root = Path(os.path.relpath(root, project)).as_posix()
@@ -99,7 +99,7 @@ def _corrected(draft: Draft, tree: Tree, project: Path, table: str) -> tuple[str
             text = text_of(draft)
             try:
                 trial = tried(text, table, tree.root, project, Path(folder))
-            except FindingsError as error:
+            except DiagnosticsError as error:
                 if not cure(draft, tree, text, table, error.findings):
                     raise
             else:
@@ -109,13 +109,13 @@ def _corrected(draft: Draft, tree: Tree, project: Path, table: str) -> tuple[str
 
 
 def _check_the_way(changes: list[Change], envelope: str) -> None:
-    """Refuse to overwrite what somebody else wrote. Raises `FindingsError`."""
+    """Refuse to overwrite what somebody else wrote. Raises `DiagnosticsError`."""
     theirs = [
         change.path
         for change in changes
         if change.before is not None and change.path != envelope and _OURS not in change.before
     ]
     if theirs:
-        raise FindingsError(
+        raise DiagnosticsError(
             [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
         )

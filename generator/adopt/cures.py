@@ -11,7 +11,7 @@ from itertools import groupby
 from generator import naming, read
 from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.tree import Tree
-from generator.findings import Finding, Severity, Span
+from generator.diagnostics import Diagnostic, Severity, Span
 from generator.protos import ProtoMessage, Schema
 from generator.rules import modules
 
@@ -21,7 +21,7 @@ _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB10
 _MANY_ROWS = 3
 
 
-def cure(draft: Draft, tree: Tree, text: str, table: str, findings: Sequence[Finding]) -> bool:
+def cure(draft: Draft, tree: Tree, text: str, table: str, findings: Sequence[Diagnostic]) -> bool:
     """Change the draft so that it has fewer of the findings; whether anything was changed.
 
     ``text`` is what the draft was tried as, and ``table`` how findings call it.
@@ -82,7 +82,7 @@ def _rows_by_span(draft: Draft, text: str, table: str) -> Mapping[Span, list[Dra
     return found
 
 
-def _cure_row(place: _Place, finding: Finding, draft: Draft) -> bool:
+def _cure_row(place: _Place, finding: Diagnostic, draft: Draft) -> bool:
     """Rename what can be renamed, leave out what cannot be converted; whether anything was changed."""
     row = place.row
     if not place.field:
@@ -113,7 +113,7 @@ def _rename_message(row: DraftRow, draft: Draft) -> bool:
     return False
 
 
-def _lower(draft: Draft, findings: Sequence[Finding], schema: Schema) -> bool:
+def _lower(draft: Draft, findings: Sequence[Diagnostic], schema: Schema) -> bool:
     """Let what was found count for less: in the rows that it is about, or everywhere where those are many or none."""
     for rule, found in groupby(sorted(findings, key=lambda one: one.rule.id), key=lambda one: one.rule.id):
         listed = list(found)
@@ -128,7 +128,7 @@ def _lower(draft: Draft, findings: Sequence[Finding], schema: Schema) -> bool:
     return bool(findings)
 
 
-def _rows_about(finding: Finding, draft: Draft, schema: Schema) -> list[DraftRow]:
+def _rows_about(finding: Diagnostic, draft: Draft, schema: Schema) -> list[DraftRow]:
     """The rows that a finding is about, as the table's own settings of a row are understood."""
     if finding.type in ("", draft.message):
         return [row for row in draft.rows if row.number == finding.number]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from generator.adopt.faults import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from generator.declarations import File, Message, parse
-from generator.findings import Finding, FindingsError, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from generator.proto_files import proto_files, read_protos
 from generator.proto_rules import DOES_NOT_COMPILE
 from generator.protoc import compile_protos
@@ -51,17 +51,17 @@ class Tree:
 def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) -> Tree:
     """Read a tree; ``file``, ``message`` and ``oneof`` name the envelope, as far as they are not empty.
 
-    Raises `FindingsError` where there is no envelope, or where it does not compile.
+    Raises `DiagnosticsError` where there is no envelope, or where it does not compile.
     """
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     names = proto_files(root, shown_root, findings) if root.is_dir() else []
     files = {name: parse(text) for name, text in read_protos(root, names, shown_root, findings).items()}
     if findings or not files:
         none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "holds no .proto file")
-        raise FindingsError(findings or [none])
+        raise DiagnosticsError(findings or [none])
     candidates = list(_envelopes(files, file, message))
     if not candidates:
-        raise FindingsError([_no_envelope(files, file, message, shown_root)])
+        raise DiagnosticsError([_no_envelope(files, file, message, shown_root)])
     path, name = candidates[0]
     schema, exclude = _compiled_together(root, files, path, shown_root)
     envelope = schema.messages[name]
@@ -87,7 +87,7 @@ def _size_of_oneof(message: Message) -> int:
     return max(Counter(held).values(), default=0)
 
 
-def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Finding:
+def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
     if file and file not in files:
         return NO_SUCH_ENVELOPE.at(Span(shown_root), f"has no file {file}", f"there are {', '.join(sorted(files))}")
     known = sorted({one.full_name for name in files for one in files[name].all_messages() if one.oneofs})
@@ -102,7 +102,7 @@ def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
     found = wanted or next((name for name, _ in counted.most_common(1)), "")
     if not counted[found]:
         message = f"{envelope.full_name} has no oneof {wanted}".rstrip() + " that holds messages"
-        raise FindingsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
+        raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
     return found
 
 
@@ -114,7 +114,7 @@ def _compiled_together(
 ) -> tuple[Schema, dict[str, str]]:
     """The schema of the files that compile with the envelope's, and why the others do not.
 
-    Raises `FindingsError` where the envelope, or what it imports, does not.
+    Raises `DiagnosticsError` where the envelope, or what it imports, does not.
     """
     needed = _closure(envelope, files)
     kept = [*needed, *(file for file in files if file not in needed)]  # a later file of two is the one at fault
@@ -122,7 +122,7 @@ def _compiled_together(
     while True:
         try:
             return compile_protos(root, kept, {}, shown_root).schema, dict(sorted(exclude.items()))
-        except FindingsError as error:
+        except DiagnosticsError as error:
             faults = _faults(error, kept, files, exclude, shown_root)
             if not faults or any(file in needed for file in faults):
                 raise
@@ -147,7 +147,7 @@ def _closure(file: str, files: Mapping[str, File]) -> list[str]:
 
 
 def _faults(
-    error: FindingsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
+    error: DiagnosticsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
 ) -> dict[str, str]:
     """The files that protoc finds fault with; or those that import one that was left out."""
     said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}

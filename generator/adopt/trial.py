@@ -7,7 +7,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.findings import Finding
+from generator.diagnostics import Diagnostic
 from generator.linting import Question, lint_project
 from generator.pipeline import Compiled, compile_table
 from generator.write import compare, write
@@ -18,11 +18,11 @@ class Trial:
     """What a table compiles to, and what the lint then finds."""
 
     compiled: Compiled
-    findings: tuple[Finding, ...]
+    findings: tuple[Diagnostic, ...]
 
 
 def tried(text: str, table: str, root: Path, project: Path, folder: Path) -> Trial:
-    """Try the text of a table on a copy of the tree, below a folder. Raises `FindingsError` as `compile_table`."""
+    """Try the text of a table on a copy of the tree, below a folder. Raises `DiagnosticsError` as `compile_table`."""
     top = Path(os.path.commonpath([root, project]))
     inside = folder / "copy"
     shutil.rmtree(inside, ignore_errors=True)

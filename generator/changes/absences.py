@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from generator.changes.pairing import extensions_by_number
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
 from generator.subject import Change, Subject
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.subject import Change, Subject
 
 
-def each_once(subject: Subject, compare: Callable[[Change], Iterable[Finding]]) -> Iterator[Finding]:
+def each_once(subject: Subject, compare: Callable[[Change], Iterable[Diagnostic]]) -> Iterator[Diagnostic]:
     """What a comparison finds against each earlier state; what it finds against several, only as the richest knows it.
 
     The ledger knows least, so what it has in common with another state is said with that one's places.

@@ -9,7 +9,7 @@ from generator.changes.breaks import Breaks
 from generator.changes.cardinality import is_map
 from generator.changes.pairing import FieldPair, MessagePair, written
 from generator.changes.types import kind
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.protos import ProtoEnum, ProtoField, Schema, Syntax
 
 _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.findings import Rule
+from generator.diagnostics import Rule
 
 UNKNOWN_MESSAGE = Rule(
     "STD102",

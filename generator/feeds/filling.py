@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from generator import units
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import faults
 from generator.feeds.leaves import Leaves
 from generator.feeds.options import KEYS, Options
 from generator.feeds.places import Place, Places
 from generator.feeds.sources import Sources
-from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
 from generator.table import Form
 
@@ -26,7 +26,7 @@ _SECOND = units.parse("s")
 class Filling:
     """Collects what fills each field."""
 
-    def __init__(self, places: Places, sources: Sources, report: Callable[[Finding], None]) -> None:
+    def __init__(self, places: Places, sources: Sources, report: Callable[[Diagnostic], None]) -> None:
         self.places, self.sources, self._report = places, sources, report
         self._leaves = Leaves(sources, places.definition, report)
         self.expressions: dict[Path, Expression] = {}

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import faults, numbers
 from generator.feeds.options import Options, Scalings
 from generator.feeds.places import Place, short
 from generator.feeds.sources import Sources
-from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Case, Chosen, Constant, Interface, Source, Taken
 from generator.table import Form
 
@@ -19,7 +19,7 @@ class Leaves:
     """Makes the expressions of fields that hold no message, and reports what does not fit."""
 
     def __init__(
-        self, sources: Sources, definition: Callable[[str], Interface], report: Callable[[Finding], None]
+        self, sources: Sources, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
     ) -> None:
         self._sources, self._definition, self._report = sources, definition, report
         self._scalings = Scalings(report)

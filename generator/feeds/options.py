@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from generator import units
+from generator.diagnostics import Diagnostic, Span
 from generator.feeds import faults
 from generator.feeds.places import Place
-from generator.findings import Finding, Span
 from generator.ir_standard import Scaling, Source
 from generator.table import Form
 
@@ -62,7 +62,7 @@ class Options:
 class Scalings:
     """Makes the scaling of a number from its options, and checks the units."""
 
-    def __init__(self, report: Callable[[Finding], None]) -> None:
+    def __init__(self, report: Callable[[Diagnostic], None]) -> None:
         self._report = report
 
     def of(self, source: Source, place: Place, options: Options, span: Span) -> Scaling | None:

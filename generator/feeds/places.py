@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds.faults import UNKNOWN_TARGET
-from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Interface, InterfaceType, Path
 from generator.standard import meanings
 
@@ -49,7 +49,7 @@ class Places:
     """The fields of one standard message, and of those in it."""
 
     def __init__(
-        self, root: Interface, definition: Callable[[str], Interface], report: Callable[[Finding], None]
+        self, root: Interface, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
     ) -> None:
         self.root, self.definition, self._report = root, definition, report
 

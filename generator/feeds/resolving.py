@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import faults
 from generator.feeds.filling import Filling
 from generator.feeds.inverse import sources_of, way_back
 from generator.feeds.places import Places, short
 from generator.feeds.sources import Sources
 from generator.feeds.unset import Tree
-from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Constant, Feed, Interface, Moment
 from generator.protos import Schema
 from generator.standard import definitions
@@ -22,7 +22,7 @@ _HEADER = "std_msgs/msg/Header"
 class Feeds:
     """Makes the feeds of the rows, and keeps the definitions of the messages that they need."""
 
-    def __init__(self, table: Table, schema: Schema, report: Callable[[Finding], None]) -> None:
+    def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._distro, self._schema, self._report = table.distro, schema, report
         self._definitions: dict[str, Interface] = {}
 

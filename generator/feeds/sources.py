@@ -5,8 +5,8 @@ from __future__ import annotations
 import keyword
 from collections.abc import Callable, Iterator
 
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds.faults import UNKNOWN_SOURCE
-from generator.findings import Finding, Span, nearest
 from generator.ir_standard import Path, Source
 from generator.protos import ProtoField, ProtoMessage, Schema
 
@@ -27,7 +27,7 @@ _TYPES = {
 class Sources:
     """What a mapping can take from a payload."""
 
-    def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Finding], None]) -> None:
+    def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._message, self._report = schema, message, report
 
     @property

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from generator.diagnostics import Diagnostic
 from generator.feeds import faults
 from generator.feeds.filling import Filling
 from generator.feeds.places import Place
-from generator.findings import Finding
 from generator.ir_standard import Constant, Expression, Interface, Parts, Path, TargetField, Unset
 from generator.standard import meanings
 from generator.table import FeedSettings
@@ -16,7 +16,7 @@ from generator.table import FeedSettings
 class Tree:
     """Puts the expressions of a feed in the order of the message's definition."""
 
-    def __init__(self, filling: Filling, settings: FeedSettings, report: Callable[[Finding], None]) -> None:
+    def __init__(self, filling: Filling, settings: FeedSettings, report: Callable[[Diagnostic], None]) -> None:
         self._filling, self._settings, self._report = filling, settings, report
         self._unset = {tuple(path.split(".")) for path in settings.unset}
 

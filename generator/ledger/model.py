@@ -6,7 +6,7 @@ import hashlib
 from dataclasses import dataclass, field
 
 from generator import ir
-from generator.findings import Span
+from generator.diagnostics import Span
 
 NAME = "mapping.lock"
 

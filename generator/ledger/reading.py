@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from generator import ir
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.git import Repository
 from generator.ledger.faults import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
 from generator.ledger.model import NAME, Burned, Entry, Ledger, Number, Owner, checksum
@@ -32,7 +32,7 @@ _NOW = " now"
 _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 
 
-def read(path: Path, findings: list[Finding], name: str = NAME) -> Ledger:
+def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
     """The ledger on disk, as far as it can be read; empty where there is none yet.
 
     It is a finding where it cannot be read, where a line is none of the ledger's, where it is not as generate wrote it,
@@ -74,7 +74,7 @@ class _Reader:
         self.merged = False
         """Whether there was a merge conflict."""
         self.checksum = ""
-        self.broken: list[Finding] = []
+        self.broken: list[Diagnostic] = []
 
     def ledger(self) -> Ledger:
         """What was read."""

@@ -11,7 +11,7 @@ from google.protobuf import text_format
 from google.protobuf.message import DecodeError, Message
 from google.protobuf.unknown_fields import UnknownFieldSet
 
-from generator.findings import nearest
+from generator.diagnostics import nearest
 from generator.nanopb.vocabulary import EXTENSION, NAMES, SIZES, Carrier, Options
 
 Value = int | str

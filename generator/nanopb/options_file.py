@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fnmatch import translate
 from pathlib import Path, PurePosixPath
 
-from generator.findings import Finding, Span, shown
+from generator.diagnostics import Diagnostic, Span, shown
 from generator.nanopb.faults import UNREADABLE_OPTIONS
 from generator.nanopb.options import OptionsError, Values, parse_options
 
@@ -35,7 +35,7 @@ def options_file_of(proto: str) -> str:
     return PurePosixPath(proto).with_suffix(".options").as_posix()
 
 
-def read_options_file(root: Path, name: str, shown_root: str, findings: list[Finding]) -> list[OptionsLine]:
+def read_options_file(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> list[OptionsLine]:
     """Its lines; none if there is no such file."""
     place = shown(shown_root, name)
     try:
@@ -51,7 +51,7 @@ def read_options_file(root: Path, name: str, shown_root: str, findings: list[Fin
     return [line for line in lines if line]
 
 
-def _line(raw: str, at: Span, findings: list[Finding]) -> OptionsLine | None:
+def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
     bare = _LINE_COMMENT.sub("", _BLOCK_COMMENT.sub("", raw)).strip()
     if not bare:
         return None

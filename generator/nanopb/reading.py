@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from generator.findings import Finding, Span, shown
+from generator.diagnostics import Diagnostic, Span, shown
 from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
 from generator.nanopb.faults import PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
 from generator.nanopb.names import PatternNames, further_names
@@ -26,7 +26,7 @@ def read_bounds(
     schema: Schema,
     root: Path,
     shown_root: str,
-    findings: list[Finding],
+    findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
 ) -> Bounds:
     """The options of nanopb's that hold for the messages and fields of a schema.
@@ -74,7 +74,9 @@ def _by_file(schema: Schema, shown_root: str) -> Iterator[_Contents]:
 class _FileReader:
     """Reads the options of one file and of all that it declares."""
 
-    def __init__(self, schema: Schema, contents: _Contents, lines: list[OptionsLine], findings: list[Finding]) -> None:
+    def __init__(
+        self, schema: Schema, contents: _Contents, lines: list[OptionsLine], findings: list[Diagnostic]
+    ) -> None:
         self._contents = contents
         self._lines = lines
         self._findings = findings

@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from generator.findings import Span
+from generator.diagnostics import Span
 from generator.nanopb.bounds import Bounds
 from generator.nanopb.gaps import gap_in
 from generator.nanopb.reckoning import BoundedField, fields_of, message_size, varint_size

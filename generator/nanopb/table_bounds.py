@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ir
-from generator.findings import Finding, Span, nearest, shown
+from generator.diagnostics import Diagnostic, Span, nearest, shown
 from generator.nanopb.faults import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
 from generator.nanopb.options import Values
 from generator.nanopb.options_file import OptionsLine, options_file_of
@@ -25,7 +25,7 @@ class TableBound:
     span: Span
 
 
-def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Finding]) -> list[TableBound]:
+def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> list[TableBound]:
     """The bounds that rows give, by message and field; what does not fit the field is added to the findings.
 
     ``root`` is the folder of the .proto files: a file that has a .options file beside it has its bounds there.
@@ -78,7 +78,7 @@ def _named(message: ProtoMessage, name: str) -> ProtoField:
     return fields[name]
 
 
-def _report_files(bounds: list[TableBound], root: Path, shown_root: str, findings: list[Finding]) -> None:
+def _report_files(bounds: list[TableBound], root: Path, shown_root: str, findings: list[Diagnostic]) -> None:
     """Nanopb reads one .options file for each .proto file, so bounds of one file must stand in one place."""
     for one in bounds:
         beside = options_file_of(one.bound.file)

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Protocol, cast
 
-from generator.findings import Finding, Rule, Severity, independent
+from generator.diagnostics import Diagnostic, Rule, Severity, independent
 from generator.subject import Subject
 from generator.table import Lowered
 
@@ -26,7 +26,7 @@ class RuleModule(Protocol):
 
     RULE: Rule
 
-    def check(self, subject: Subject) -> Iterator[Finding]:
+    def check(self, subject: Subject) -> Iterator[Diagnostic]:
         """What the rule finds."""
 
 
@@ -38,7 +38,7 @@ def modules() -> Mapping[str, RuleModule]:
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
 
 
-def lint(subject: Subject) -> list[Finding]:
+def lint(subject: Subject) -> list[Diagnostic]:
     """What every rule finds, counting for as much as the table says."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
     said = _without_repetitions(found, subject.table.envelope.message)
@@ -46,7 +46,7 @@ def lint(subject: Subject) -> list[Finding]:
     return independent(finding for finding in counted if finding is not None)
 
 
-def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Finding]:
+def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
     """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
@@ -56,7 +56,7 @@ def _without_repetitions(found: Iterable[Finding], envelope: str) -> Iterator[Fi
             yield one
 
 
-def _as_the_table_says(finding: Finding, subject: Subject) -> Finding | None:
+def _as_the_table_says(finding: Diagnostic, subject: Subject) -> Diagnostic | None:
     """The finding with its severity lowered where the table lowers it; None where it turns it off."""
     if finding.severity is Severity.FATAL:
         return finding
@@ -68,7 +68,7 @@ def _as_the_table_says(finding: Finding, subject: Subject) -> Finding | None:
     return dataclasses.replace(finding, severity=severity)
 
 
-def _lowerings(finding: Finding, subject: Subject) -> Iterator[Lowered]:
+def _lowerings(finding: Diagnostic, subject: Subject) -> Iterator[Lowered]:
     table, id = subject.table, finding.rule.id
     yield from (lowered for lowered in table.lint if lowered.rule == id)
     for row in table.rows:
@@ -77,7 +77,7 @@ def _lowerings(finding: Finding, subject: Subject) -> Iterator[Lowered]:
             yield from of_row
 
 
-def _is_about(finding: Finding, number: int, proto: str, subject: Subject) -> bool:
+def _is_about(finding: Diagnostic, number: int, proto: str, subject: Subject) -> bool:
     """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
     if finding.type in ("", subject.table.envelope.message):
         return finding.number == number

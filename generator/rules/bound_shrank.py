@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import FieldBounds
 from generator.protos import ProtoField, ProtoMessage
 from generator.subject import Subject
@@ -49,7 +49,7 @@ class _Bounded(NamedTuple):
         return self.given.int_size or _BITS.get(self.field.type)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are there now and in the earlier state, with tighter bounds now."""
     if subject.schema is None or subject.bounds is None:
         return
@@ -67,7 +67,7 @@ def check(subject: Subject) -> Iterator[Finding]:
                     )
 
 
-def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[Finding]:
+def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[Diagnostic]:
     for option, text in (*_shrunk_size(now, before), *_shrunk_count(now, before), *_shrunk_integer(now, before)):
         yield RULE.at(
             now.given.said.get(option, now.field.span),

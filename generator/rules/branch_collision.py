@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Span, Use
+from generator.diagnostics import Diagnostic, Rule, Span, Use
 from generator.history import Allocation
 from generator.retrospect import branch, place_of
 from generator.subject import Subject
@@ -26,7 +26,7 @@ from generator.subject import Subject
 RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that branches have given away since they parted."""
     past, envelope = subject.past, subject.table.envelope.message
     if past is None or not past.of_branches:

@@ -17,13 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Subject
 
 RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows with a burned number, but for the payload that had it when that was accepted."""
     envelope = subject.table.envelope.message
     burned = subject.ledger.burned_in(envelope)

@@ -21,14 +21,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Subject
 from generator.table import PeerSettings
 
 RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose message is called as those of another peer are."""
     table = subject.table
     if not table.whole:

@@ -25,7 +25,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 
 from generator.declarations import Enum, Message
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.naming import snake_case
 from generator.subject import Subject
 
@@ -34,7 +34,7 @@ RULE = Rule("NAM103", "enum-value-collides", __doc__)
 _Messages = Mapping[str, tuple[str, Message]]  # by full name, each with its file
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Enums with values that are called as a message in the same scope is; each enum once."""
     files = {**subject.excluded_files, **subject.files}
     messages = {found.full_name: (path, found) for path, file in files.items() for found in file.all_messages()}
@@ -43,7 +43,7 @@ def check(subject: Subject) -> Iterator[Finding]:
             yield from _check(path, enum, messages, subject)
 
 
-def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iterator[Finding]:
+def _check(path: str, enum: Enum, messages: _Messages, subject: Subject) -> Iterator[Diagnostic]:
     scope = enum.full_name.removesuffix(enum.name)
     colliding = [value for value in enum.values if f"{scope}{value.name}" in messages]
     if not colliding:

@@ -29,7 +29,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from generator.declarations import Message, resolve_type
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.protos import ProtoMessage
 from generator.subject import Subject
 from generator.table import Row, Table
@@ -73,7 +73,7 @@ _OF_OWNER = {
 }
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows and members of the oneof that are not each other's; what is retired and not reserved."""
     if subject.table.envelope.owner == "proto":
         yield from _check_of_another_owner(subject)
@@ -81,7 +81,7 @@ def check(subject: Subject) -> Iterator[Finding]:
         yield from _check_written_file(subject)
 
 
-def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
+def _check_of_another_owner(subject: Subject) -> Iterator[Diagnostic]:
     table, schema, name = subject.table, subject.schema, subject.table.envelope.message
     if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
         return
@@ -92,7 +92,7 @@ def _check_of_another_owner(subject: Subject) -> Iterator[Finding]:
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
 
-def _check_written_file(subject: Subject) -> Iterator[Finding]:
+def _check_written_file(subject: Subject) -> Iterator[Diagnostic]:
     table, name = subject.table, subject.table.envelope.message
     path = table.envelope.file
     if not path or not name:
@@ -132,7 +132,7 @@ def _written_members(envelope: Message, subject: Subject) -> list[_Member]:
     ]
 
 
-def _compare(subject: Subject, members: list[_Member]) -> Iterator[Finding]:
+def _compare(subject: Subject, members: list[_Member]) -> Iterator[Diagnostic]:
     """Rows against members; each difference once."""
     table = subject.table
     name, oneof = table.envelope.message, table.envelope.oneof
@@ -158,7 +158,7 @@ def _is_moved(row: Row, member: _Member, table: Table) -> bool:
     return member.name == row.name and member.number not in table.numbers
 
 
-def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Finding]:
+def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]
     if member is None:
@@ -183,7 +183,7 @@ def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures:
         yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
 
 
-def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[Finding]:
+def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[Diagnostic]:
     table, number = subject.table, member.number
     envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
@@ -196,7 +196,7 @@ def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[F
         yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
 
 
-def _unreserved(envelope: Message, used: set[int], table: Table) -> Iterator[Finding]:
+def _unreserved(envelope: Message, used: set[int], table: Table) -> Iterator[Diagnostic]:
     """What is retired in the table, and free in the file."""
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)

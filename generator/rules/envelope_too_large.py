@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from generator.protos import Schema
 from generator.subject import Subject
@@ -30,7 +30,7 @@ RULE = Rule("FIX102", "envelope-too-large", __doc__)
 _HELP = "lower a bound in the .options file, split the message, or raise max_size if the peer has the memory"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose largest envelope exceeds what a peer takes that sends it or is sent it."""
     table, schema, bounds = subject.table, subject.schema, subject.bounds
     if schema is None or bounds is None:

@@ -25,13 +25,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.declarations import Message
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Subject
 
 RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields of any message but the envelope, whose members are payloads."""
     for path, file in subject.files.items():
         for message in file.all_messages():
@@ -39,7 +39,7 @@ def check(subject: Subject) -> Iterator[Finding]:
                 yield from _check(path, message, subject)
 
 
-def _check(path: str, declared: Message, subject: Subject) -> Iterator[Finding]:
+def _check(path: str, declared: Message, subject: Subject) -> Iterator[Diagnostic]:
     compiled = subject.schema.messages.get(declared.full_name) if subject.schema else None
     fields = compiled.fields if compiled and compiled.file == path else ()
     for field in fields:

@@ -15,14 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Subject
 from generator.table_format import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows with such a number."""
     envelope = subject.table.envelope.message
     message = f"is one of protobuf's own, {IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1}"

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.ledger import Entry
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
@@ -30,7 +30,7 @@ from generator.table import RetiredRow, Row
 RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows, and retired ones, whose number was published for another message."""
     # One payload may be known from several places, the ledger first; it is one fact.
     published = {(entry.number, entry.proto): entry for entry in reversed(subject.published)}
@@ -56,7 +56,7 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
             yield entry
 
 
-def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Finding:
+def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
     message = f"field {row.number} was published for {entry.name} ({entry.proto}), not for {row.proto}"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]

@@ -20,19 +20,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
 
 RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows, retired ones first, whose number an earlier one has."""
     table = subject.table
     holders: dict[int, RetiredRow] = {}
 
-    def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Finding:
+    def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
         return RULE.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for retired in table.retired:

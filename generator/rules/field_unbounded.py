@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import Unbounded, largest_size
 from generator.subject import Subject
 from generator.table import PeerSettings, Row
@@ -30,7 +30,7 @@ RULE = Rule("FIX101", "field-unbounded", __doc__)
 _HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Payloads that go to or come from a peer with a largest size; each once, at its first such field."""
     schema, bounds = subject.schema, subject.bounds
     if schema is None or bounds is None:

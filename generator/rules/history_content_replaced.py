@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
@@ -24,7 +24,7 @@ from generator.subject import Subject
 RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload kept its name and lost its fields."""
     for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.REPLACED})):
         yield reported(RULE, subject, owner, number, reuses)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
@@ -24,7 +24,7 @@ from generator.subject import Subject
 RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload has another name than once, and nothing worse."""
     worse = {(owner, number) for owner, number, _ in reuses_by_number(subject, frozenset(Kind) - {Kind.RENAMED})}
     for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.RENAMED})):

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.history import Kind
 from generator.retrospect import reported, reuses_by_number
 from generator.subject import Subject
@@ -31,7 +31,7 @@ RULE = Rule("HIS101", "field-number-reuse", __doc__)
 _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers of messages and enums with more than one meaning, but for those that were accepted."""
     for owner, number, reuses in reuses_by_number(subject, _KINDS):
         yield reported(RULE, subject, owner, number, reuses)

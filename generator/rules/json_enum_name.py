@@ -21,18 +21,18 @@ from generator.changes import each_once, earlier, gone_values
 from generator.changes.cures import names_in_use, value_back_or_reserve
 from generator.changes.ranges import covers
 from generator.changes.spelling import value_place
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN108", "enum-value-name-freed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values that are gone and whose number is reserved, with a name that neither is nor belongs to another value."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, number, names in gone_values(change):
         kept = {*pair.new.reserved_names, *names_in_use(pair.new)}
         free = [name for name in names if name not in kept]

@@ -20,19 +20,19 @@ from generator.changes import EnumPair, each_once, earlier
 from generator.changes.cures import put_values_back
 from generator.changes.spelling import value_place
 from generator.changes.values import renamed_values, stands_for_another
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN107", "enum-value-renamed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values of a number of which a name is gone; each of its names now, as none of them replaces it for sure."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, number, gone, values in renamed_values(change):
         if not stands_for_another(pair, number):
             for value in values:

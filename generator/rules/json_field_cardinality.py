@@ -23,18 +23,18 @@ from generator.changes import Breaks, each_once, earlier, fields
 from generator.changes.cardinality import MAP, broken_by_cardinality, cardinalities
 from generator.changes.cures import back, was
 from generator.changes.types import broken_by_type
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN103", "field-cardinality-changed-in-json", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that hold another number of values, as JSON shows and bytes do not; and whose bytes can be read."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         old, new = cardinalities(pair)
         of_json = broken_by_cardinality(old, new) is Breaks.JSON

@@ -20,18 +20,18 @@ from generator.changes import each_once, earlier, gone_fields
 from generator.changes.cures import names_in_use, put_back_or_reserve
 from generator.changes.ranges import covers
 from generator.changes.spelling import declaration_of_old
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN102", "field-name-freed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are gone and whose number is reserved, but not their name, which no other field has either."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, field in gone_fields(change):
         free = field.name not in pair.new.reserved_names and field.name not in names_in_use(pair.new)
         if covers(pair.new.reserved, field.number) and free:

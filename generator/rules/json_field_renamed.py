@@ -21,18 +21,18 @@ from generator.changes import FieldPair, each_once, earlier, fields
 from generator.changes.cures import back, was
 from generator.changes.renames import Rename, json_name_changed, old_json_name, rename, renamed
 from generator.changes.spelling import declaration
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN104", "field-renamed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are called something else in JSON too, and still seem to be the same thing."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if rename(pair) is Rename.WORDING and json_name_changed(pair):
             yield RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.cures import back_or_renumber, was
 from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import retyping, type_place
 from generator.changes.types import retyped
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN101", "field-type-changed-in-json", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose old and new type can read each other's bytes, but not JSON."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in retyped(change, fields(change), Breaks.JSON):
         yield RULE.at(

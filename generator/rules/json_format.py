@@ -19,19 +19,19 @@ from collections.abc import Iterator
 
 from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
 from generator.changes.cures import type_feature
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN106", "json-support-dropped", __doc__, Severity.WARNING)
 _FULL = "ALLOW"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages and enums whose `json_format` was ALLOW."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     pairs: list[MessagePair | EnumPair] = [*messages(change), *enums(change)]
     for pair in pairs:
         old, new = (one.facets.get("json_format", "") for one in (pair.old, pair.new))

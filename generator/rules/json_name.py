@@ -18,18 +18,18 @@ from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, fields
 from generator.changes.renames import Rename, json_name_changed, rename
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN105", "json-name-changed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields with another `json_name`; what follows from a new name is said there."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if rename(pair) is Rename.NONE and json_name_changed(pair) and not change.of_ledger:
             yield RULE.at(

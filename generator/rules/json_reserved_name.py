@@ -19,18 +19,18 @@ from collections.abc import Iterator
 
 from generator.changes import EnumPair, MessagePair, each_once, earlier, enums, messages
 from generator.changes.cures import names_in_use, reserve_names
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("JSN109", "reserved-name-freed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Names of messages and enums that were reserved."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     pairs: list[MessagePair | EnumPair] = [*messages(change), *enums(change)]
     for pair in pairs:
         used = names_in_use(pair.new)

@@ -22,14 +22,14 @@ import importlib
 from collections.abc import Iterator, Mapping
 from functools import cache
 
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Subject
 from generator.table import Lowered
 
 RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Settings of the table and of its rows that change no finding's severity."""
     table = subject.table
     for lowered in table.lint:
@@ -39,7 +39,7 @@ def check(subject: Subject) -> Iterator[Finding]:
             yield from _check(lowered, table.envelope.message, row.number)
 
 
-def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Finding]:
+def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnostic]:
     rule = _rules().get(lowered.rule)
     if rule is None:
         message = f"there is no rule {lowered.rule} that a table could lower"

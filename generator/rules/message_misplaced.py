@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.naming import snake_case
 from generator.subject import Subject
 from generator.table import Row
@@ -32,7 +32,7 @@ from generator.table import Row
 RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Payloads of peers that have prefixes; each message once."""
     table = subject.table
     if not table.whole:
@@ -46,14 +46,14 @@ def check(subject: Subject) -> Iterator[Finding]:
         yield from _check_folder(row, own, subject) if own else _not_prefixed(row, sorted(prefixes), subject)
 
 
-def _not_prefixed(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Finding]:
+def _not_prefixed(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Diagnostic]:
     message = f"{row.proto} is not called after a component"
     help = f"start its name with one of {', '.join(prefixes)}, or add its component to `prefixes`"
     span, also = _place(row, subject)
     yield RULE.at(span, message, help, also, type=row.proto)
 
 
-def _check_folder(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Finding]:
+def _check_folder(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Diagnostic]:
     declared = subject.schema.messages.get(row.proto) if subject.schema else None
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:

@@ -25,13 +25,13 @@ import dataclasses
 from collections.abc import Iterator
 
 from generator.declarations import Message
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Subject
 
 RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages that stand in no other and have the name of one in an earlier file; excluded files come last."""
     seen: dict[str, tuple[str, Message]] = {}
     for files in (subject.files, subject.excluded_files):

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.naming import distinct
 from generator.subject import Subject
 from generator.table import RetiredRow, Row
@@ -29,12 +29,12 @@ RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
     table = subject.table
     retired: dict[str, RetiredRow] = {}
 
-    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Finding:
+    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
         return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
 
     for gone in table.retired:

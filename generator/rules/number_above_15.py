@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoMessage
 from generator.subject import Subject
 
@@ -29,7 +29,7 @@ RULE = Rule("FIX104", "number-above-15", __doc__, Severity.HINT)
 _LAST_SHORT = 15
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages inside what a peer with a largest size sends; each once, at its first such field."""
     table, schema = subject.table, subject.schema
     limited = {peer.name for peer in table.peers if peer.max_size is not None}
@@ -40,7 +40,7 @@ def check(subject: Subject) -> Iterator[Finding]:
         yield from _check(schema.messages[name])
 
 
-def _check(message: ProtoMessage) -> Iterator[Finding]:
+def _check(message: ProtoMessage) -> Iterator[Diagnostic]:
     long = sorted((field for field in message.fields if field.number > _LAST_SHORT), key=lambda field: field.number)
     if not long:
         return

@@ -23,14 +23,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.declarations import Claim
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows with a number that the envelope's comments have for another payload."""
     envelope = subject.table.envelope.message
     claims = list(subject.envelope_claims())

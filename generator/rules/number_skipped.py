@@ -19,13 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Subject
 
 RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """New rows with a larger number than they need, where something was published before."""
     published = {entry.number for entry in subject.published}
     if not published:

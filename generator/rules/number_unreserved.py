@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.ledger import Entry
 from generator.protos import ProtoMessage
 from generator.subject import Subject
@@ -36,7 +36,7 @@ from generator.table import Table
 RULE = Rule("ENV107", "number-unreserved", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that were published, and that the envelope neither has nor reserves."""
     table = subject.table
     envelope = subject.schema.messages.get(table.envelope.message) if subject.schema else None

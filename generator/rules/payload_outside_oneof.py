@@ -27,14 +27,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField
 from generator.subject import Subject
 
 RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages in the envelope that are not in its oneof; any field, where it is to hold nothing but the oneof."""
     settings = subject.table.envelope
     envelope = subject.schema.messages.get(settings.message) if subject.schema else None

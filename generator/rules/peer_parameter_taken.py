@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.node_parameters import NODE_PARAMETERS
 from generator.subject import Subject
 from generator.table import PeerSettings
@@ -28,7 +28,7 @@ RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 _OF_THE_NODE = frozenset({"use_sim_time", *(parameter.name for parameter in NODE_PARAMETERS)})
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Peers whose parameter another peer has, or the node itself."""
     seen: dict[str, PeerSettings] = {}
     for peer in subject.table.peers:

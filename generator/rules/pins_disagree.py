@@ -19,13 +19,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Subject
 
 RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Each pair of consumers whose commits disagree, with the numbers about which they do."""
     past, envelope = subject.past, subject.table.envelope.message
     if past is None:

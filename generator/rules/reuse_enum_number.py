@@ -22,7 +22,7 @@ from generator.changes import values_by_number
 from generator.changes.cures import reserve
 from generator.changes.cures import values as declared
 from generator.changes.numbers import next_enum_number
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.ledger import Number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
 from generator.subject import Subject
@@ -30,7 +30,7 @@ from generator.subject import Subject
 RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
@@ -48,7 +48,7 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 def _finding(
     schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], number: Number, free: int | None
-) -> Finding:
+) -> Diagnostic:
     names, was = [value.name for value in values], number.fact.name
     freed = reserve(enum, schema.syntax_of(enum.file), [(number.fact.number, number.fact.number)], [was])
     return RULE.at(

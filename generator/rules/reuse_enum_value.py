@@ -21,19 +21,19 @@ from generator.changes import EnumPair, each_once, earlier
 from generator.changes.cures import values as declared
 from generator.changes.spelling import value_place
 from generator.changes.values import moved_away, moved_here, new_numbers, renamed_values, stands_for_another
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoEnumValue
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values whose name belonged to another number, or whose number had a name that another one has now."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     for pair, number, gone, values in renamed_values(change):
         if stands_for_another(pair, number):
             help = _help(subject, pair, number, gone, values)

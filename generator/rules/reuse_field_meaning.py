@@ -21,18 +21,18 @@ from generator.changes import FieldPair, each_once, earlier, fields
 from generator.changes.cures import back_or_renumber, was
 from generator.changes.renames import Rename, names_another_field, rename
 from generator.changes.renumbering import NewNumbers
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose new name has nothing of the old one, or was another field's."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         # What a payload means is its type, which has rules of its own.

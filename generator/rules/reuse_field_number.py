@@ -24,7 +24,7 @@ from generator.changes.cures import reserve
 from generator.changes.numbers import next_field_number
 from generator.changes.spelling import declaration
 from generator.changes.types import broken_by_kind
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.ledger import Number
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.subject import Subject
@@ -32,7 +32,7 @@ from generator.subject import Subject
 RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
     if subject.schema is None:
         return
@@ -55,7 +55,7 @@ def _is_the_same(number: Number, field: ProtoField) -> bool:
     return fact.type == field.wire_type or broken_by_kind(fact.type, field.wire_type) is not Breaks.WIRE
 
 
-def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, number: Number, free: int | None) -> Finding:
+def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, number: Number, free: int | None) -> Diagnostic:
     fact = number.fact
     was = f"{fact.name} ({fact.type})" if isinstance(fact, ir.WireField) else fact.name
     return RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.cures import back_or_renumber, was
 from generator.changes.renames import Rename, measures, rename
 from generator.changes.renumbering import NewNumbers
 from generator.changes.units import factor
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose names before and after speak of one thing in two units."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if rename(pair) is Rename.UNIT:

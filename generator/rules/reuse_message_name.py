@@ -21,19 +21,19 @@ from collections.abc import Iterator
 from generator.changes import Breaks, MessagePair, each_once, earlier, fields_of_messages, messages
 from generator.changes.renames import Rename, rename
 from generator.changes.types import broken_by_type
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR113", "message-content-replaced", __doc__)
 _FEWEST = 3  # of so few fields that each may have changed by itself
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         before = len(pair.old.fields)
         replaced, left = _counts(pair)

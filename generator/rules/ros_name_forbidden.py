@@ -17,14 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator import naming
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """The package, and the messages and topics of the rows."""
     table = subject.table
     if table.package and not naming.is_package_name(table.package):

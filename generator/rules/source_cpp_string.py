@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import FieldPair, each_once, earlier, fields
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
@@ -27,12 +27,12 @@ _WITH_CTYPE = ("proto2", "proto3", "2023")
 _HARMLESS = ("STRING_PIECE", "STRING")  # the one was never more than the other
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Strings and bytes with another type in C++."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         old, new = (field.facets.get("cpp_string_type", "") for field in (pair.old, pair.new))
         if old and new and old != new and (old, new) != _HARMLESS and not pair.in_map_entry:

@@ -17,19 +17,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, messages
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC111", "descriptor-accessor-removed", __doc__, Severity.WARNING)
 _OPTION = "no_standard_descriptor_accessor"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages that have the option and had it not."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         if _OPTION in pair.new.facets and _OPTION not in pair.old.facets and not change.of_ledger:
             yield RULE.at(

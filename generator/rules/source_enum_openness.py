@@ -19,7 +19,7 @@ from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, enums
 from generator.changes.cures import type_feature
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC112", "enum-openness-changed", __doc__, Severity.WARNING)
@@ -29,12 +29,12 @@ _CONSEQUENCE = {
 }
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Enums with another `enum_type`."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in enums(change):
         old, new = (enum.facets.get("enum_type", "") for enum in (pair.old, pair.new))
         if old != new and not change.of_ledger:

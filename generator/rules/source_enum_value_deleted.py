@@ -20,18 +20,18 @@ from generator.changes import EnumPair, each_once, earlier, gone_values
 from generator.changes.cures import names_in_use
 from generator.changes.ranges import covers
 from generator.changes.spelling import value_place
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC113", "enum-value-deleted", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Values that are gone with their numbers reserved, and whose names are as well, or moved to other numbers."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, number, names in gone_values(change):
         kept = {*pair.new.reserved_names, *names_in_use(pair.new)}
         if covers(pair.new.reserved, number) and kept.issuperset(names):

@@ -20,19 +20,19 @@ from collections.abc import Iterator
 from generator.changes import each_once, earlier
 from generator.changes.absences import absent_extensions
 from generator.changes.spelling import declaration
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.protos import ProtoExtension, Schema
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC109", "extension-deleted", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Extensions whose number of their message nothing has any more, or something in a file out of reach."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     for old, new, missed in absent_extensions(subject, change):
         was = declaration(old.field, change.before, old.extendee, change.before.syntax_of(old.file))
         what, span = _became(old, new, missed, change.after)

@@ -19,19 +19,19 @@ from collections.abc import Iterator
 
 from generator.changes import MessagePair, each_once, earlier, messages
 from generator.changes.ranges import Range, covers, missing, spelled
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC110", "extension-range-narrowed", __doc__, Severity.WARNING)
 _MESSAGE_SET = "message_set_wire_format"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Extension ranges of which something is no extension's any more; those of message sets are counted differently."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         if pair.old.facets.get(_MESSAGE_SET) != pair.new.facets.get(_MESSAGE_SET):
             continue

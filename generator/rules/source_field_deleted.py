@@ -20,14 +20,14 @@ from generator.changes import MessagePair, each_once, earlier, gone_fields
 from generator.changes.cures import names_in_use
 from generator.changes.ranges import covers
 from generator.changes.spelling import declaration_of_old
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC102", "field-deleted", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are gone with their numbers reserved, and whose names are as well, or moved to other numbers.
 
     That a required one is gone has a rule of its own.
@@ -35,7 +35,7 @@ def check(subject: Subject) -> Iterator[Finding]:
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, field in gone_fields(change):
         kept = field.name in pair.new.reserved_names or field.name in names_in_use(pair.new)
         if covers(pair.new.reserved, field.number) and kept and field.label != "required":

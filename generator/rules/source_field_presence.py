@@ -22,7 +22,7 @@ from generator.changes.cardinality import IMPLICIT, broken_by_cardinality, cardi
 from generator.changes.cures import back, was
 from generator.changes.oneofs import broken_by_oneof, said_of_the_oneof
 from generator.changes.types import broken_by_type
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC103", "field-presence-changed", __doc__, Severity.WARNING)
@@ -30,12 +30,12 @@ _TOLD = "told absent from zero, and does not any more"
 _TELLS = "tells absent from zero now, and did not"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are singular on both sides, and on one of them know absence."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         old, new = cardinalities(pair)
         if broken_by_cardinality(old, new) is Breaks.CODE and not _follows_from_another_fault(pair):

@@ -20,18 +20,18 @@ from collections.abc import Iterator
 from generator.changes import each_once, earlier, fields
 from generator.changes.cures import back, was
 from generator.changes.renames import Rename, json_name_changed, rename, renamed
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC104", "field-renamed-in-code", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are called something else, though not in JSON."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if rename(pair) is Rename.WORDING and not json_name_changed(pair):
             yield RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.cardinality import broken_by_cardinality, cardinalities
 from generator.changes.cures import back, was
 from generator.changes.spelling import retyping, type_place
 from generator.changes.types import retyped
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC101", "field-type-changed-in-code", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose old and new type can read each other's bytes and JSON; of a list that became a map, JSON says it."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in retyped(change, fields(change), Breaks.CODE):
         if broken_by_cardinality(*cardinalities(pair)) is Breaks.JSON:
             continue

@@ -17,19 +17,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, fields
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC114", "jstype-changed", __doc__, Severity.WARNING)
 _TYPES = frozenset({"int64", "uint64", "sint64", "fixed64", "sfixed64"})
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """64-bit integers with another `jstype`."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         old, new = (field.facets.get("jstype", "JS_NORMAL") for field in (pair.old, pair.new))
         if old != new and {pair.old.type, pair.new.type} <= _TYPES and not change.of_ledger:

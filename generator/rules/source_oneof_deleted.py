@@ -18,19 +18,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import MessagePair, each_once, earlier, messages
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC105", "oneof-deleted", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Oneofs whose name no oneof of the message has any more."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         for name in pair.old.oneofs:
             if name not in pair.new.oneofs:

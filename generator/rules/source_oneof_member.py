@@ -19,18 +19,18 @@ from collections.abc import Iterator
 
 from generator.changes import Breaks, each_once, earlier, fields
 from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text, said_of_the_oneof
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC106", "oneof-of-a-field-changed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that are in another oneof, in the same company, while the one that they were in is still there."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if broken_by_oneof(pair) is Breaks.CODE and not said_of_the_oneof(pair):
             yield RULE.at(

@@ -18,19 +18,19 @@ from collections.abc import Iterator
 
 from generator.changes import each_once, earlier
 from generator.changes.absences import absent_types, heir
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC107", "type-deleted", __doc__, Severity.WARNING)
 _OR_CHANGE = "or change the code that uses it on every side"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages and enums whose full name nothing has any more; the ledger does not say what is still in use."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     for absence in absent_types(subject, change):
         if absence.new is None:
             old, now = absence.old, heir(change, absence.old)

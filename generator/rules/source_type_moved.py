@@ -19,18 +19,18 @@ from collections.abc import Iterator
 
 from generator.changes import each_once, earlier
 from generator.changes.absences import absent_types
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.subject import Change, Subject
 
 RULE = Rule("SRC108", "type-moved", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages and enums that another file declares than before, which the old one does not hand on."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     for absence in absent_types(subject, change):
         if absence.new is not None:
             old, new = absence.old, absence.new

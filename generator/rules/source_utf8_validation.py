@@ -18,7 +18,7 @@ from collections.abc import Iterator
 
 from generator.changes import FieldPair, each_once, earlier, fields
 from generator.changes.pairing import written
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
@@ -38,12 +38,12 @@ _IS_NOT_CHECKED = (
 _EVERYWHERE, _IN_JAVA = "utf8_validation", "java_utf8_validation"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Strings with another `utf8_validation`, or with another for Java alone."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         for facet, where in ((_EVERYWHERE, ""), (_IN_JAVA, " in Java")):
             old, new = _values(pair, facet)

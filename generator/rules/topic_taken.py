@@ -17,14 +17,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows whose topic an earlier row has."""
     seen: dict[str, tuple[str, Span]] = {}
     envelope = subject.table.envelope.message

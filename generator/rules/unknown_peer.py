@@ -23,14 +23,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from generator.findings import Finding, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, Rule, Span, nearest
 from generator.subject import Subject
 from generator.table import Row
 
 RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Directions and forwards without a peer."""
     table = subject.table
     if not table.whole:

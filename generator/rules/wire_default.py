@@ -23,18 +23,18 @@ from generator.changes.cures import back
 from generator.changes.defaults import default, default_changed, shown
 from generator.changes.spelling import declaration
 from generator.changes.types import broken_by_type
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields with another default, unless their type is already said to be another."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if default_changed(pair) and broken_by_type(pair) is not Breaks.WIRE:
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)

@@ -21,18 +21,18 @@ from generator.changes import EnumPair, each_once, earlier, gone_values
 from generator.changes.cures import value_back_or_reserve
 from generator.changes.ranges import covers
 from generator.changes.spelling import value_place
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that were a value's, and are neither a value's nor reserved."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, number, names in gone_values(change):
         if not covers(pair.new.reserved, number):
             yield RULE.at(

@@ -20,19 +20,19 @@ from generator.changes import Breaks, FieldPair, each_once, earlier, fields
 from generator.changes.cardinality import broken_by_cardinality, cardinalities, only_required, shown
 from generator.changes.cures import back_or_renumber, was
 from generator.changes.renumbering import NewNumbers
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         old, new = cardinalities(pair)

@@ -21,19 +21,19 @@ from generator.changes import MessagePair, each_once, earlier, gone_fields
 from generator.changes.cures import names_in_use, put_back_or_reserve
 from generator.changes.ranges import covers
 from generator.changes.spelling import declaration_of_old
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that were a field's, and are neither a field's nor reserved."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair, field in gone_fields(change):
         if not covers(pair.new.reserved, field.number):
             yield RULE.at(

@@ -22,18 +22,18 @@ from generator.changes.cures import back_or_renumber, was
 from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import retyping, type_place
 from generator.changes.types import retyped
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose old and new type cannot read each other."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in retyped(change, fields(change), Breaks.WIRE):
         yield RULE.at(

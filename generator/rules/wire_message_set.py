@@ -18,19 +18,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.changes import each_once, earlier, messages
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR109", "message-set-format-changed", __doc__)
 _OPTION = "message_set_wire_format"
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Messages whose option `message_set_wire_format` is another."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         old, new = (message.facets.get(_OPTION, "false") for message in (pair.old, pair.new))
         if old != new and not change.of_ledger:

@@ -21,18 +21,18 @@ from generator.changes import Breaks, each_once, earlier, fields
 from generator.changes.cures import back_or_renumber
 from generator.changes.oneofs import broken_by_oneof, moved_back, moved_text
 from generator.changes.renumbering import NewNumbers
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Fields whose company in a oneof is another."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in fields(change):
         if broken_by_oneof(pair) is Breaks.WIRE:

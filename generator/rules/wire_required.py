@@ -21,19 +21,19 @@ from collections.abc import Iterator
 from generator.changes import MessagePair, each_once, earlier, messages
 from generator.changes.cures import put_back
 from generator.changes.spelling import declaration, declaration_of_old
-from generator.findings import Finding, Rule
+from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField, ProtoMessage
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR104", "required-field-changed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Numbers that are required on one side alone, and hold no list on the other."""
     return each_once(subject, _findings)
 
 
-def _findings(change: Change) -> Iterator[Finding]:
+def _findings(change: Change) -> Iterator[Diagnostic]:
     for pair in messages(change):
         before, after = _fields(pair.old), _fields(pair.new)
         for number in sorted(before.keys() | after.keys()):
@@ -54,7 +54,7 @@ def _required(field: ProtoField) -> bool:
     return field.label == "required"
 
 
-def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Finding:
+def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Diagnostic:
     became, help = f"is gone from {pair.new.full_name}", put_back(pair, old)
     if new is not None:
         declared = declaration(old, pair.change.before, pair.old.full_name, pair.syntax)
@@ -69,7 +69,7 @@ def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) ->
     )
 
 
-def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Finding:
+def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Diagnostic:
     became, place, known = "is new and required", pair.old.span, "the message was here, without it"
     if old is not None:
         became, place, known = (

@@ -23,7 +23,7 @@ from generator.changes.numbers import next_enum_number
 from generator.changes.ranges import Range, covers, missing, spelled
 from generator.changes.renumbering import NewNumbers
 from generator.changes.spelling import declaration
-from generator.findings import Finding, Rule, Span
+from generator.diagnostics import Diagnostic, Rule, Span
 from generator.subject import Change, Subject
 
 RULE = Rule("WIR106", "reserved-number-freed", __doc__)
@@ -40,12 +40,12 @@ class _User:
     """How it is to be declared, with another number; empty where there is none left."""
 
 
-def check(subject: Subject) -> Iterator[Finding]:
+def check(subject: Subject) -> Iterator[Diagnostic]:
     """Reserved ranges of messages and enums of which something is not reserved any more."""
     return each_once(subject, lambda change: _findings(subject, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Finding]:
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
     numbers = NewNumbers(subject, change)
     for pair in messages(change):
         for place, freed in _freed(pair):
@@ -85,7 +85,7 @@ def _values(pair: EnumPair, subject: Subject, freed: list[Range]) -> list[_User]
     return users
 
 
-def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Finding:
+def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Diagnostic:
     return RULE.at(
         pair.new.span,
         f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",

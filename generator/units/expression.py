@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from generator.findings import nearest
+from generator.diagnostics import nearest
 from generator.units import known
 from generator.units.unit import Unit
 

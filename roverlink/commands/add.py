@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.linting import Question, lint_project
 from generator.pipeline import add as add_row
 from generator.subject import Subject
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         compiled, changes = add_row(table, row)
         if not arguments.dry_run:
             write(table.resolve().parent, changes)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return report(table, error)
     if arguments.dry_run:
         sys.stdout.writelines(change.diff() for change in changes)

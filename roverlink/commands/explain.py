@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from generator.catalogue import rules as all_rules
-from generator.findings import FindingsError, Rule
+from generator.diagnostics import DiagnosticsError, Rule
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from roverlink.diagnostic_text import show_error
 from runtime.errors import SetupError, nearest
@@ -61,7 +61,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         raise SetupError(f"there is no rule {what!r} ({hint}), and there is no {table} with rows")
     try:
         project = Project(table, history=arguments.history)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         show_error(error, table.parent, sys.stderr)
         return FINDINGS
     row = project.find(what)

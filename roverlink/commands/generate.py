@@ -7,7 +7,7 @@ import os
 import sys
 from pathlib import Path
 
-from generator.findings import FindingsError, Severity
+from generator.diagnostics import DiagnosticsError, Severity
 from generator.pipeline import Compiled, compile_table
 from generator.write import Change, compare, write
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.check:
             return _check(table, changes)
         write(table.resolve().parent, changes)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return report(table, error)
     say_changes(compiled, changes)
     return OK
@@ -75,7 +75,7 @@ def _check(table: Path, changes: list[Change]) -> int:
     return OK
 
 
-def report(table: Path, error: FindingsError) -> int:
+def report(table: Path, error: DiagnosticsError) -> int:
     """Print why nothing was written; the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.history import Life
 from generator.linting import Question
 from generator.retrospect import branch
@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)
             found = linted(arguments, arguments.root, question)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     subject, code = found.subject, say_limits(found)

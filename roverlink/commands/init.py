@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from generator.adopt import Adoption, Wanted, adopt
-from generator.findings import FindingsError, Severity
+from generator.diagnostics import DiagnosticsError, Severity
 from generator.write import write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import Sources, show, show_error
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
             sys.stdout.write(text or "")
             return OK
         write(Path.cwd(), adoption.changes)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         show_error(error, Path.cwd(), sys.stderr)
         print("nothing was written", file=sys.stderr)
         return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.findings import FindingsError, Severity
+from generator.diagnostics import DiagnosticsError, Severity
 from generator.linting import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.diagnostic_text import show_error
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         found = _lint(arguments)
         if arguments.accept:
             return _accept(arguments, found)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     FORMATS[arguments.format](found)

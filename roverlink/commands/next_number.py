@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.linting import Question
 from generator.subject import Subject
 from generator.table_format import LARGEST_NUMBER
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress("reading history") as report:
             question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
             found = linted(arguments, arguments.root, question)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     code = say_limits(found)

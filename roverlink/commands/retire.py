@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.pipeline import retire
 from generator.write import write
 from roverlink.commands.generate import report, say_changes
@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         compiled, changes = retire(table, arguments.number)
         write(table.resolve().parent, changes)
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return report(table, error)
     say_changes(compiled, changes)
     return OK

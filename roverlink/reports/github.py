@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.findings import Finding, Severity
+from generator.diagnostics import Diagnostic, Severity
 from generator.linting import Linted
 from roverlink.linted import sources
 
@@ -15,7 +15,7 @@ def write(linted: Linted) -> None:
         print(_command(finding, linted))
 
 
-def _command(finding: Finding, linted: Linted) -> str:
+def _command(finding: Diagnostic, linted: Linted) -> str:
     files = sources(linted)
     span, rule = files.from_here(finding.span), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}

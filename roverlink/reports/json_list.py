@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from generator.findings import Finding, Span, Use
+from generator.diagnostics import Diagnostic, Span, Use
 from generator.linting import Linted
 
 
@@ -14,7 +14,7 @@ def write(linted: Linted) -> None:
     print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
 
 
-def _finding(finding: Finding, linted: Linted) -> dict[str, Any]:
+def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
     return {
         "id": finding.rule.id,
         "name": finding.rule.name,

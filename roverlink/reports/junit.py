@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from generator.findings import Finding, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.linting import Linted
 from generator.rules import modules
 
@@ -21,7 +21,7 @@ def write(linted: Linted) -> None:
     print(ElementTree.tostring(suite, encoding="unicode"))
 
 
-def _add(suite: ElementTree.Element, rule: Rule, findings: list[Finding]) -> bool:
+def _add(suite: ElementTree.Element, rule: Rule, findings: list[Diagnostic]) -> bool:
     """Add a rule to the suite; whether it failed."""
     case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
     faults = [finding for finding in findings if finding.severity is not Severity.HINT]

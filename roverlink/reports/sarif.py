@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import quote
 
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.linting import Linted
 from generator.rules import modules
 from roverlink.linted import sources
@@ -35,7 +35,7 @@ def _rule(rule: Rule) -> dict[str, Any]:
     }
 
 
-def _result(finding: Finding, linted: Linted) -> dict[str, Any]:
+def _result(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
     files = sources(linted)
     text = f"{finding.message}\n{finding.help}" if finding.help else finding.message
     result: dict[str, Any] = {

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from generator.findings import Severity
+from generator.diagnostics import Severity
 from generator.linting import Linted
 from generator.past import Pinned
 from roverlink.diagnostic_text import show

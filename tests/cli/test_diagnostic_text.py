@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.findings import Rule, Span
+from generator.diagnostics import Rule, Span
 from roverlink.__main__ import main
 from roverlink.diagnostic_text import Sources, show
 

@@ -1,11 +1,11 @@
-"""Projects made of the examples of rules; `generator.findings.Rule` says how examples are written."""
+"""Projects made of the examples of rules; `generator.diagnostics.Rule` says how examples are written."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from generator.findings import Rule
+from generator.diagnostics import Rule
 
 _BASE = {
     "version": "version: 1",

@@ -9,7 +9,7 @@ from golden import inside, snapshot
 
 from generator import read
 from generator.add import with_row
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from roverlink.__main__ import main
 
 _HEAD = """\
@@ -68,7 +68,7 @@ def test_a_last_line_without_an_end_gets_one() -> None:
 @pytest.mark.parametrize("rows", ["", "messages: []\n", "messages: [{number: 1, name: a}]\n", "messages:\n  - 7\n"])
 def test_rows_that_are_not_one_below_the_other(rows: str) -> None:
     """Where no row stands that the new one could be written like, that is a finding."""
-    with pytest.raises(FindingsError, match="RET103"):
+    with pytest.raises(DiagnosticsError, match="RET103"):
         with_row(_HEAD + rows, _ROW, "mapping.yaml")
 
 

@@ -13,7 +13,7 @@ from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
 from generator.adopt import Adoption, Wanted, adopt
 from generator.adopt.words import words
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.linting import Question, lint_project
 from generator.pipeline import compile_table
 from generator.write import compare, write
@@ -130,7 +130,7 @@ def test_what_cannot_be_taken_over_is_told(
 ) -> None:
     """Where no table can help, the findings say what is in the way."""
     prepare(tmp_path)
-    with pytest.raises(FindingsError) as caught:
+    with pytest.raises(DiagnosticsError) as caught:
         _adopted(tmp_path, **wanted)
     assert expected in str(caught.value)
 

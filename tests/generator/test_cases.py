@@ -10,7 +10,7 @@ import pytest
 from golden import ROOT, Case, Outcome, cases, generate, passing_cases, snapshot
 
 import generator
-from generator.findings import Rule
+from generator.diagnostics import Rule
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.folder.name)

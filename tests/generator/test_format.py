@@ -15,7 +15,7 @@ from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
 from generator import read
-from generator.findings import Finding, FindingsError
+from generator.diagnostics import Diagnostic, DiagnosticsError
 from generator.ledger import Ledger
 from generator.rules import lint
 from generator.subject import Subject
@@ -90,8 +90,8 @@ def test_schema_and_reader_agree(change: Callable[[dict[str, Any]], None], tmp_p
     assert not _is_valid(table)
     file = tmp_path / "mapping.yaml"
     file.write_text(yaml.safe_dump(table), encoding="utf-8")
-    findings: list[Finding] = []
-    with contextlib.suppress(FindingsError):
+    findings: list[Diagnostic] = []
+    with contextlib.suppress(DiagnosticsError):
         read.read(file, findings)
     assert findings
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from generator import ledger
-from generator.findings import Finding, Severity
+from generator.diagnostics import Diagnostic, Severity
 from generator.rules import modules
 
 _LEDGER = (ROOT / "mapping.lock").read_text(encoding="utf-8")
@@ -38,7 +38,7 @@ def _allow(project: Path, *rules: str) -> None:
 
 
 def _read(file: Path) -> tuple[ledger.Ledger, list[str]]:
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     read = ledger.read(file, findings)
     return read, [finding.rule.id for finding in findings]
 

@@ -23,7 +23,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from generator.descriptors import schema_of
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
 from generator.protos import Schema
 
@@ -131,7 +131,7 @@ class _Both:
 
     schema: Schema
     bounds: Bounds
-    findings: list[Finding]
+    findings: list[Diagnostic]
     headers: _Headers
 
     def ours(self, message: str) -> int | Unbounded:
@@ -152,7 +152,7 @@ class _Both:
 
 def _both(root: Path, files: list[str]) -> _Both:
     compiled = _compiled(root, files, "--include_source_info")
-    schema, findings = schema_of(compiled, "proto"), list[Finding]()
+    schema, findings = schema_of(compiled, "proto"), list[Diagnostic]()
     bounds = read_bounds(schema, root, "proto", findings)
     return _Both(schema, bounds, findings, _nanopb(root, compiled, files))
 
@@ -358,7 +358,7 @@ def test_random_messages_have_the_sizes_that_nanopb_says(
     root = tmp_path_factory.getbasetemp()
     texts = _Files(Random(random.getrandbits(64))).texts()  # noqa: S311  # one draw: hypothesis takes long over many
     files = ["a.proto", "b.proto"]
-    compiled, findings = _compiled(_written(root, texts), files), list[Finding]()
+    compiled, findings = _compiled(_written(root, texts), files), list[Diagnostic]()
     schema = schema_of(FileDescriptorSet(file=compiled.file[-2:]), "proto")  # not all that nanopb.proto imports
     bounds = read_bounds(schema, root, "proto", findings)
     try:
@@ -505,7 +505,7 @@ _LINES = [
 def test_lines_are_read_as_nanopb_reads_them(tmp_path: Path, line: str) -> None:
     """A line that nanopb takes says the same to us; one that it stops at is an error, one without a match a warning."""
     _written(tmp_path, {"a.proto": _HOST, "a.options": line})
-    compiled, findings = _compiled(tmp_path, ["a.proto"]), list[Finding]()
+    compiled, findings = _compiled(tmp_path, ["a.proto"]), list[Diagnostic]()
     schema = schema_of(compiled, "proto")
     bounds = read_bounds(schema, tmp_path, "proto", findings)
     with contextlib.redirect_stderr(io.StringIO()) as complaints:
@@ -520,7 +520,7 @@ def test_lines_are_read_as_nanopb_reads_them(tmp_path: Path, line: str) -> None:
 
 
 def _found(root: Path, files: Mapping[str, str]) -> list[str]:
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     schema = schema_of(_compiled(_written(root, files), ["a.proto"]), "proto")
     read_bounds(schema, root, "proto", findings)
     return [finding.render() for finding in findings]
@@ -562,7 +562,7 @@ def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:
     message = schema.messages["p.q.M"]
     fields = tuple(replace(field, options=options) if field.name == "s" else field for field in message.fields)
     changed = replace(schema, messages={"p.q.M": replace(message, fields=fields)})
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     bounds = read_bounds(changed, Path("nowhere"), "", findings)
     largest_size(changed, bounds, "p.q.M")
     return bounds, [f"{finding.rule.id} {finding.span} {finding.message}" for finding in findings]

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from generator import read
-from generator.findings import FindingsError
+from generator.diagnostics import DiagnosticsError
 from generator.retire import with_retired
 from generator.table import Table
 from roverlink.__main__ import main
@@ -98,7 +98,7 @@ def test_any_rows_can_be_retired_one_after_the_other(numbers: list[int], count: 
 def test_a_number_that_no_row_has(tmp_path: Path) -> None:
     """Which numbers there are is said, and nothing is touched."""
     with pytest.raises(
-        FindingsError, match=r"RET101.*no row under `messages` has the number 7\n  help: there are 1, 2, 3"
+        DiagnosticsError, match=r"RET101.*no row under `messages` has the number 7\n  help: there are 1, 2, 3"
     ):
         with_retired(_HEAD + _ROWS, 7, "mapping.yaml")
 

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import generator
 from generator import ledger, proto_files, protoc, read
-from generator.findings import Finding, FindingsError
+from generator.diagnostics import Diagnostic, DiagnosticsError
 from generator.pipeline import compile_table
 
 T = TypeVar("T")
@@ -61,11 +61,11 @@ def _mutated(draw: st.DrawFn, text: bytes) -> bytes:
     return b"".join(lines)
 
 
-def _outcome(function: Callable[..., T], *arguments: Any) -> tuple[T | None, tuple[Finding, ...]]:
+def _outcome(function: Callable[..., T], *arguments: Any) -> tuple[T | None, tuple[Diagnostic, ...]]:
     """What a function gives, or the findings that it raises."""
     try:
         return function(*arguments), ()
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return None, error.findings
 
 
@@ -75,7 +75,7 @@ def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPath
     """Edits of this repository's table, cut short for speed, give a table or findings with their places."""
     file = tmp_path_factory.getbasetemp() / "mutated.yaml"
     file.write_bytes(text)
-    reported: list[Finding] = []
+    reported: list[Diagnostic] = []
     table, findings = _outcome(read.read, file, reported, "mapping.yaml")
     assert {finding.span.file for finding in findings} == (set() if table else {"mapping.yaml"})
     assert table is None or table.whole == (not reported)
@@ -87,7 +87,7 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
     """Edits of this repository's ledger give a ledger, or findings with their places, and nothing else."""
     file = tmp_path_factory.getbasetemp() / "mutated.lock"
     file.write_bytes(text)
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     read_back = ledger.read(file, findings)
     unchanged = file.read_bytes() == _LEDGER
     assert {finding.span.file for finding in findings} <= {"mapping.lock"}

@@ -14,7 +14,7 @@ from rule_examples import example, is_console, states, write_project
 
 import generator
 from generator.catalogue import rules
-from generator.findings import Finding, FindingsError, Rule, Severity
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity
 from generator.linting import Question, lint_project, lint_tree
 from generator.pipeline import add, compile_table
 from generator.tree import EnvelopeName
@@ -51,11 +51,11 @@ def _raised(rule: Rule, verdict: str, folder: Path) -> set[str]:
         found = _ids(rule, compile_table(table).warnings)
         # The envelope is not written here, which the lint reports.
         return found | _ids(rule, lint_project(table, Question()).findings) - {"ENV105"}
-    except FindingsError as error:
+    except DiagnosticsError as error:
         return _ids(rule, error.findings)
 
 
-def _ids(rule: Rule, findings: Iterable[Finding]) -> set[str]:
+def _ids(rule: Rule, findings: Iterable[Diagnostic]) -> set[str]:
     """Return the ids of findings; hints are none, but for the rule's own."""
     ids = {one.rule.id for one in findings if one.rule == rule or one.severity is not Severity.HINT}
     return {id for id in ids if not id.startswith(_OF_BUF)}

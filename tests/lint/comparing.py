@@ -8,7 +8,7 @@ from pathlib import Path
 from mutations import write
 
 from generator import rules
-from generator.findings import Finding, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.ledger import Ledger
 from generator.protoc import compile_tree
 from generator.protos import Schema
@@ -44,13 +44,13 @@ def compiled(state: Mapping[str, str], folder: Path, shown_root: str = ROOT) -> 
     return schema
 
 
-def changes_found(before: Schema | Iterable[Change], after: Schema, ledger: Ledger | None = None) -> list[Finding]:
+def changes_found(before: Schema | Iterable[Change], after: Schema, ledger: Ledger | None = None) -> list[Diagnostic]:
     """What the rules about changes find between two states."""
     changes = (Change(before, after, "before"),) if isinstance(before, Schema) else tuple(before)
     return found(Subject(table=TABLE, schema=after, ledger=ledger or Ledger(), changes=changes))
 
 
-def found(subject: Subject) -> list[Finding]:
+def found(subject: Subject) -> list[Diagnostic]:
     """What the rules about changes find."""
     ours = (module for id, module in rules.modules().items() if id.startswith(FAMILIES))
     return list(dict.fromkeys(finding for module in ours for finding in module.check(subject)))

@@ -20,7 +20,7 @@ from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, wri
 
 from generator import rules
 from generator.changes.types import kind
-from generator.findings import Severity, Span
+from generator.diagnostics import Severity, Span
 from generator.protos import ProtoField, Schema
 
 DOCS = Path(__file__).parents[2] / "docs"

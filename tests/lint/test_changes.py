@@ -25,7 +25,7 @@ from generator.changes.types import broken_by_kind
 from generator.changes.units import disagree, factor, measure
 from generator.changes.words import share_a_word, words
 from generator.declarations import parse
-from generator.findings import Finding, Severity, Span
+from generator.diagnostics import Diagnostic, Severity, Span
 from generator.ledger import Ledger, Number, Owner
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.subject import Change, Subject
@@ -146,7 +146,7 @@ def _state(name: str, body: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def found_in_cases(tmp_path_factory: pytest.TempPathFactory) -> list[Finding]:
+def found_in_cases(tmp_path_factory: pytest.TempPathFactory) -> list[Diagnostic]:
     """What is found in all cases, each of which has a file and a package of its name."""
     states = [{f"{name}.proto": _state(name, case[side]) for name, case in CASES.items()} for side in (0, 1)]
     before, after = (compiled(state, tmp_path_factory.mktemp("state")) for state in states)
@@ -154,13 +154,13 @@ def found_in_cases(tmp_path_factory: pytest.TempPathFactory) -> list[Finding]:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_case(name: str, found_in_cases: list[Finding]) -> None:
+def test_case(name: str, found_in_cases: list[Diagnostic]) -> None:
     """Each case has the findings that it says, and no others."""
     ours = [finding for finding in found_in_cases if finding.type.startswith(f"{name}.")]
     assert sorted(f"{finding.rule.id} {finding.number}" for finding in ours) == CASES[name][2].split(", ")
 
 
-def test_what_is_said_of_units(found_in_cases: list[Finding]) -> None:
+def test_what_is_said_of_units(found_in_cases: list[Diagnostic]) -> None:
     """Where the factor is known, the message says by how much a receiver is off."""
     said = {finding.type.split(".")[0]: finding.message for finding in found_in_cases if finding.rule.id == "WIR115"}
     assert said["unit"] == "reach_mm = 1 is reach_m now: mm is read as m, 1000 times too large"
@@ -406,7 +406,7 @@ def _files_of(folder: Path) -> dict[str, str]:
     return {str(path.relative_to(folder)): path.read_text(encoding="utf-8") for path in sorted(folder.rglob("*.proto"))}
 
 
-def _cured(files: dict[str, str], schema: Schema, finding: Finding) -> Iterator[dict[str, str]]:
+def _cured(files: dict[str, str], schema: Schema, finding: Diagnostic) -> Iterator[dict[str, str]]:
     """The files with each of the statements that a help says, in the type that it is about."""
     owner = finding.type.rpartition(".")[0] if _is_entry(schema, finding.type) else finding.type
     declared = schema.messages.get(owner) or schema.enums.get(owner)
@@ -427,7 +427,7 @@ def _is_entry(schema: Schema, name: str) -> bool:
     return name in schema.messages and schema.messages[name].map_entry
 
 
-def _of_extension(schema: Schema, finding: Finding) -> bool:
+def _of_extension(schema: Schema, finding: Diagnostic) -> bool:
     return any((one.extendee, one.field.number) == (finding.type, finding.number) for one in schema.extensions)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from generator import read, rules, tree
 from generator.declarations import parse
-from generator.findings import Finding, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.ledger import Entry, Ledger
 from generator.nanopb import Bounds, FieldBounds
 from generator.protoc import compile_tree
@@ -56,7 +56,7 @@ def _published(*entries: tuple[int, str, str], topic: str = "", file: str = "map
     )
 
 
-def _found(subject: Subject, *ids: str) -> list[Finding]:
+def _found(subject: Subject, *ids: str) -> list[Diagnostic]:
     return [finding for finding in rules.lint(subject) if finding.rule.id in ids]
 
 

@@ -11,7 +11,7 @@ from generator.targets.cpp.files import FOLDER
 def emit(bridge: ir.Bridge) -> Files:
     """Headers and sources of handlers, feeds and conversions, of the registry and the runtime, and CMake's project.
 
-    Raises `FindingsError` for names that protobuf's C++ cannot have.
+    Raises `DiagnosticsError` for names that protobuf's C++ cannot have.
     """
     faults.check(bridge)
     context = conversions.context_of(bridge)

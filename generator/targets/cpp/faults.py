@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator import ir, naming
-from generator.findings import Finding, FindingsError, Rule, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Span
 from generator.targets.cpp import names
 
 CPP_NAME = Rule(
@@ -45,10 +45,10 @@ _OF_EVERY_CLASS = frozenset(
 
 
 def check(bridge: ir.Bridge) -> None:
-    """Raise `FindingsError` with every name that C++ cannot have."""
+    """Raise `DiagnosticsError` with every name that C++ cannot have."""
     files = {conversion.proto: conversion.file for conversion in bridge.conversions().values()}
     files |= {feed.proto: feed.file for route in bridge.routes for feed in route.feeds}
-    findings: list[Finding] = []
+    findings: list[Diagnostic] = []
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
             continue
@@ -58,7 +58,7 @@ def check(bridge: ir.Bridge) -> None:
             CPP_NAME.at(span, told, "rename it: no wire has its name", type=message.name) for told in why if told
         ]
     if findings:
-        raise FindingsError(findings)
+        raise DiagnosticsError(findings)
 
 
 def _of_message(bridge: ir.Bridge, name: str) -> str:

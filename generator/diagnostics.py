@@ -76,7 +76,7 @@ class Rule:
         number: int | None = None,
         uses: Sequence[Use] = (),
         rests_on: Sequence[Span] = (),
-    ) -> Finding:
+    ) -> Diagnostic:
         """A finding of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
@@ -85,7 +85,7 @@ class Rule:
         them is wrong by itself, the finding only follows from that and is dropped (see `independent`).
         """
         rests = tuple(rests_on)
-        return Finding(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
+        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ class Use:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Diagnostic:
     """One fault at one place."""
 
     rule: Rule
@@ -128,19 +128,19 @@ class Finding:
         return "\n".join(lines)
 
 
-class FindingsError(Exception):
+class DiagnosticsError(Exception):
     """A phase cannot go on: the findings say why.
 
     ``texts`` has the text of each file that the findings name and that is not on disk as it was read.
     """
 
-    def __init__(self, findings: Iterable[Finding], texts: Mapping[str, str] | None = None) -> None:
+    def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
         self.findings = tuple(in_order(findings))
         self.texts = texts or {}
         super().__init__("\n".join(finding.render() for finding in self.findings))
 
 
-def independent(findings: Iterable[Finding]) -> list[Finding]:
+def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Drop every finding that rests on a place with an error of its own.
 
     An error that itself rests on other places drops nothing; so two findings never drop each other.
@@ -150,12 +150,12 @@ def independent(findings: Iterable[Finding]) -> list[Finding]:
     return [one for one in findings if wrong.isdisjoint(one.rests_on)]
 
 
-def in_order(findings: Iterable[Finding]) -> list[Finding]:
+def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Sort findings by place, then id; each once, and without those that only follow from others."""
     return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
-def has_errors(findings: Iterable[Finding]) -> bool:
+def has_errors(findings: Iterable[Diagnostic]) -> bool:
     """Whether any finding is an error."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
