@@ -1,4 +1,4 @@
-"""Findings: what is wrong, where, and what to do about it; rendered as a compiler does."""
+"""Diagnostics: what is wrong, where, and what to do about it; and the rules that raise them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from generator.git import Commit
 
 
 class Severity(str, Enum):
-    """What a finding does to a run."""
+    """What a diagnostic does to a run."""
 
     FATAL = "fatal"
     """Something could not be looked at, or not be written; the exit code is 2."""
@@ -41,7 +41,7 @@ class Span:
 
 
 def shown(folder: str, path: str) -> str:
-    """How findings call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
+    """How diagnostics call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
@@ -77,12 +77,12 @@ class Rule:
         uses: Sequence[Use] = (),
         rests_on: Sequence[Span] = (),
     ) -> Diagnostic:
-        """A finding of this kind.
+        """A diagnostic of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
         about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
-        the number stood for in history. ``rests_on`` are places that the finding takes for granted: where one of
-        them is wrong by itself, the finding only follows from that and is dropped (see `independent`).
+        the number stood for in history. ``rests_on`` are places that it takes for granted: where one of them is
+        wrong by itself, the diagnostic only follows from that and is dropped (see `independent`).
         """
         rests = tuple(rests_on)
         return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
@@ -115,12 +115,12 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     """The rule's, or what the table has lowered that to."""
     uses: tuple[Use, ...] = ()
-    """Of a finding of history: what the number stood for, the earliest first."""
+    """Of a diagnostic of history: what the number stood for, the earliest first."""
     rests_on: tuple[Span, ...] = ()
     """Places that it takes for granted."""
 
     def render(self) -> str:
-        """The finding as text: the place, what is wrong, the other places, the cure."""
+        """The diagnostic as text: the place, what is wrong, the other places, the cure."""
         lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:
@@ -129,9 +129,9 @@ class Diagnostic:
 
 
 class DiagnosticsError(Exception):
-    """A phase cannot go on: the findings say why.
+    """A phase cannot go on: the diagnostics say why.
 
-    ``texts`` has the text of each file that the findings name and that is not on disk as it was read.
+    ``texts`` has the text of each file that the diagnostics name and that is not on disk as it was read.
     """
 
     def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
@@ -141,9 +141,9 @@ class DiagnosticsError(Exception):
 
 
 def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Drop every finding that rests on a place with an error of its own.
+    """Drop every diagnostic that rests on a place with an error of its own.
 
-    An error that itself rests on other places drops nothing; so two findings never drop each other.
+    An error that itself rests on other places drops nothing; so two diagnostics never drop each other.
     """
     findings = list(findings)
     wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
@@ -151,12 +151,12 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Sort findings by place, then id; each once, and without those that only follow from others."""
+    """Sort diagnostics by place, then id; each once, and without those that only follow from others."""
     return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
-    """Whether any finding is an error."""
+    """Tell whether any diagnostic is an error."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
 

@@ -92,6 +92,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
             except DiagnosticsError as error:
                 findings += [finding for finding in error.findings if finding not in findings]
                 broken = {finding.span.file for finding in error.findings}
+                broken |= {span.file for finding in error.findings for span, _ in finding.also}
                 kept = [file for file in left if shown(shown_root, file) not in broken]
                 left = kept if len(kept) < len(left) else []
             else:
@@ -132,19 +133,27 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, folders)
-    imports: dict[str, list[Span]] = {}  # the broken ones, by the file that has them
+    imports: dict[str, list[Span]] = {}  # where the broken imports of each file are reported
+    importers: dict[str, list[Span]] = {}  # the places of each, by what protoc says, which names the missing file
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
             span = Span(shown(shown_root, error.file), error.line, error.column)
-            places.setdefault(span, []).append(error.text)
             if _BROKEN_IMPORT.fullmatch(error.text):
-                imports.setdefault(span.file, []).append(span)
+                importers.setdefault(error.text, []).append(span)
+                imports.setdefault(span.file, []).append(importers[error.text][0])
+                if span != importers[error.text][0]:
+                    continue  # one missing file is one error
+            places.setdefault(span, []).append(error.text)
     if not places:
         return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
     return [
         DOES_NOT_COMPILE.at(
-            span, first, " ".join(rest), rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else ()
+            span,
+            first,
+            " ".join(rest),
+            [(other, "imported here as well") for other in importers.get(first, ())[1:]],
+            rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else (),
         )
         for span, (first, *rest) in places.items()
     ]
