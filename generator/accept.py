@@ -6,14 +6,13 @@ import dataclasses
 from pathlib import Path
 
 from generator.context import Subject
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from generator.edit_rules import NOTHING_TO_ACCEPT_INTO
 from generator.history_diagnostics import stands_today
 from generator.ledger import Burned
 from generator.lint_engine import Linted
 from generator.pipeline import recompile
 from generator.write import Change, compare
-
-NOTHING_TO_ACCEPT_INTO = Rule("RET102", "no-ledger-to-accept-into", Severity.FATAL)
 
 _OF_HISTORY = ("HIS101", "HIS103")
 

@@ -11,11 +11,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from generator.protos import ProtoField, ProtoMessage, Schema
+from generator.state_rules import NO_ENVELOPE_MESSAGE
 from generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Row, Table
-
-NO_ENVELOPE_MESSAGE = Rule("STA104", "no-envelope-message", Severity.FATAL)
 
 
 @dataclass(frozen=True, slots=True)

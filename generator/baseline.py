@@ -12,17 +12,15 @@ from google.protobuf.message import DecodeError
 
 from generator import ledger
 from generator.descriptors import schema_of
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
 from generator.git import Commit, GitError, Repository
 from generator.ledger import Entry
 from generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
 from generator.proto_files import read_protos
 from generator.protoc import compile_tree
 from generator.protos import Schema
+from generator.state_rules import NO_SUCH_STATE, UNREADABLE_STATE
 from generator.table import Table, reader
-
-NO_SUCH_STATE = Rule("STA101", "no-such-state", Severity.FATAL)
-UNREADABLE_STATE = Rule("STA102", "unreadable-state", Severity.FATAL)
 
 _TABLE = "mapping.yaml"
 

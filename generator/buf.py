@@ -20,8 +20,43 @@ from pathlib import Path
 from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
 from generator.protos import ProtoEnum, ProtoMessage, Schema
 
-NOT_INSTALLED = Rule("BUF101", "buf-not-installed", Severity.FATAL)
-FAILED = Rule("BUF102", "buf-failed", Severity.FATAL)
+NOT_INSTALLED = Rule(
+    "BUF101",
+    "buf-not-installed",
+    """`lint --with-buf` finds no buf to run.
+
+buf is looked for beside the running Python interpreter, then on the PATH. Nothing is linted, since a result without
+buf's part could be taken for a clean one.
+
+Bad::
+
+    $ roverlink lint --against origin/main --with-buf     # buf is not installed
+
+Good::
+
+    $ pip install buf-bin
+    $ roverlink lint --against origin/main --with-buf
+""",
+    Severity.FATAL,
+)
+
+FAILED = Rule(
+    "BUF102",
+    "buf-failed",
+    """buf cannot be run, or did not compare the two states.
+
+buf refuses some files that protoc accepts, such as message sets. What the lint finds itself is shown all the same.
+
+Bad::
+
+    message Old { option message_set_wire_format = true; extensions 4 to max; }
+
+Good::
+
+    $ roverlink lint --against origin/main     # without --with-buf
+""",
+    Severity.FATAL,
+)
 
 _OPTION = Span("--with-buf")
 _VIOLATIONS = 100  # the exit code of a comparison that found something
@@ -33,7 +68,7 @@ _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 def rule(id: str) -> Rule | None:
     """Return a rule of buf's by its name; None if it has no such name."""
-    return Rule(id, "buf-breaking", Severity.WARNING) if _RULE.fullmatch(id) else None
+    return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
 
 
 def executable() -> str | None:

@@ -8,10 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.diagnostics import Diagnostic, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.git import GitError, Repository
-
-UNREADABLE_PINS = Rule("PIN101", "unreadable-pins", Severity.FATAL)
+from generator.state_rules import UNREADABLE_PINS
 
 _CMAKE = ("CMakeLists.txt", ".cmake")
 _SET = re.compile(r"\bset\s*\(\s*(?P<name>\w+)\s+\"?(?P<value>[^\s\")]+)", re.IGNORECASE)

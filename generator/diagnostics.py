@@ -1,9 +1,9 @@
-"""Findings: what is wrong, where, and what to do about it; rendered as a compiler does."""
+"""Diagnostics: what is wrong, where, and what to do about it; and the rules that raise them."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -11,7 +11,7 @@ from generator.git import Commit
 
 
 class Severity(str, Enum):
-    """What a finding does to a run."""
+    """What a diagnostic does to a run."""
 
     FATAL = "fatal"
     """Something could not be looked at, or not be written; the exit code is 2."""
@@ -41,17 +41,29 @@ class Span:
 
 
 def shown(folder: str, path: str) -> str:
-    """How findings call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
+    """How diagnostics call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of fault. Its id is never given to another kind, even after the rule is gone."""
+    """A kind of diagnostic. Its id is never given to another kind, even after the rule is gone.
+
+    The documentation says in its first line what the rule finds, then why that hurts, and ends with a section
+    ``Bad::`` and a section ``Good::`` that hold an example each. An example is a part of a project: rows, or whole
+    sections, of mapping.yaml, or of a .proto file; a comment with a path starts a further file. Where a project alone
+    does not show the rule, the example is what a terminal shows.
+    """
 
     id: str
     name: str
+    documentation: str
     severity: Severity = Severity.ERROR
+
+    @property
+    def summary(self) -> str:
+        """The first line of the documentation."""
+        return self.documentation.strip().splitlines()[0]
 
     def at(
         self,
@@ -63,14 +75,17 @@ class Rule:
         type: str = "",
         number: int | None = None,
         uses: Sequence[Use] = (),
+        rests_on: Sequence[Span] = (),
     ) -> Diagnostic:
-        """A finding of this kind.
+        """A diagnostic of this kind.
 
         ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
         about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
-        the number stood for in history.
+        the number stood for in history. ``rests_on`` are places that it takes for granted: where one of them is
+        wrong by itself, the diagnostic only follows from that and is dropped (see `independent`).
         """
-        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses))
+        rests = tuple(rests_on)
+        return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +115,12 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     """The rule's, or what the table has lowered that to."""
     uses: tuple[Use, ...] = ()
-    """Of a finding of history: what the number stood for, the earliest first."""
+    """Of a diagnostic of history: what the number stood for, the earliest first."""
+    rests_on: tuple[Span, ...] = ()
+    """Places that it takes for granted."""
 
     def render(self) -> str:
-        """The finding as text: the place, what is wrong, the other places, the cure."""
+        """The diagnostic as text: the place, what is wrong, the other places, the cure."""
         lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:
@@ -112,20 +129,34 @@ class Diagnostic:
 
 
 class DiagnosticsError(Exception):
-    """A phase cannot go on: the findings say why."""
+    """A phase cannot go on: the diagnostics say why.
 
-    def __init__(self, findings: Iterable[Diagnostic]) -> None:
-        self.findings = tuple(findings)
+    ``texts`` has the text of each file that the diagnostics name and that is not on disk as it was read.
+    """
+
+    def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
+        self.findings = tuple(in_order(findings))
+        self.texts = texts or {}
         super().__init__("\n".join(finding.render() for finding in self.findings))
 
 
+def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Drop every diagnostic that rests on a place with an error of its own.
+
+    An error that itself rests on other places drops nothing; so two diagnostics never drop each other.
+    """
+    findings = list(findings)
+    wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
+    return [one for one in findings if wrong.isdisjoint(one.rests_on)]
+
+
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Findings by place, then id; each once."""
-    return sorted(set(findings), key=lambda finding: (finding.span, finding.rule.id, finding.message))
+    """Sort diagnostics by place, then id; each once, and without those that only follow from others."""
+    return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
-    """Whether any finding is an error."""
+    """Tell whether any diagnostic is an error."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
 

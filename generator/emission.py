@@ -7,13 +7,10 @@ from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 
 from generator import envelope_file, ir, ledger, targets, template_folder
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
+from generator.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from generator.rendering import Files
 from generator.table import Table, json_schema
-
-UNKNOWN_TARGET = Rule("OUT102", "unknown-target")
-TARGET_FAILED = Rule("OUT103", "target-failed")
-FORBIDDEN_PATH = Rule("OUT104", "forbidden-path")
 
 FOLDER = "generated"
 """The folder of what is generated, as targets name it; `placed` tells where it is."""

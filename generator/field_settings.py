@@ -11,14 +11,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
 from generator import well_known
-from generator.diagnostics import Diagnostic, Rule, nearest
+from generator.conversion_rules import CONTRADICTING_PATHS, DISAGREEING_ROWS, UNKNOWN_FIELD, WITHOUT_EFFECT
+from generator.diagnostics import Diagnostic, nearest
 from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.shape import DISAGREEING_ROWS
 from generator.table import Row, Table
-
-UNKNOWN_FIELD = Rule("CNV103", "unknown-field")
-CONTRADICTING_PATHS = Rule("CNV111", "contradicting-paths")
-WITHOUT_EFFECT = Rule("CNV112", "setting-without-effect")
 
 T = TypeVar("T")
 

@@ -8,16 +8,10 @@ import struct
 from collections.abc import Iterator
 
 from generator import ir
-from generator.diagnostics import Diagnostic, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
+from generator.guard_rules import MISPLACED, RATE_WITHOUT_SOURCES, SLOWER_THAN_DEADMAN, STOP_VALUE, UNKNOWN_STOP_FIELD
 from generator.protos import ProtoField, ProtoMessage, Schema
 from generator.table import DeadmanSettings, Row, Table
-
-MISPLACED = Rule("SAF101", "misplaced-guard")
-UNKNOWN_STOP_FIELD = Rule("SAF102", "unknown-stop-field")
-STOP_VALUE = Rule("SAF103", "stop-value")
-SLOWER_THAN_DEADMAN = Rule("SAF104", "rate-slower-than-deadman")
-
-RATE_WITHOUT_SOURCES = Rule("SAF105", "rate-without-sources")
 
 Value = bool | int | float | str | bytes
 
@@ -55,10 +49,16 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
 
 
 def _misplaced(row: Row) -> Iterator[Diagnostic]:
-    for key in ("deadman", "priority"):
-        if row.inbound and key in row.spans:
-            message = f"{row.name} goes {row.direction}: `{key}` is for topics that are sent to a peer"
-            yield MISPLACED.at(row.at(key), message, f"remove `{key}`")
+    outgoing = [key for key in ("deadman", "priority") if key in row.spans]
+    if row.inbound and outgoing:
+        keys, one = " and ".join(f"`{key}`" for key in outgoing), len(outgoing) == 1
+        message = (
+            f"the direction of {row.name} is {row.direction}, but {keys} {'is' if one else 'are'} for topics that "
+        )
+        message += "are sent to a peer"
+        help = f"write `direction: ros_to_{row.peer}`, or remove {keys}"
+        also = [(row.at(key), f"`{key}` is set here") for key in outgoing]
+        yield MISPLACED.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
         message = f"{row.name} has further topics under `also`: `deadman` would stop the peer while one of them speaks"
         yield MISPLACED.at(row.at("deadman"), message, "let one topic command the peer")

@@ -11,21 +11,19 @@ from generator.baseline import Baseline, Layout, open_baseline
 from generator.changes import Change
 from generator.consumer_pins import read_pins
 from generator.context import Past, Subject, since_last_generate
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order
 from generator.git import Commit, GitError, Repository
 from generator.history import read_history
 from generator.nanopb import as_lines, read_bounds, table_bounds
 from generator.pinned_numbers import read_pinned
 from generator.proto_files import index_declarations, read_protos
-from generator.protoc import DOES_NOT_COMPILE, compile_tree
+from generator.proto_rules import DOES_NOT_COMPILE
+from generator.protoc import compile_tree
 from generator.protos import Schema
 from generator.resolve import locate
 from generator.rules import lint
+from generator.state_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
 from generator.table import Table, reader
-
-NO_PROTOS = Rule("STA103", "no-protos", Severity.FATAL)
-UNREADABLE_HISTORY = Rule("STA105", "unreadable-history", Severity.FATAL)
-LIMITED_HISTORY = Rule("STA106", "limited-history", Severity.WARNING)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
-from generator.consumer_pins import UNREADABLE_PINS, Pin
+from generator.consumer_pins import Pin
 from generator.declarations import parse
 from generator.diagnostics import Diagnostic, Span
 from generator.git import Commit, GitError, Repository, name_of_repository
 from generator.history import differ
+from generator.state_rules import UNREADABLE_PINS
 
 _FETCH = "git fetch --all gets what is new"
 

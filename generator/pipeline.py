@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import TypeVar
 
 from generator import context, emission, envelope_file, ir, ledger, naming, resolve
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, has_errors, in_order
+from generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
 from generator.nanopb import table_bounds
 from generator.proto_files import DeclarationIndex, index_declarations, read_protos
+from generator.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
 from generator.protoc import Compilation, compile_protos
 from generator.rules import lint
 from generator.table import IMPLEMENTATION_NUMBERS, Table, reader
 from generator.table.edit import with_retired, with_row
 from generator.table.yaml_items import read_text
 from generator.write import Change, compare
-
-NO_PROTO_ROOT = Rule("PRO107", "no-proto-root")
-NO_ENVELOPE = Rule("PRO108", "no-envelope-file")
 
 T = TypeVar("T")
 
@@ -60,7 +58,7 @@ def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
 
     Raises `DiagnosticsError` where no row has the number, and as `compile_table`.
     """
-    return compile_text(table_path, with_retired(_table_text(table_path), number, table_path.name))
+    return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
@@ -68,14 +66,19 @@ def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[
 
     Raises `DiagnosticsError` where the rows are not written one below the other, and as `compile_table`.
     """
-    return compile_text(table_path, with_row(_table_text(table_path), row, table_path.name))
+    return _edited(table_path, lambda text, file: with_row(text, row, file))
 
 
-def _table_text(table_path: Path) -> str:
-    """Read a table that is to be edited. Raises `DiagnosticsError` for what is no table."""
-    text = read_text(table_path, table_path.name)
-    reader.parse(text, table_path.name, [])
-    return text
+def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled, list[Change]]:
+    """Compile a table with its text edited, and return what changes on disk."""
+    file = table_path.name
+    text = read_text(table_path, file)
+    reader.parse(text, file, [])  # what is no table is reported as such
+    text = edit(text, file)
+    try:
+        return compile_text(table_path, text)
+    except DiagnosticsError as error:
+        raise DiagnosticsError(error.findings, {file: text}) from error
 
 
 def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:

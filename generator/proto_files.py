@@ -14,9 +14,8 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from generator.declarations import File, parse
-from generator.diagnostics import Diagnostic, Rule, Severity, Span, shown
-
-UNREADABLE_PROTO = Rule("PRO102", "unreadable-proto", Severity.FATAL)
+from generator.diagnostics import Diagnostic, Span, shown
+from generator.proto_rules import UNREADABLE_PROTO
 
 _LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
 

@@ -16,8 +16,9 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from generator.declarations import File
 from generator.descriptors import schema_of
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from generator.proto_files import declarations
+from generator.proto_rules import DOES_NOT_COMPILE
 from generator.protos import Schema
 
 # As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
@@ -27,8 +28,6 @@ from grpc_tools import _protoc_compiler
 sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
 """
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
-
-DOES_NOT_COMPILE = Rule("PRO101", "proto-does-not-compile")
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +94,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
         except DiagnosticsError as error:
             findings += [finding for finding in error.findings if finding not in findings]
             broken = {finding.span.file for finding in error.findings}
+            broken |= {span.file for finding in error.findings for span, _ in finding.also}
             kept = [file for file in left if shown(shown_root, file) not in broken]
             left = kept if len(kept) < len(left) else []
         else:
@@ -103,7 +103,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
-    """Compile files to descriptors, those that they import included. Raises `DiagnosticsError` with protoc's messages."""
+    """Compile files to descriptors, imports included. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         result = Path(folder, "set")
         _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
@@ -143,13 +143,30 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, folders)
+    imports: dict[str, list[Span]] = {}  # where the broken imports of each file are reported
+    importers: dict[str, list[Span]] = {}  # the places of each, by what protoc says, which names the missing file
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
-            places.setdefault(Span(shown(shown_root, error.file), error.line, error.column), []).append(error.text)
+            span = Span(shown(shown_root, error.file), error.line, error.column)
+            if _BROKEN_IMPORT.fullmatch(error.text):
+                importers.setdefault(error.text, []).append(span)
+                imports.setdefault(span.file, []).append(importers[error.text][0])
+                if span != importers[error.text][0]:
+                    continue  # one missing file is one error
+            places.setdefault(span, []).append(error.text)
     if not places:
         return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
-    return [DOES_NOT_COMPILE.at(span, first, " ".join(rest)) for span, (first, *rest) in places.items()]
+    return [
+        DOES_NOT_COMPILE.at(
+            span,
+            first,
+            " ".join(rest),
+            [(other, "imported here as well") for other in importers.get(first, ())[1:]],
+            rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else (),
+        )
+        for span, (first, *rest) in places.items()
+    ]
 
 
 def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:

@@ -11,23 +11,23 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from generator import ir
-from generator.diagnostics import Diagnostic, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import Feeds
 from generator.guards import check_peers, guarded
 from generator.ir_standard import Feed
 from generator.ledger import Ledger
 from generator.proto_files import DeclarationIndex
+from generator.proto_rules import (
+    AMBIGUOUS_PROTO,
+    EXCLUDED_PROTO,
+    PAYLOAD_IN_ENVELOPE_FILE,
+    UNIMPORTABLE_PROTO,
+    UNKNOWN_PROTO,
+)
 from generator.protoc import Compilation
 from generator.protos import Schema
 from generator.ros_messages import RosMessages
 from generator.table import Table
-
-UNKNOWN_PROTO = Rule("PRO103", "unknown-proto-message")
-EXCLUDED_PROTO = Rule("PRO104", "excluded-proto-message")
-AMBIGUOUS_PROTO = Rule("PRO105", "ambiguous-proto-message")
-UNIMPORTABLE_PROTO = Rule("PRO106", "unimportable-proto-path")
-PAYLOAD_IN_ENVELOPE_FILE = Rule("PRO109", "payload-in-envelope-file")
-
 
 # --- which file has it ------------------------------------------------------------------------------------------
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from generator import ir, naming
+from generator.conversion_rules import CONSTANT_NAME
 from generator.deprecation import commented
-from generator.diagnostics import Diagnostic, Rule, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.protos import ProtoEnum, ProtoEnumValue
-
-CONSTANT_NAME = Rule("CNV108", "constant-name")
 
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
 _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))

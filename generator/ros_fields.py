@@ -7,9 +7,16 @@ import itertools
 from typing import TYPE_CHECKING
 
 from generator import ir, naming, oneofs, ros_enums, well_known
+from generator.conversion_rules import (
+    CANNOT_CONVERT,
+    CONTRADICTING_PATHS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    UNKNOWN_FIELD,
+    UNMAPPED_FIELD,
+)
 from generator.deprecation import commented
-from generator.diagnostics import Rule, nearest
-from generator.field_settings import CONTRADICTING_PATHS, UNKNOWN_FIELD
+from generator.diagnostics import nearest
 from generator.field_types import FieldTypes
 from generator.protos import ProtoField, ProtoMessage
 from generator.shape import Shape
@@ -17,10 +24,6 @@ from generator.shape import Shape
 if TYPE_CHECKING:
     from generator.ros_messages import RosMessages
 
-CANNOT_CONVERT = Rule("CNV101", "cannot-convert")
-UNMAPPED_FIELD = Rule("CNV102", "unmapped-field")
-FIELD_NAME_FORBIDDEN = Rule("CNV104", "field-name-forbidden")
-FIELD_NAME_TAKEN = Rule("CNV105", "field-name-taken")
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
 """What generated code asks of a payload; a field of that name would be found in its place."""

@@ -5,18 +5,22 @@ from __future__ import annotations
 import keyword
 
 from generator import ir, naming, ros_enums
+from generator.conversion_rules import (
+    CANNOT_CONVERT,
+    EXTENSIONS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    MESSAGE_NAME_TAKEN,
+    UNKNOWN_ENUM,
+)
 from generator.deprecation import commented
-from generator.diagnostics import Diagnostic, Rule, Severity, Span, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.field_settings import FieldSettings
 from generator.oneofs import NONE, smallest
 from generator.protos import ProtoEnum, ProtoField, ProtoMessage, Schema
-from generator.ros_fields import CANNOT_CONVERT, FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN, MessageBuilder
+from generator.ros_fields import MessageBuilder
 from generator.shape import Shape, shapes_of
 from generator.table import EnumSettings, Row, Table
-
-MESSAGE_NAME_TAKEN = Rule("CNV106", "message-name-taken")
-UNKNOWN_ENUM = Rule("CNV109", "unknown-enum")
-EXTENSIONS = Rule("CNV110", "extensions-not-carried", Severity.WARNING)
 
 
 class RosMessages:

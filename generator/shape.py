@@ -6,10 +6,9 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from generator.diagnostics import Diagnostic, Rule, Span
+from generator.conversion_rules import DISAGREEING_ROWS
+from generator.diagnostics import Diagnostic, Span
 from generator.table import Row, Table
-
-DISAGREEING_ROWS = Rule("CNV107", "rows-disagree-on-a-message")
 
 
 @dataclass(slots=True)

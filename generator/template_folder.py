@@ -9,11 +9,9 @@ from typing import Any
 from jinja2 import Environment, TemplateSyntaxError
 
 from generator import ir, naming
-from generator.diagnostics import DiagnosticsError, Rule, Span
+from generator.diagnostics import DiagnosticsError, Span
+from generator.output_rules import NO_TEMPLATES, TEMPLATE_FAILED
 from generator.rendering import Files, environment, header
-
-NO_TEMPLATES = Rule("OUT105", "no-templates")
-TEMPLATE_FAILED = Rule("OUT106", "template-failed")
 
 SUFFIX = ".j2"
 
@@ -23,8 +21,8 @@ def emit(bridge: ir.Bridge, project: Path, folder: str, span: Span) -> Files:
 
     A template sees ``bridge``. One with ``{route}`` in its path is rendered for each row, and sees that as ``route``;
     ``{message}`` does the same for each message of the ROS 2 package. ``folder`` is named from the project, and
-    ``span`` is where it is asked for. Raises `DiagnosticsError` for a folder without templates, and for the first template
-    that cannot be rendered.
+    ``span`` is where it is asked for. Raises `DiagnosticsError` for a folder without templates, and for the first
+    template that cannot be rendered.
     """
     root = project / folder
     templates = sorted(path.relative_to(root).as_posix() for path in root.rglob(f"*{SUFFIX}"))

@@ -11,10 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.diagnostics import DiagnosticsError, Rule, Severity, Span
+from generator.diagnostics import DiagnosticsError, Span
+from generator.output_rules import CANNOT_WRITE
 from generator.rendering import REGENERATE
-
-CANNOT_WRITE = Rule("OUT101", "cannot-write", Severity.FATAL)
 
 _MARK_WITHIN = 400  # bytes; the header is at the top
 

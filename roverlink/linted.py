@@ -11,6 +11,7 @@ from generator.diagnostics import Severity
 from generator.git import Repository
 from generator.lint_engine import Linted, Question, lint_project, lint_tree
 from roverlink.console import OK, UNABLE, add_table, table_file
+from roverlink.diagnostic_text import Sources, show
 from runtime.errors import SetupError
 
 
@@ -33,10 +34,20 @@ def linted(arguments: argparse.Namespace, root: Path | None, question: Question)
     return lint_tree(root, EnvelopeName(arguments.envelope, arguments.message), question)
 
 
+def folder_of(arguments: argparse.Namespace) -> Path:
+    """Return the folder from which diagnostics name their files: the tree, or that of the table."""
+    root: Path | None = arguments.root
+    return root or table_file(arguments.table).parent
+
+
+def sources(found: Linted) -> Sources:
+    """Return the files that the diagnostics of a lint name."""
+    return Sources(found.folder, commit_of=found.commit_of)
+
+
 def say_limits(found: Linted) -> int:
     """Say on standard error what was not looked at, for commands that show no other finding; their exit code."""
-    for finding in found.limits:
-        print(finding.render(), file=sys.stderr)
+    show(found.limits, sources(found), sys.stderr)
     return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK
 
 

@@ -49,7 +49,7 @@ class Adoption:
     past: AdoptedPast
     compiled: Compiled
     findings: tuple[Diagnostic, ...]
-    """What lint and compiler say of it; rules of the lint count for as little as the table says."""
+    """What the lint finds in it, counted for as little as the table says."""
     changes: tuple[Change, ...]
     """What is to be written, the table among it."""
     scalars: tuple[str, ...]

@@ -11,9 +11,9 @@ from collections.abc import Collection, Mapping
 from generator import naming
 from generator.adopt.draft import Draft, DraftRow
 from generator.adopt.table_text import text_of
+from generator.conversion_rules import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
 from generator.diagnostics import Diagnostic, Severity, Span
 from generator.protos import ProtoField, Schema
-from generator.ros_fields import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
 from generator.ros_messages import RosMessages
 from generator.table import reader
 

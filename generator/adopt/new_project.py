@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator import ledger
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span
+from generator.adopt.faults import IN_THE_WAY, PROTOS_WITHOUT_TABLE
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from generator.pipeline import compile_table
 from generator.rendering import REGENERATE, render
 from generator.write import Change, compare
-
-IN_THE_WAY = Rule("ADO103", "file-in-the-way", Severity.FATAL)
-PROTOS_WITHOUT_TABLE = Rule("ADO104", "protos-without-table", Severity.FATAL)
 
 _TABLE, _PROTOS = "mapping.yaml", "proto"
 _TEMPLATES = {

@@ -7,14 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from generator.adopt.faults import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from generator.declarations import File
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from generator.proto_files import read_protos
-from generator.protoc import DOES_NOT_COMPILE, compile_protos
+from generator.proto_rules import DOES_NOT_COMPILE
+from generator.protoc import compile_protos
 from generator.protos import ProtoField, ProtoMessage, Schema
-
-NOTHING_TO_TAKE_OVER = Rule("ADO101", "nothing-to-take-over", Severity.FATAL)
-NO_SUCH_ENVELOPE = Rule("ADO102", "no-such-envelope", Severity.FATAL)
 
 _SCALARS = {"bool", "bytes", "double", "float", "string", "fixed32", "fixed64", "sfixed32", "sfixed64"}
 _SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}

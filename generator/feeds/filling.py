@@ -32,13 +32,15 @@ class Filling:
         self._leaves = Leaves(sources, places.definition, report)
         self.expressions: dict[Path, Expression] = {}
         self.spans: dict[Path, Span] = {}
+        self.astray: list[Span] = []
+        """Entries that lead to no field: which one they were meant to fill is not known."""
 
     def add(self, path: Path, form: Form, options: Options = _NOTHING) -> None:
         """Fill a field, or the parts of one, as a form says; what cannot be is a finding."""
         place = self.places.find(path, form.span)
         if place is None:
-            return
-        if place.type.is_message:
+            self.astray.append(form.span)
+        elif place.type.is_message:
             self._add_message(place, form, options)
         else:
             self.put(place.path, self._leaf(place, form, options), form.span)

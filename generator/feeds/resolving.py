@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 
-from generator.diagnostics import Diagnostic, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.feeds import faults
 from generator.feeds.filling import Filling
 from generator.feeds.inverse import sources_of, way_back
@@ -53,7 +53,7 @@ class Feeds:
         back = way_back(fields)
         lost = [path for path in sources.paths() if not _covers(back.told, path) and not _covers(settings.ignore, path)]
         if not row.inbound:
-            self._check_way_back(settings, back.obstacle, lost)
+            self._check_way_back(row, settings, back.obstacle, lost)
         file = self._schema.messages[row.proto].file
         return Feed(
             settings.topic,
@@ -110,9 +110,8 @@ class Feeds:
             filling.put(("header", "frame_id"), Constant(settings.frame_id or ""), settings.at("frame_id"))
             if settings.frame_id is None and row.inbound:
                 message = f"{short(root.name)} has a header, and nothing says in which frame its values are"
-                self._report(
-                    faults.FRAME_ID_MISSING.at(settings.span, message, "say `frame_id`: imu_link, for example")
-                )
+                help, rests_on = "say `frame_id`: imu_link, for example", [row.at("direction")]
+                self._report(faults.FRAME_ID_MISSING.at(settings.span, message, help, rests_on=rests_on))
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
             self._add_stamp(settings, filling)
 
@@ -132,23 +131,25 @@ class Feeds:
         used = {source for feed in feeds for source in _sources_of(feed)}
         if len(feeds) < len(row.feeds):
             return  # what the one that is missing takes is not known
+        rests_on = [row.at("direction"), *(span for settings in row.feeds for span in _entries(settings))]
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of {row.name} takes {path}"
-                self._report(
-                    faults.UNUSED_SOURCE.at(row.at("fields"), message, f"map it, or name {path} under `ignore`")
-                )
+                help = f"map it, or name {path} under `ignore`"
+                self._report(faults.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
-    def _check_way_back(self, settings: FeedSettings, obstacle: str, lost: list[str]) -> None:
+    def _check_way_back(self, row: Row, settings: FeedSettings, obstacle: str, lost: list[str]) -> None:
         """What goes to a peer must be told by the message."""
+        span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
             message = f"{settings.ros} on {settings.topic} cannot be turned back into the payload: {obstacle}"
-            self._report(faults.NO_WAY_BACK.at(settings.at("fields"), message))
-            return
-        for path in lost:
-            message = f"nothing in {settings.ros} on {settings.topic} tells {path}, which goes to the peer"
-            help = f"map it, or name {path} under `ignore`"
-            self._report(faults.UNUSED_SOURCE.at(settings.at("fields"), message, help))
+            self._report(faults.NO_WAY_BACK.at(span, message, rests_on=rests_on))
+        elif lost:
+            message = (
+                f"nothing in {settings.ros} on {settings.topic} sets {', '.join(lost)} of the payload for {row.peer}"
+            )
+            help = f"map the missing fields, name them under `ignore`, or write `direction: {row.peer}_to_ros`"
+            self._report(faults.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
     def _check_ignored(self, settings: FeedSettings, sources: Sources) -> None:
         for path in settings.ignore:
@@ -156,6 +157,14 @@ class Feeds:
                 span = settings.spans.get(f"ignore.{path}", settings.span)
                 help = nearest(path, sources.paths())
                 self._report(faults.UNKNOWN_SOURCE.at(span, f"{sources.proto} has no field {path!r}", help))
+
+
+def _entries(settings: FeedSettings) -> Iterator[Span]:
+    """Yield the place of each entry under `fields`, and of the parts of each."""
+    forms = list(settings.fields.values())
+    for form in forms:  # which grows
+        yield form.span
+        forms += [*(form.entries or {}).values(), *(form.items or ())]
 
 
 def _covers(paths: Iterable[str], path: str) -> bool:

@@ -52,7 +52,8 @@ class Tree:
         if not place.type.is_message or place.type.is_many or not self._is_reached(place.path):
             message = f"nothing fills {place.shown}, and a reader would take what is there for meant"
             help = f"map it, give it a constant, or name {place.dotted} under `unset`"
-            self._report(faults.UNSET_TARGET.at(self._settings.at("fields"), message, help))
+            span, rests_on = self._settings.at("fields"), self._filling.astray
+            self._report(faults.UNSET_TARGET.at(span, message, help, rests_on=rests_on))
             return Unset()
         nested = self._filling.places.definition(place.type.name)
         return Parts(self._fields(nested, place.path, (*place.holders, nested.name)))

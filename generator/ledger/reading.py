@@ -7,15 +7,11 @@ from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from generator.diagnostics import Diagnostic, Rule, Severity, Span
+from generator.diagnostics import Diagnostic, Span
 from generator.git import Repository
+from generator.ledger.faults import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
 from generator.ledger.model import NAME, Burned, Entry, Ledger, checksum
 from generator.protos import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
-
-UNREADABLE_LEDGER = Rule("LED101", "unreadable-ledger", Severity.FATAL)
-BROKEN_LEDGER = Rule("LED102", "broken-ledger")
-EDITED_LEDGER = Rule("LED103", "edited-ledger")
-DELETED_LEDGER = Rule("LED104", "deleted-ledger")
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)

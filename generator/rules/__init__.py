@@ -1,8 +1,7 @@
 """The rules: pure functions from what is known to findings. One file a rule; none knows another.
 
-Each module has `RULE` and `check`, and its docstring is the rule's documentation, which `roverlink explain` prints:
-what it finds, why that hurts, a bad and a good example. A module that is put into this folder is a rule; nothing else
-has to know it.
+Each module has `RULE` and `check`, and its docstring is the rule's documentation. A module that is put into this folder
+is a rule of the lint; nothing else has to know it.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from typing import Protocol, cast
 
 from generator.buf import unstated
 from generator.context import Subject
-from generator.diagnostics import Diagnostic, Rule, Severity
+from generator.diagnostics import Diagnostic, Rule, Severity, independent
 from generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
@@ -27,7 +26,6 @@ class RuleModule(Protocol):
     """What a module of this folder has."""
 
     RULE: Rule
-    __doc__: str
 
     def check(self, subject: Subject) -> Iterator[Diagnostic]:
         """What the rule finds."""
@@ -45,7 +43,8 @@ def lint(subject: Subject, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
     """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
     said = [*_without_repetitions(found, subject.table.envelope.message), *unstated(of_buf, found)]
-    return [finding for finding in (_as_the_table_says(finding, subject) for finding in said) if finding is not None]
+    counted = (_as_the_table_says(finding, subject) for finding in said)
+    return independent(finding for finding in counted if finding is not None)
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:

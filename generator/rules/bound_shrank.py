@@ -24,7 +24,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import FieldBounds
 from generator.protos import ProtoField, ProtoMessage
 
-RULE = Rule("FIX103", "bound-shrank")
+RULE = Rule("FIX103", "bound-shrank", __doc__)
 _BITS = {"int32": 32, "sint32": 32, "uint32": 32, "int64": 64, "sint64": 64, "uint64": 64}
 
 

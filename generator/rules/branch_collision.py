@@ -23,7 +23,7 @@ from generator.diagnostics import Diagnostic, Rule, Span, Use
 from generator.history import Allocation, branch_name
 from generator.history_diagnostics import place_of
 
-RULE = Rule("HIS104", "number-given-on-two-branches")
+RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

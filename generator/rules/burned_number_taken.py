@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("ENV110", "burned-number-taken")
+RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

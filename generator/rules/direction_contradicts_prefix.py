@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.table import PeerSettings
 
-RULE = Rule("TAB105", "direction-contradicts-prefix")
+RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -29,7 +29,7 @@ from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.naming import snake_case
 from generator.protos import ProtoEnum, ProtoMessage
 
-RULE = Rule("NAM103", "enum-value-collides")
+RULE = Rule("NAM103", "enum-value-collides", __doc__)
 
 _Messages = Mapping[str, tuple[str, ProtoMessage]]  # by full name, each with its file
 

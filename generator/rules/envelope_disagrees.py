@@ -34,7 +34,7 @@ from generator.diagnostics import Diagnostic, Rule, Span
 from generator.protos import ProtoMessage
 from generator.table import Row, Table
 
-RULE = Rule("ENV105", "envelope-disagrees")
+RULE = Rule("ENV105", "envelope-disagrees", __doc__)
 _GENERATE = "run `roverlink generate`"
 
 
@@ -87,7 +87,7 @@ def _check_of_another_owner(subject: Subject) -> Iterator[Diagnostic]:
         return
     envelope = schema.messages.get(name)
     if envelope is not None:
-        yield from _compare(table, _compiled_members(envelope))
+        yield from _compare(subject, _compiled_members(envelope))
     elif table.whole and not any(subject.declared(name)):  # else its file does not compile, and protoc says why
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
@@ -106,7 +106,7 @@ def _check_written_file(subject: Subject) -> Iterator[Diagnostic]:
         yield RULE.at(table.envelope.at("message"), f"{path} declares no message {name}", _GENERATE, type=name)
         return
     members = _written_members(envelope, subject)
-    yield from _compare(table, members)
+    yield from _compare(subject, members)
     yield from _unreserved(envelope, {member.number for member in members}, table)
 
 
@@ -131,8 +131,9 @@ def _written_members(envelope: ProtoMessage, subject: Subject) -> list[_Member]:
     ]
 
 
-def _compare(table: Table, members: list[_Member]) -> Iterator[Diagnostic]:
+def _compare(subject: Subject, members: list[_Member]) -> Iterator[Diagnostic]:
     """Rows against members; each difference once."""
+    table = subject.table
     name, oneof = table.envelope.message, table.envelope.oneof
     cures = _OF_OWNER[table.envelope.owner]
     payloads = {member.number: member for member in members if member.oneof == oneof}
@@ -142,14 +143,13 @@ def _compare(table: Table, members: list[_Member]) -> Iterator[Diagnostic]:
         return
     # A payload that stands beside the oneof is a fault of its own, which another rule finds.
     beside = {(member.number, member.type) for member in members if member.oneof != oneof}
-    first = {row.number: row for row in reversed(table.rows)}  # and so is a number that is taken twice
-    rows = [row for row in first.values() if (row.number, row.proto) not in beside]
+    rows = [row for row in table.rows if (row.number, row.proto) not in beside]
     for row in rows:
         yield from _compare_row(row, payloads, table, cures)
     strayed = [row for row in rows if row.number not in payloads]
     for member in payloads.values():
         if not any(_is_moved(row, member, table) for row in strayed):
-            yield from _without_row(member, table, cures)
+            yield from _without_row(member, subject, cures)
 
 
 def _is_moved(row: Row, member: _Member, table: Table) -> bool:
@@ -159,31 +159,40 @@ def _is_moved(row: Row, member: _Member, table: Table) -> bool:
 
 def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
+    rests_on = [row.at("number"), row.at("proto")]
     if member is None:
         message = f"the envelope has no member {row.number}, which {row.name} names"
         also = []
         for moved in (other for other in payloads.values() if _is_moved(row, other, table)):
             message = f"member {row.name} has the number {moved.number}, not {row.number}"
             also = [(moved.span, "the member")]
-        yield RULE.at(row.at("number"), message, cures.missing, also, type=envelope, number=row.number)
+        yield RULE.at(
+            row.at("number"), message, cures.missing, also, type=envelope, number=row.number, rests_on=rests_on
+        )
         return
     also = [(member.span, "the member")]
     if member.type != row.proto:
         message = f"member {row.number} carries {member.type}, not {row.proto}"
-        yield RULE.at(row.at("proto"), message, cures.differs, also, type=envelope, number=row.number)
+        yield RULE.at(
+            row.at("proto"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on
+        )
     if member.name != row.name:
         message = f"member {row.number} is called {member.name}, not {row.name}"
-        yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number)
+        rests_on.append(row.at("name"))
+        yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
 
 
-def _without_row(member: _Member, table: Table, cures: _Cures) -> Iterator[Diagnostic]:
-    envelope, number = table.envelope.message, member.number
+def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[Diagnostic]:
+    table, number = subject.table, member.number
+    envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
         message = f"{member} is retired in {table.file}"
         yield RULE.at(member.span, message, cures.retired, type=envelope, number=number)
     elif table.whole and number not in table.numbers:
         message = f"{member} has no row in {table.file}"
-        yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number)
+        rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
+        rests_on += [entry.span for entry in subject.published if entry.number == number]
+        yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
 
 
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:

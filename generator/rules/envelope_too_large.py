@@ -26,7 +26,7 @@ from generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from generator.protos import Schema
 from generator.table import Row
 
-RULE = Rule("FIX102", "envelope-too-large")
+RULE = Rule("FIX102", "envelope-too-large", __doc__)
 _HELP = "lower a bound in the .options file, split the message, or raise max_size if the peer has the memory"
 
 

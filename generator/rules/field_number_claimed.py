@@ -28,7 +28,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoMessage
 
-RULE = Rule("ENV109", "field-number-claimed", Severity.WARNING)
+RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

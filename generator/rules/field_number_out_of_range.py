@@ -19,7 +19,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.table import IMPLEMENTATION_NUMBERS
 
-RULE = Rule("ENV104", "field-number-out-of-range")
+RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -27,7 +27,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.ledger import Entry
 from generator.table import RetiredRow, Row
 
-RULE = Rule("ENV102", "field-number-reuse")
+RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -59,4 +59,5 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
 def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
     message = f"field {row.number} was published for {entry.name} ({entry.proto}), not for {row.proto}"
     also = [(entry.span, "published here")]
-    return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
+    rests_on = [row.at("number"), row.at("proto")]
+    return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

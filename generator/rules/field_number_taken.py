@@ -24,7 +24,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Span
 from generator.table import RetiredRow, Row
 
-RULE = Rule("ENV101", "field-number-taken")
+RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -40,9 +40,14 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if first is not retired:
             message = f"field {retired.number} is retired twice"
             yield at(retired, message, "keep one of them", (first.at("number"), "first retired here"))
-    rows = {row.number: row for row in reversed(table.rows)}
-    help = f"the next number never used is {subject.next_number()}"
+    rows = _owners(subject)
+    published = {(entry.proto, entry.name): entry.number for entry in subject.published}
+    next_number = subject.next_number()
     for row in table.rows:
+        old = published.get((row.proto, row.name))
+        help = f"the next number never used is {next_number}"
+        if old is not None and old not in table.numbers:
+            help = f"give {row.name} its published number {old} back"
         if row.number in holders:
             gone = holders[row.number]
             message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"
@@ -51,3 +56,12 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             taken = rows[row.number]
             message = f"field {row.number} is already taken by {taken.name} ({taken.proto})"
             yield at(row, message, help, (taken.at("number"), "first used here"))
+
+
+def _owners(subject: Subject) -> dict[int, Row]:
+    """Find the row that each number belongs to: the one it was published for, or else the first."""
+    owners: dict[int, Row] = {}
+    published = {(entry.number, entry.proto) for entry in subject.published}
+    for row in sorted(subject.table.rows, key=lambda row: (row.number, row.proto) not in published):
+        owners.setdefault(row.number, row)
+    return owners

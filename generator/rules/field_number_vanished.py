@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Span
 
-RULE = Rule("ENV103", "field-number-vanished")
+RULE = Rule("ENV103", "field-number-vanished", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -40,4 +40,5 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         of_ledger = entry in subject.ledger.entries
         span = entry.span if of_ledger else Span(table.file)  # nobody can mend an earlier state
         also = [] if of_ledger else [(entry.span, "published here")]
-        yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number)
+        moved = [row.at("number") for row in table.rows if row.proto == entry.proto]
+        yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)

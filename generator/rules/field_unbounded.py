@@ -26,7 +26,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.nanopb import Unbounded, largest_size
 from generator.table import PeerSettings, Row
 
-RULE = Rule("FIX101", "field-unbounded")
+RULE = Rule("FIX101", "field-unbounded", __doc__)
 _HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
 
 

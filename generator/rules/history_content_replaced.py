@@ -21,7 +21,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.history import Kind
 from generator.history_diagnostics import reported, reuses_by_number
 
-RULE = Rule("HIS103", "payload-content-replaced")
+RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -21,7 +21,7 @@ from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.history import Kind
 from generator.history_diagnostics import reported, reuses_by_number
 
-RULE = Rule("HIS102", "payload-renamed", Severity.HINT)
+RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -27,7 +27,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.history import Kind
 from generator.history_diagnostics import reported, reuses_by_number
 
-RULE = Rule("HIS101", "field-number-reuse")
+RULE = Rule("HIS101", "field-number-reuse", __doc__)
 _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 

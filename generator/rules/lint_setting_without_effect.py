@@ -27,7 +27,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.table import Lowered
 
-RULE = Rule("TAB108", "lint-setting-without-effect", Severity.WARNING)
+RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

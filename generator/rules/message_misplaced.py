@@ -29,7 +29,7 @@ from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.naming import snake_case
 from generator.table import Row
 
-RULE = Rule("NAM102", "message-misplaced", Severity.WARNING)
+RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -28,7 +28,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoMessage
 
-RULE = Rule("NAM101", "message-name-not-unique")
+RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

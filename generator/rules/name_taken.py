@@ -25,7 +25,7 @@ from generator.diagnostics import Diagnostic, Rule, Span
 from generator.naming import distinct
 from generator.table import RetiredRow, Row
 
-RULE = Rule("TAB101", "name-taken")
+RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
 
 

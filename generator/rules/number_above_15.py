@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoMessage
 
-RULE = Rule("FIX104", "number-above-15", Severity.HINT)
+RULE = Rule("FIX104", "number-above-15", __doc__, Severity.HINT)
 _LAST_SHORT = 15
 
 

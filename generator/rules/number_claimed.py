@@ -27,7 +27,7 @@ from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.protos import ProtoField
 from generator.table import Row
 
-RULE = Rule("ENV108", "number-claimed", Severity.WARNING)
+RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 
-RULE = Rule("TAB106", "number-skipped", Severity.HINT)
+RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -31,7 +31,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     if not published:
         return
     table = subject.table
-    new = {row.number: row for row in reversed(table.rows) if row.number not in published}
+    # A payload whose published number is gone from the table is not new; another rule tells how to put that back.
+    moved = {entry.proto for entry in subject.published if entry.number not in table.numbers}
+    new = {row.number: row for row in reversed(table.rows) if row.number not in published and row.proto not in moved}
     # Only what lies above every old number is known to have never been used.
     old = published | (table.numbers - new.keys())
     smallest = max(old)
@@ -41,4 +43,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             row = new[number]
             message = f"field {number} skips numbers that were never used; the next one is {smallest}"
             help = f"give {row.name} the number {smallest}, while nobody uses {number} yet"
-            yield RULE.at(row.at("number"), message, help, type=table.envelope.message, number=number)
+            rests_on = [row.at("number"), row.at("proto")]
+            yield RULE.at(
+                row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on
+            )

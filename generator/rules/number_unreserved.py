@@ -33,7 +33,7 @@ from generator.ledger import Entry
 from generator.protos import ProtoMessage
 from generator.table import Table
 
-RULE = Rule("ENV107", "number-unreserved")
+RULE = Rule("ENV107", "number-unreserved", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -31,7 +31,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField
 
-RULE = Rule("ENV106", "payload-outside-oneof")
+RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

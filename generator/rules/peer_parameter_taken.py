@@ -24,7 +24,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.node_parameters import node_parameters
 from generator.table import PeerSettings
 
-RULE = Rule("TAB104", "peer-parameter-taken")
+RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -22,7 +22,7 @@ from itertools import combinations
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("PIN102", "pins-disagree")
+RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

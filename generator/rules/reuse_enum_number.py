@@ -26,7 +26,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import next_enum_number
 from generator.protos import ProtoEnum, ProtoEnumValue, Schema
 
-RULE = Rule("WIR112", "enum-number-reuse")
+RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -26,7 +26,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import new_numbers
 from generator.protos import ProtoEnumValue
 
-RULE = Rule("WIR110", "enum-value-meaning-replaced")
+RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

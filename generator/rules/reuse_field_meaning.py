@@ -24,7 +24,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
-RULE = Rule("WIR114", "field-meaning-replaced")
+RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

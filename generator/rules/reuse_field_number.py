@@ -26,7 +26,7 @@ from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import next_field_number
 from generator.protos import ProtoField, ProtoMessage, Schema
 
-RULE = Rule("WIR111", "field-number-reuse-in-message")
+RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity
 from generator.free_numbers import NewNumbers, back_or_renumber
 
-RULE = Rule("WIR115", "field-unit-changed", Severity.WARNING)
+RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

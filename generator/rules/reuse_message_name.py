@@ -24,7 +24,7 @@ from generator.changes.renames import Rename, rename
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("WIR113", "message-content-replaced")
+RULE = Rule("WIR113", "message-content-replaced", __doc__)
 _FEWEST = 3  # of so few fields that each may have changed by itself
 
 

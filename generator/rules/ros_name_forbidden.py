@@ -21,7 +21,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.table import Row
 
-RULE = Rule("ROS101", "ros-name-forbidden")
+RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -20,16 +20,13 @@ from collections.abc import Iterator
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Severity, Span
 
-RULE = Rule("TAB107", "topic-changed", Severity.WARNING)
+RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """Rows that were published with the same number and message, and with another topic."""
     envelope = subject.table.envelope.message
-    first = {row.number: row for row in reversed(subject.table.rows)}
     for row in subject.table.rows:
-        if first[row.number] is not row:
-            continue  # the number is another row's, which is a fault of its own
         before: dict[str, Span] = {}
         for entry in subject.published:
             if (entry.number, entry.proto) == (row.number, row.proto) and entry.topic not in ("", row.topic):
@@ -38,4 +35,5 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             message = f"{row.name} goes over the topic {row.topic}; it was published on {' and on '.join(before)}"
             help = "put the old topic back, or tell whoever uses it"
             also = [(span, f"{topic} here") for topic, span in before.items()]
-            yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number)
+            rests_on = [row.at("number"), row.at("topic")]
+            yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -21,7 +21,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Span
 from generator.table import Row
 
-RULE = Rule("TAB102", "topic-taken")
+RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

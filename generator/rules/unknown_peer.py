@@ -24,10 +24,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from generator.context import Subject
-from generator.diagnostics import Diagnostic, Rule, nearest
+from generator.diagnostics import Diagnostic, Rule, Span, nearest
 from generator.table import Row
 
-RULE = Rule("TAB103", "unknown-peer")
+RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
@@ -37,28 +37,30 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         return  # the peer may be among what could not be read
     peers = {peer.name for peer in table.peers}
     for row in table.rows:
-        for key, message, help in (*_unknown(row, peers), *_misdirected(row)):
-            yield RULE.at(row.at(key), message, help, type=table.envelope.message, number=row.number)
+        for key, message, help, also in (*_unknown(row, peers), *_misdirected(row)):
+            yield RULE.at(row.at(key), message, help, also, type=table.envelope.message, number=row.number)
 
 
-_Fault = tuple[str, str, str]  # the key of the row where it stands, what is wrong, the cure
+_Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the key of the row, what is wrong, the cure, other places
 
 
 def _unknown(row: Row, peers: set[str]) -> Iterator[_Fault]:
-    known = f"there are {', '.join(sorted(peers))}" if peers else "name the peers under `peers`"
+    known = sorted(peers)
     if row.direction and row.peer not in peers:
-        message = f"{row.name} goes {row.direction}, but there is no peer {row.peer!r}"
-        yield "direction", message, nearest(row.peer, peers, known)
+        directions = [direction for peer in known for direction in (f"{peer}_to_ros", f"ros_to_{peer}")]
+        message = f"unknown direction {row.direction!r} (known: {', '.join(directions) or 'none'})"
+        yield "direction", message, nearest(row.peer, peers, f"name the peer {row.peer} under `peers`"), []
     for target in row.forward:
         if target not in peers:
-            message = f"{row.name} forwards to {target!r}, which is no peer"
-            yield f"forward.{target}", message, nearest(target, peers, known)
+            message = f"unknown peer {target!r} (known: {', '.join(known) or 'none'})"
+            yield f"forward.{target}", message, nearest(target, peers, f"name the peer {target} under `peers`"), []
 
 
 def _misdirected(row: Row) -> Iterator[_Fault]:
     if row.forward and not row.inbound:
-        message = f"{row.name} goes {row.direction}: there is no datagram to forward"
-        yield "forward", message, "remove `forward`"
+        message = f"the direction of {row.name} is {row.direction}, but `forward` is for datagrams from a peer"
+        help = f"write `direction: {row.peer}_to_ros`, or remove `forward`"
+        yield "direction", message, help, [(row.at("forward"), "forwarded here")]
     elif row.peer in row.forward:
         message = f"{row.name} comes from {row.peer} and would be sent back to it"
-        yield f"forward.{row.peer}", message, "forward to another peer"
+        yield f"forward.{row.peer}", message, "forward to another peer", []

@@ -26,7 +26,7 @@ from generator.changes.fixits import back
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("WIR108", "field-default-changed")
+RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

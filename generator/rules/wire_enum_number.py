@@ -24,7 +24,7 @@ from generator.changes.number_ranges import covers
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("WIR107", "enum-value-number-freed")
+RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -23,7 +23,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
-RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire")
+RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 

@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField
 
-RULE = Rule("WIR102", "field-number-freed")
+RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

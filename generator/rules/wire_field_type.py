@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
-RULE = Rule("WIR101", "field-type-changed-on-the-wire")
+RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

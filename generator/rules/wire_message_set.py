@@ -21,7 +21,7 @@ from generator.changes import Change, each_once, earlier, messages
 from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 
-RULE = Rule("WIR109", "message-set-format-changed")
+RULE = Rule("WIR109", "message-set-format-changed", __doc__)
 _OPTION = "message_set_wire_format"
 
 

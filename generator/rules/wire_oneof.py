@@ -23,7 +23,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.free_numbers import NewNumbers, back_or_renumber
 
-RULE = Rule("WIR105", "field-moved-between-oneofs")
+RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule
 from generator.protos import ProtoField, ProtoMessage
 
-RULE = Rule("WIR104", "required-field-changed")
+RULE = Rule("WIR104", "required-field-changed", __doc__)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -25,7 +25,7 @@ from generator.context import Subject
 from generator.diagnostics import Diagnostic, Rule, Span
 from generator.free_numbers import NewNumbers, next_enum_number
 
-RULE = Rule("WIR106", "reserved-number-freed")
+RULE = Rule("WIR106", "reserved-number-freed", __doc__)
 
 
 @dataclass(frozen=True, slots=True)

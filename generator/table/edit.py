@@ -7,10 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 import yaml
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import DiagnosticsError, Rule, Span
-
-NO_SUCH_ROW = Rule("RET101", "no-such-row")
-NO_PLACE_FOR_A_ROW = Rule("RET103", "no-place-for-a-row")
+from generator.diagnostics import DiagnosticsError, Span
+from generator.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 
 Edit = tuple[int, int, list[str]]
 """Lines from the first to before the last, counted from 0, become other lines."""

@@ -8,14 +8,11 @@ from pathlib import Path
 from string import ascii_lowercase
 
 from generator import naming
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule
+from generator.diagnostics import Diagnostic, DiagnosticsError
 from generator.table.keys import FeedSettings, PeerSettings, Row, Table
 from generator.table.parts import Form, build, object_of
 from generator.table.yaml_items import read_form, read_text
-from generator.table.yaml_scalars import WRONG_TYPE
-
-CONFLICTING_KEYS = Rule("MAP109", "conflicting-keys")
-KEY_WITHOUT_STANDARD = Rule("STD101", "key-without-standard-message")
+from generator.table_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
 
 _FIRST_PORT = 6000
 

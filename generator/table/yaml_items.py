@@ -14,16 +14,11 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, nearest
+from generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from generator.table.parts import Form
 from generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
-from generator.table.yaml_scalars import BAD_VALUE, WRONG_TYPE, ScalarReader, fitting_form
-
-UNREADABLE = Rule("MAP101", "unreadable-table", Severity.FATAL)
-SYNTAX = Rule("MAP102", "yaml-syntax")
-DUPLICATE_KEY = Rule("MAP103", "duplicate-key")
-UNKNOWN_KEY = Rule("MAP104", "unknown-key")
-MISSING_KEY = Rule("MAP105", "missing-key")
+from generator.table.yaml_scalars import ScalarReader, fitting_form
+from generator.table_rules import BAD_VALUE, DUPLICATE_KEY, MISSING_KEY, SYNTAX, UNKNOWN_KEY, UNREADABLE, WRONG_TYPE
 
 
 def read_form(text: str, file: str, type: Type, what: str, findings: list[Diagnostic]) -> Form | None:
@@ -90,20 +85,25 @@ class _Reader(ScalarReader):
             return None
         span, entries = self.span(node), dict[str, Form]()
         present: set[str] = set()
+        unknown: dict[str, Span] = {}
         for name, key_node, value_node in self._entries(node, what):
             present.add(name)
             if name not in type.keys and type.others and re.fullmatch(type.others.key.pattern, name):
                 if (value := self.value(value_node, type.others.value, f"{what}.{name}")) is not None:
                     entries[name] = value
             elif name not in type.keys:
+                unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(self.span(key_node), f"{what} has no key {name!r}", help))
+                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"{what} has no key {name!r}", help))
             elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
                 entries[name] = value
         for name, key in type.keys.items():
             if key.required and name not in present:
-                finding = MISSING_KEY.at(span, f"{what} lacks the key {name!r}", f"{name}: {key.meaning.text}")
-                self.findings.append(finding)
+                misspelt = [
+                    span for other, span in unknown.items() if nearest(other, type.keys) == nearest(name, [name])
+                ]
+                message, help = f"{what} lacks the key {name!r}", f"{name}: {key.meaning.text}"
+                self.findings.append(MISSING_KEY.at(span, message, help, rests_on=misspelt))
         return Form(span, entries=entries)
 
     def _map(self, node: Node, type: MapOf, what: str) -> Form | None:

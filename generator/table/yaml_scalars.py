@@ -9,13 +9,10 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import Diagnostic, Rule, Span, nearest
+from generator.diagnostics import Diagnostic, Span, nearest
 from generator.table.parts import Form
 from generator.table.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Number, Scalar, Text, Type
-
-WRONG_TYPE = Rule("MAP106", "wrong-type")
-SURPRISING_SCALAR = Rule("MAP107", "surprising-scalar")
-BAD_VALUE = Rule("MAP108", "bad-value")
+from generator.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
 
 _LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
 _LONGEST_NUMBER = 40

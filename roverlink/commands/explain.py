@@ -1,4 +1,4 @@
-"""``roverlink explain``: what a rule of the lint is about, or everything about a row."""
+"""``roverlink explain``: what a rule is about, or everything about a row."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import json
 import sys
 from typing import Any
 
-from generator.diagnostics import DiagnosticsError
-from generator.rules import RuleModule, modules
+from generator.catalogue import rules as all_rules
+from generator.diagnostics import DiagnosticsError, Rule
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
+from roverlink.diagnostic_text import show_error
 from runtime.errors import SetupError, nearest
 
 
@@ -18,10 +19,10 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "explain",
-        "say everything about a row, or what a rule of the lint finds, why that hurts, and what to write instead",
+        "say everything about a row, or what a rule finds, why that hurts, and what to write instead",
         "roverlink explain imu_info",
         "Say everything about a row of mapping.yaml (by its name, number, topic or message): sizes, fields with their\n"
-        "conversions, topic, peers, the bytes of an example. Or what a rule of the lint (ENV101) finds, why that\n"
+        "conversions, topic, peers, the bytes of an example. Or what a rule (ENV101) finds, why that\n"
         "hurts, and what to write instead.",
     )
     parser.add_argument("what", nargs="?", metavar="ROW|ID", help="a row or a rule; all rules without it")
@@ -33,12 +34,12 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print a row, a rule's documentation, or a line for each rule."""
-    rules = modules()
+    rules = all_rules()
     if arguments.what is None:
-        for id, module in rules.items():
-            print(f"{id} {module.RULE.severity.value:<8} {module.RULE.name}")
+        for rule in rules.values():
+            print(f"{rule.id} {rule.severity.value:<8} {rule.name}")
         return OK
-    by_name = {module.RULE.name: module for module in rules.values()}
+    by_name = {rule.name: rule for rule in rules.values()}
     found = rules.get(arguments.what.upper()) or by_name.get(arguments.what)
     if found is not None:
         _tell_rule(found)
@@ -46,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     return _explain_row(arguments, [*rules, *by_name])
 
 
-def _tell_rule(module: RuleModule) -> None:
-    print(f"{module.RULE.id} {module.RULE.name} ({module.RULE.severity.value})\n\n{module.__doc__.strip()}")
+def _tell_rule(rule: Rule) -> None:
+    print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
 
 
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
@@ -57,11 +58,11 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     table, what = table_file(arguments.table), arguments.what
     if not table.exists():
         hint = nearest(what, rules)
-        raise SetupError(f"the lint has no rule {what!r} ({hint}), and there is no {table} with rows")
+        raise SetupError(f"there is no rule {what!r} ({hint}), and there is no {table} with rows")
     try:
         project = Project(table, history=arguments.history)
     except DiagnosticsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, table.parent, sys.stderr)
         return FINDINGS
     row = project.find(what)
     if row is None and (taken := project.taken(what)):
@@ -69,9 +70,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         return FINDINGS
     if row is None:
         hint = nearest(what, [*project.known(), *rules])
-        raise SetupError(
-            f"{what!r} is no row of {table} and no rule ({hint}); docs/mapping.md lists all other findings"
-        )
+        raise SetupError(f"{what!r} is no row of {table} and no rule ({hint}); `roverlink explain` lists the rules")
     said = project.explain(row)
     print(json.dumps(said, indent=2)) if arguments.json else _tell(said)
     return OK

@@ -11,6 +11,7 @@ from generator.diagnostics import DiagnosticsError, Severity
 from generator.pipeline import Compiled, compile_table
 from generator.write import Change, compare, write
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
+from roverlink.diagnostic_text import Sources, show, show_error
 
 
 def add(commands: Subparsers) -> None:
@@ -46,8 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
         folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
         compiled = compile_table(table, arguments.target, folders)
         changes = compare(table.resolve().parent, compiled.files, compiled.folders)
-        for warning in compiled.warnings:
-            print(warning.render(), file=sys.stderr)
+        show(compiled.warnings, Sources(table.parent), sys.stderr)
         if arguments.check:
             return _check(table, changes)
         write(table.resolve().parent, changes)
@@ -79,6 +79,6 @@ def report(table: Path, error: DiagnosticsError) -> int:
     """Print why nothing was written; the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
-    print(error, file=sys.stderr)
+    show_error(error, table.parent, sys.stderr)
     print(f"{counted(errors, 'error')} in {table}; nothing was written", file=sys.stderr)
     return UNABLE if Severity.FATAL in severities else FINDINGS

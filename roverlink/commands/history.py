@@ -9,7 +9,8 @@ from generator.diagnostics import DiagnosticsError
 from generator.history import Usage, branch_name
 from generator.lint_engine import Question
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
-from roverlink.linted import add_subject, linted, say_limits
+from roverlink.diagnostic_text import show_error
+from roverlink.linted import add_subject, folder_of, linted, say_limits
 from roverlink.progress import progress
 
 
@@ -36,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
             question = Question(history=True, envelope=not arguments.of, report=report)
             found = linted(arguments, arguments.root, question)
     except DiagnosticsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     subject, code = found.subject, say_limits(found)
     if subject.past is None:

@@ -11,6 +11,7 @@ from generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
 from generator.diagnostics import DiagnosticsError, Severity
 from generator.write import Change, write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
+from roverlink.diagnostic_text import Sources, show, show_error
 from roverlink.progress import progress
 from runtime.errors import SetupError
 
@@ -70,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         if _write(adoption.changes, arguments.dry_run):
             _tell(adoption)
     except DiagnosticsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, Path.cwd(), sys.stderr)
         print("nothing was written", file=sys.stderr)
         return UNABLE if any(one.severity is Severity.FATAL for one in error.findings) else FINDINGS
     return OK
@@ -134,8 +135,7 @@ def _tell(adoption: Adoption) -> None:
 
 
 def _tell_findings(adoption: Adoption) -> None:
-    for finding in adoption.findings:
-        print(f"{finding.span}: {finding.severity.value}[{finding.rule.id}] {finding.message}")
+    show(adoption.findings, Sources(Path.cwd()), sys.stdout)
     draft = adoption.draft
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):
         print(f"{', '.join(lowered)}: a hint for now, under `lint` in {TABLE}; remove that once it is mended,")

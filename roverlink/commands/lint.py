@@ -9,7 +9,8 @@ from pathlib import Path
 from generator.diagnostics import DiagnosticsError, Severity
 from generator.lint_engine import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, linted
+from roverlink.diagnostic_text import show_error
+from roverlink.linted import add_subject, folder_of, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
 from runtime.errors import SetupError
@@ -71,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.accept:
             return _accept(arguments, found)
     except DiagnosticsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     FORMATS[arguments.format](found)
     severities = {finding.severity for finding in found.findings}

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from generator.context import Subject
 from generator.diagnostics import DiagnosticsError
 from generator.lint_engine import Question
 from generator.table import LARGEST_NUMBER
-from roverlink.console import UNABLE, Subparsers, command, table_file
-from roverlink.linted import add_subject, in_repository, linted, say_limits
+from roverlink.console import UNABLE, Subparsers, command
+from roverlink.diagnostic_text import show_error
+from roverlink.linted import add_subject, folder_of, in_repository, linted, say_limits
 from roverlink.progress import progress
 
 
@@ -33,10 +33,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the number."""
     try:
         with progress("reading history") as report:
-            question = Question(branches=in_repository(_folder(arguments)), envelope=True, report=report)
+            question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
             found = linted(arguments, arguments.root, question)
     except DiagnosticsError as error:
-        print(error, file=sys.stderr)
+        show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     code = say_limits(found)
     if found.subject.past is None:
@@ -56,8 +56,3 @@ def say_skipped(subject: Subject) -> None:
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
         for first, last, why in subject.occupied(start):
             print(f"{first if first == last else f'{first} to {last}'} {why}", file=sys.stderr)
-
-
-def _folder(arguments: argparse.Namespace) -> Path:
-    root: Path | None = arguments.root
-    return root or table_file(arguments.table).parent

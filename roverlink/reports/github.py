@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from generator.diagnostics import Diagnostic, Severity
 from generator.lint_engine import Linted
-from roverlink.reports.places import from_here, told
+from roverlink.linted import sources
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}
 
@@ -16,10 +16,11 @@ def write(linted: Linted) -> None:
 
 
 def _command(finding: Diagnostic, linted: Linted) -> str:
-    span, rule = from_here(finding.span, linted), finding.rule
+    files = sources(linted)
+    span, rule = files.from_here(finding.span), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
-    also = [f"{from_here(place, linted)}: {told(place, what, linted)}" for place, what in finding.also]
+    also = [f"{files.from_here(place)}: {files.told(place, what)}" for place, what in finding.also]
     lines = [finding.message, *also, *([f"help: {finding.help}"] if finding.help else [])]
     return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(chr(10).join(lines))}"
 

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from generator.diagnostics import Diagnostic, Rule, Severity, Span
 from generator.lint_engine import Linted
 from generator.rules import modules
-from roverlink.reports.places import from_here, told
+from roverlink.linted import sources
 
 _LEVELS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "note"}
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -18,32 +18,35 @@ _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 def write(linted: Linted) -> None:
     """Print the log of one run."""
-    rules = {id: _rule(module.RULE, module.__doc__) for id, module in modules().items()}
-    rules |= {finding.rule.id: _rule(finding.rule, "") for finding in linted.findings if finding.rule.id not in rules}
+    rules = {id: _rule(module.RULE) for id, module in modules().items()}
+    rules |= {finding.rule.id: _rule(finding.rule) for finding in linted.findings}
     driver = {"name": "roverlink", "rules": [rules[id] for id in sorted(rules)]}
     run = {"tool": {"driver": driver}, "results": [_result(finding, linted) for finding in linted.findings]}
     print(json.dumps({"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2))
 
 
-def _rule(rule: Rule, documentation: str) -> dict[str, Any]:
-    described: dict[str, Any] = {"id": rule.id, "name": rule.name}
-    if documentation:
-        described["shortDescription"] = {"text": documentation.strip().splitlines()[0]}
-        described["help"] = {"text": documentation.strip()}
-    return {**described, "defaultConfiguration": {"level": _LEVELS[rule.severity]}}
+def _rule(rule: Rule) -> dict[str, Any]:
+    return {
+        "id": rule.id,
+        "name": rule.name,
+        "shortDescription": {"text": rule.summary},
+        "help": {"text": rule.documentation.strip()},
+        "defaultConfiguration": {"level": _LEVELS[rule.severity]},
+    }
 
 
 def _result(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
+    files = sources(linted)
     text = f"{finding.message}\n{finding.help}" if finding.help else finding.message
     result: dict[str, Any] = {
         "ruleId": finding.rule.id,
         "level": _LEVELS[finding.severity],
         "message": {"text": text},
-        "locations": [_location(from_here(finding.span, linted))],
+        "locations": [_location(files.from_here(finding.span))],
     }
     if finding.also:
         result["relatedLocations"] = [
-            {**_location(from_here(span, linted)), "message": {"text": told(span, what, linted)}}
+            {**_location(files.from_here(span)), "message": {"text": files.told(span, what)}}
             for span, what in finding.also
         ]
     return result

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import reference
 from page import ROOT, blocks
 
-import generator
-from generator.diagnostics import Rule
+from generator.catalogue import rules
 from generator.pipeline import compile_table
 from generator.rules import modules
 from generator.table import Table, reader
@@ -40,12 +36,6 @@ def _rows(columns: int) -> list[list[str]]:
 def _documented_keys() -> dict[str, str]:
     """Each key of the page, with what stands for its default."""
     return {row[0].strip("`"): row[3] for row in _rows(4) if row[0].startswith("`")}
-
-
-def _rules() -> Iterator[Rule]:
-    """Every rule that a module of the generator defines."""
-    for module in pkgutil.walk_packages(generator.__path__, "generator."):
-        yield from (value for value in vars(importlib.import_module(module.name)).values() if isinstance(value, Rule))
 
 
 def test_every_key_of_the_format_is_documented() -> None:
@@ -81,11 +71,11 @@ def test_the_defaults_are_those_of_the_reader(tmp_path: Path) -> None:
 
 
 def test_every_finding_is_documented() -> None:
-    """The page has id, name and severity of every finding but those of the lint's rules, which have a page."""
-    documented = [tuple(row[:3]) for row in _rows(4) if re.fullmatch(r"[A-Z]{3}[0-9]{3}", row[0])]
-    others = {rule for rule in _rules() if rule.id not in modules()}
+    """The page has id, name, severity and summary of every rule but those of the lint, which have a page."""
+    documented = [tuple(row) for row in _rows(4) if re.fullmatch(r"[A-Z]{3}[0-9]{3}", row[0])]
+    others = [rule for rule in rules().values() if rule.id not in modules()]
 
-    assert sorted(documented) == sorted((rule.id, rule.name, rule.severity.value) for rule in others)
+    assert sorted(documented) == [(rule.id, rule.name, rule.severity.value, rule.summary) for rule in others]
 
 
 def test_the_example_of_the_conversions_is_what_generate_writes(tmp_path: Path) -> None:

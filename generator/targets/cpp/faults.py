@@ -8,7 +8,28 @@ from generator import ir, naming
 from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Span
 from generator.targets.cpp import names
 
-CPP_NAME = Rule("CPP101", "cpp-name")
+CPP_NAME = Rule(
+    "CPP101",
+    "cpp-name",
+    """A name in the protos cannot be used in C++, or gets different accessors from different versions of protobuf.
+
+The generated C++ would compile on one machine and fail on another. No wire contains the name, so it can be changed.
+
+Bad::
+
+    # mapping.yaml
+    targets: [python, cpp]
+    # proto/imu.proto
+    message Imu { float requires = 1; }
+
+Good::
+
+    # mapping.yaml
+    targets: [python, cpp]
+    # proto/imu.proto
+    message Imu { float required_force = 1; }
+""",
+)
 
 _RUNTIME = "roverlink"
 _KNOWN_SINCE_22 = frozenset(

@@ -1,0 +1,97 @@
+"""Diagnostics as people read them: place, message, source line with a caret, other places, help."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
+from generator.git import Commit
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+_STYLES = {
+    Severity.FATAL: "bold red",
+    Severity.ERROR: "bold red",
+    Severity.WARNING: "bold yellow",
+    Severity.HINT: "bold cyan",
+}
+_TAB = "    "
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Sources:
+    """The files that diagnostics name."""
+
+    folder: Path
+    """The folder from which they are named."""
+    texts: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """Files whose text is not the one on disk."""
+    commit_of: Callable[[Span], Commit | None] = lambda _: None
+    """The commit from which a line is; None where it is not committed, or not known."""
+    _read: dict[str, list[str]] = dataclasses.field(default_factory=dict)
+
+    def from_here(self, span: Span) -> Span:
+        """Name a place from the current folder; one whose file is not on disk stays as it is."""
+        path = self.folder / span.file
+        return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
+
+    def told(self, span: Span, what: str) -> str:
+        """Say what another place has to do with a diagnostic, and the commit its line came with, where known."""
+        commit = self.commit_of(span)
+        return f"{what} ({commit})" if commit else what
+
+    def line(self, span: Span) -> str:
+        """Return the line that a place is in; empty where it cannot be read."""
+        if span.file not in self._read:
+            text = self.texts.get(span.file)
+            self._read[span.file] = (_text_of(self.folder / span.file) if text is None else text).splitlines()
+        lines = self._read[span.file]
+        return lines[span.line - 1].rstrip() if 0 < span.line <= len(lines) else ""
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> None:
+    """Print diagnostics; in colour if the stream is a terminal and NO_COLOR is not set."""
+    if not (findings := list(findings)):
+        return
+    from rich.console import Console  # its import takes longer than what a clean run has to say
+    from rich.text import Text
+
+    console = Console(file=stream, highlight=False, soft_wrap=True)
+    for finding in findings:
+        console.print(Text("\n").join([*_lines(finding, sources), Text()]))
+
+
+def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
+    """Print why a command cannot go on; ``folder`` is that of the table or of the tree."""
+    show(error.findings, Sources(folder, error.texts), stream)
+
+
+def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
+    from rich.text import Text
+
+    style = _STYLES[finding.severity]
+    yield Text.assemble(
+        (f"{sources.from_here(finding.span)}: ", "bold"),
+        (f"{finding.severity.value}[{finding.rule.id}]", style),
+        f" {finding.message}",
+    )
+    if (line := sources.line(finding.span)) and finding.span.column:
+        number, before = str(finding.span.line), line[: finding.span.column - 1].replace("\t", _TAB)
+        yield Text(f"{number} | {line}".replace("\t", _TAB))
+        yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))
+    for span, what in finding.also:
+        yield Text(f"  {sources.from_here(span)}: {sources.told(span, what)}")
+    if finding.help:
+        yield Text.assemble("  ", ("help: ", "bold"), finding.help)

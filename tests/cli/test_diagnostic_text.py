@@ -1,0 +1,86 @@
+"""Every command shows diagnostics alike: place, source line, caret; in colour on a terminal only."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from generator.diagnostics import Rule, Span
+from roverlink.__main__ import main
+from roverlink.diagnostic_text import Sources, show
+
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}}
+messages:
+  - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}
+"""
+_SHOWN = """\
+mapping.yaml:7:63: error[TAB103] unknown direction 'bord_to_ros' (known: board_to_ros, ros_to_board)
+7 |   - {number: 1, name: imu, proto: Imu, topic: imu, direction: bord_to_ros}
+  |                                                               ^
+  help: did you mean board?
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A project with one wrong direction, as the current folder."""
+    (tmp_path / "mapping.yaml").write_text(_TABLE, encoding="utf-8")
+    (tmp_path / "proto").mkdir()
+    (tmp_path / "proto" / "imu.proto").write_text('syntax = "proto3";\nmessage Imu { float x = 1; }\n')
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "command", [["generate"], ["generate", "--check"], ["lint"], ["retire", "2"], ["explain", "imu"]], ids=" ".join
+)
+def test_all_commands_show_the_line(project: Path, command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """The text is the same, whichever command found the mistake; another folder names the file from there."""
+    if command[0] == "retire":
+        row = "  - {number: 2, name: old, proto: Imu, topic: old, direction: board_to_ros}\n"
+        (project / "mapping.yaml").write_text(_TABLE + row, encoding="utf-8")
+    assert main(command) == 1
+    said = capsys.readouterr()
+    assert _SHOWN in said.out + said.err
+
+
+def test_a_row_that_is_not_on_disk_is_quoted(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`add` quotes the row that it would write."""
+    assert main(["add", "wind", "--proto", "Imu", "--direction", "gale_to_ros"]) == 1
+    assert (
+        "8 |   - {number: 2, name: wind, proto: Imu, topic: wind, direction: gale_to_ros}\n" in capsys.readouterr().err
+    )
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("stream", "environment", "coloured"),
+    [
+        (_Terminal, {"TERM": "xterm"}, True),
+        (_Terminal, {"TERM": "xterm", "NO_COLOR": "1"}, False),
+        (io.StringIO, {"TERM": "xterm"}, False),
+    ],
+)
+def test_colour_is_for_terminals(
+    stream: type[io.StringIO], environment: Mapping[str, str], coloured: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file, a pipe and NO_COLOR get plain text."""
+    for name in ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    file = stream()
+    show([Rule("XYZ101", "example").at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file)
+    assert ("\x1b[31m" in file.getvalue() or "\x1b[1;31m" in file.getvalue()) == coloured

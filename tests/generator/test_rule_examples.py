@@ -1,0 +1,99 @@
+"""Every rule is documented; its bad example raises the rule and nothing else, its good example nothing."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from generator.linting import Question, lint_project, lint_tree
+from generator.tree import EnvelopeName
+from golden import ROOT
+from rule_examples import example, is_console, states, write_project
+
+import generator
+from generator.catalogue import rules
+from generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity
+from generator.pipeline import add, compile_table
+from roverlink.__main__ import main
+
+# The examples of these are parts of larger projects, with a ledger, git's history, folders of components or an envelope
+# of another repository. Cases and tests of the lint show each of them at work.
+_OF_A_PAST = {"ENV102", "ENV103", "ENV107", "ENV110", "FIX103", "TAB106", "TAB107", "WIR111", "WIR112"}
+_OF_A_PAST |= {"HIS101", "HIS102", "HIS103", "HIS104", "PIN102"}
+_OF_A_LARGER_PROJECT = {"ENV105", "ENV106", "ENV108", "FIX101", "FIX102", "FIX104"}
+_OF_A_LARGER_PROJECT |= {"NAM101", "NAM102", "NAM103", "TAB105", "WIR113"}
+_OF_BUF = ("JSN", "SRC")  # which find more of the same changes
+
+
+def _runnable(rule: Rule) -> bool:
+    shown_elsewhere = rule.id in _OF_A_PAST | _OF_A_LARGER_PROJECT or rule.id.startswith(_OF_BUF)
+    return not shown_elsewhere and not is_console(example(rule, "Bad"))
+
+
+def _raised(rule: Rule, verdict: str, folder: Path) -> set[str]:
+    """Return the ids of what is found in an example."""
+    changed = states(rule, verdict)
+    if changed is not None:
+        for name, text in zip(("before", "now"), changed):
+            (folder / name).mkdir()
+            (folder / name / "example.proto").write_text(text, encoding="utf-8")
+        question = Question(against=str(folder / "before"))
+        return _ids(rule, lint_tree(folder / "now", EnvelopeName("", ""), question).findings)
+    write_project(example(rule, verdict), folder)
+    table = folder / "mapping.yaml"
+    try:
+        if rule.id == "RET103":
+            add(table, {"number": 2, "name": "gps", "proto": "Imu", "topic": "gps", "direction": "board_to_ros"})
+        found = _ids(rule, compile_table(table).warnings)
+        # The envelope is not written here, which the lint reports.
+        return found | _ids(rule, lint_project(table, Question()).findings) - {"ENV105"}
+    except DiagnosticsError as error:
+        return _ids(rule, error.findings)
+
+
+def _ids(rule: Rule, findings: Iterable[Diagnostic]) -> set[str]:
+    """Return the ids of findings; hints are none, but for the rule's own."""
+    ids = {one.rule.id for one in findings if one.rule == rule or one.severity is not Severity.HINT}
+    return {id for id in ids if not id.startswith(_OF_BUF)}
+
+
+@pytest.mark.parametrize("rule", filter(_runnable, rules().values()), ids=lambda rule: rule.id)
+def test_a_bad_example_raises_the_rule_and_a_good_one_nothing(rule: Rule, tmp_path: Path) -> None:
+    """Each example, put through the pipeline and the lint, shows what its rule is about."""
+    for verdict, expected in (("Bad", {rule.id}), ("Good", set())):
+        (tmp_path / verdict).mkdir()
+        assert _raised(rule, verdict, tmp_path / verdict) == expected, example(rule, verdict)
+
+
+def test_every_rule_is_in_the_catalogue() -> None:
+    """No module of the generator declares a rule that `roverlink explain` does not know."""
+    declared: dict[str, Rule] = {}
+    for module in pkgutil.walk_packages(generator.__path__, "generator."):
+        values = vars(importlib.import_module(module.name)).values()
+        declared |= {value.id: value for value in values if isinstance(value, Rule)}
+    assert declared == rules()
+
+
+@pytest.mark.parametrize("rule", rules().values(), ids=lambda rule: rule.id)
+def test_every_rule_is_documented(rule: Rule, capsys: pytest.CaptureFixture[str]) -> None:
+    """The documentation has a summary, says why the rule is there, and has a bad and a good example."""
+    summary, blank, why, *_ = rule.documentation.strip().splitlines()
+    assert summary[-1] == "."
+    assert not blank
+    assert why not in ("", "Bad::")
+    assert example(rule, "Bad")
+    assert example(rule, "Good")
+    assert main(["explain", rule.id]) == 0
+    assert capsys.readouterr().out.startswith(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{summary}\n")
+
+
+def test_whatever_a_golden_case_prints_is_known() -> None:
+    """Each id in the output of a golden case is one that `roverlink explain` knows."""
+    files = [*(ROOT / "tests").glob("generator/cases/*/stderr"), *(ROOT / "tests").glob("lint/cases/*/expected")]
+    printed = {id for file in files for id in re.findall(r"\[([A-Z]{3}[0-9]{3})\]", file.read_text(encoding="utf-8"))}
+    assert len(printed) > 80
+    assert printed <= rules().keys()
