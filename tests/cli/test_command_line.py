@@ -65,10 +65,11 @@ def test_the_example_of_each_help_is_understood(
     monkeypatch.chdir(_ROOT / "generated" / "ros" / "comms" / "config")  # where udp.yaml is
     for command in (*COMMANDS, *_SUBCOMMANDS):
         _exits(*command.split(), "--help")
-        example = capsys.readouterr().out.rpartition("example: roverlink ")[2].strip()
-        own, ros = ros_args.split(shlex.split(example))
-        assert _parser(own).parse_args(own).run
-        ros_args.parse(ros, "udp_forwarder")
+        examples = capsys.readouterr().out.rpartition("example: roverlink ")[2].split("\n         roverlink ")
+        for example in examples:
+            own, ros = ros_args.split(shlex.split(example))
+            assert _parser(own).parse_args(own).run
+            ros_args.parse(ros, "udp_forwarder")
 
 
 @pytest.mark.parametrize(

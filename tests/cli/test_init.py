@@ -108,6 +108,7 @@ _BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n
     [
         ({"mapping.yaml": "version: 1\n"}, "mapping.yaml is there already"),
         ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] is there already, and was not generated"),
+        ({"proto/arm.proto": _BOARD}, "fatal[ADO104]"),
         ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` takes the folder over"),
     ],
 )
