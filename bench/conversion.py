@@ -27,8 +27,8 @@ LIMIT = 2.0
 _TIMED = """\
 import json, sys, timeit
 sys.path[:0] = [{project!r}, {root!r}]
-from runtime import load_registry
-from runtime.interfaces import Time
+from roverlink.runtime import load_registry
+from roverlink.runtime.interfaces import Time
 from roverlink.simulation import payload_at
 registry, calls = load_registry({project!r}), {{}}
 for handler in (*registry.handlers, *registry.feeds):

@@ -13,9 +13,9 @@ from bench.lab import Lab
 from bench.result import Group, SectionResult, Table
 from bench.wire import imu_datagram
 from generated.registry import REGISTRY
-from runtime import SetupError
-from runtime.foxglove_server import FoxgloveServer
-from runtime.monitoring.histogram import LatencyProbe
+from roverlink.runtime import SetupError
+from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
+from roverlink.runtime.monitoring.histogram import LatencyProbe
 
 MESSAGES, QUICK_MESSAGES = 1_000_000, 100_000
 BATCH = 8
@@ -72,7 +72,7 @@ def _timed(take: Take, batch: list[bytes], count: int) -> float:
 
 @contextmanager
 def _recorder() -> Iterator[tuple[Take, Callable[[], dict[str, Any]]]]:
-    from runtime.recording.recorder import Recorder
+    from roverlink.runtime.recording.recorder import Recorder
 
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / "run.mcap", REGISTRY, {}, logging.getLogger("bench"))

@@ -36,7 +36,7 @@ from generated.handlers import (
     SensorDiagHandler,
 )
 from generated.pb2.components.common import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="comms",

@@ -1,5 +1,8 @@
 """From mapping.yaml to files: read, resolve, lint, emit, write.
 
-Whoever compiles takes `generator.pipeline` and `generator.write`; whoever lints takes `generator.lint_engine`, and
-does not load what writes Python.
+`roverlink.generator.pipeline` compiles a table, `roverlink.generator.emit.writer` writes the result, and
+`roverlink.generator.lint.engine` lints without loading the targets.
 """
+
+if __name__ != "roverlink.generator":
+    raise ImportError("'generator' is a folder of this repository, not a package; import roverlink.generator")

@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from generator.context import Subject
-from generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from generator.edit_rules import NOTHING_TO_ACCEPT_INTO
-from generator.history_diagnostics import stands_today
-from generator.ledger import Burned
-from generator.lint_engine import Linted
-from generator.pipeline import recompile
-from generator.write import Change, compare
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.history_diagnostics import stands_today
+from roverlink.generator.lock import Burned
+from roverlink.generator.pipeline import recompile
+from roverlink.generator.table.edit_rules import NOTHING_TO_ACCEPT_INTO
 
 _OF_HISTORY = ("HIS101", "HIS103")
 

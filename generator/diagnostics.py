@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from generator.git import Commit
+from roverlink.generator.git import Commit
 
 
 class Severity(str, Enum):

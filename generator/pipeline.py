@@ -8,17 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from generator import context, emission, envelope_file, ir, ledger, naming, resolve
-from generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
-from generator.nanopb import table_bounds
-from generator.proto_files import DeclarationIndex, index_declarations, read_protos
-from generator.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
-from generator.protoc import Compilation, compile_protos
-from generator.rules import lint
-from generator.table import IMPLEMENTATION_NUMBERS, Table, reader
-from generator.table.edit import with_retired, with_row
-from generator.table.yaml_items import read_text
-from generator.write import Change, compare
+from roverlink.generator import ir, lock
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
+from roverlink.generator.emit import emitter, envelope_file
+from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.ir import ros_names
+from roverlink.generator.lint import context
+from roverlink.generator.lint.rules import lint
+from roverlink.generator.nanopb import table_bounds
+from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
+from roverlink.generator.protos.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
+from roverlink.generator.protos.protoc import Compilation, compile_protos
+from roverlink.generator.resolve import routes
+from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Table, reader
+from roverlink.generator.table.edit import with_retired, with_row
+from roverlink.generator.table.yaml_items import read_text
 
 T = TypeVar("T")
 
@@ -81,7 +85,7 @@ def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled
         raise DiagnosticsError(error.findings, {file: text}) from error
 
 
-def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:
+def recompile(table_path: Path, published: lock.Ledger) -> Compiled:
     """What a table compiles to after another ledger than the one on disk; raises as `compile_table`."""
     return _compiled(table_path, read_text(table_path, table_path.name), published)
 
@@ -89,17 +93,17 @@ def recompile(table_path: Path, published: ledger.Ledger) -> Compiled:
 def _compiled(
     table_path: Path,
     text: str,
-    published: ledger.Ledger | None = None,
+    published: lock.Ledger | None = None,
     further: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
 ) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
     table = reader.parse(text, table_path.name, findings)
-    published = published or ledger.read(project / ledger.NAME, findings)
+    published = published or lock.read(project / lock.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
-    files = {} if index is None else resolve.locate(table, index, findings)
-    listed = {} if index is None else resolve.locate_anys(table, index, findings)
-    envelope = resolve.resolve_envelope(table, files, published)
+    files = {} if index is None else routes.locate(table, index, findings)
+    listed = {} if index is None else routes.locate_anys(table, index, findings)
+    envelope = routes.resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
     schema = compilation.schema if compilation else None
@@ -110,11 +114,11 @@ def _compiled(
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bridge = resolve.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
+        bridge = routes.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
-    files = emission.emit(bridge, table.and_further(*further), published, project)
+    files = emitter.emit(bridge, table.and_further(*further), published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))
 
 
@@ -167,7 +171,7 @@ def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
         if member.name not in {*names, envelope.oneof}
         and member.number not in IMPLEMENTATION_NUMBERS
         and _is_new(member.number, numbers)
-        and _is_new(naming.distinct(member.name), classes)
+        and _is_new(ros_names.distinct(member.name), classes)
     ]
     return dataclasses.replace(envelope, members=tuple(members), retired=tuple(retired))
 

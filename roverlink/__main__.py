@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from roverlink.console import OK, UNABLE, complain
-from runtime import ros_args
-from runtime.errors import RoverlinkError
+from roverlink.runtime.core.errors import RoverlinkError
+from roverlink.runtime.node import ros_args
 
 COMMANDS = (
     "init",
@@ -74,7 +74,7 @@ class _Version(argparse.Action):
     """Prints the version, which is looked up only here: that is slow."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from roverlink.packages import installed_version
+        from roverlink.installed_packages import installed_version
 
         print(f"roverlink {installed_version('roverlink') or '(not installed, but run from its files)'}")
         parser.exit()

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 N = TypeVar("N", int, float)
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
-from generator.git import Commit
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span
+from roverlink.generator.git import Commit
 
 if TYPE_CHECKING:
     from rich.text import Text

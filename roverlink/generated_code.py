@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from generator.diagnostics import Diagnostic, DiagnosticsError
-from generator.table import reader
 from roverlink.console import TABLE
-from runtime import Registry, load_registry
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
+from roverlink.generator.table import reader
+from roverlink.runtime import Registry, load_registry
 
 
 def load_project(folder: Path) -> Registry:

@@ -1,7 +1,11 @@
 """What runs on the rover: datagrams to handlers to ROS 2, and back."""
 
-from runtime.bridge import NODE, Bridge
-from runtime.errors import (
+if __name__ != "roverlink.runtime":
+    raise ImportError("'runtime' is a folder of this repository, not a package; import roverlink.runtime")
+
+
+from roverlink.runtime.bridge.bridge import NODE, Bridge
+from roverlink.runtime.core.errors import (
     ConversionError,
     DatagramError,
     MiddlewareError,
@@ -10,9 +14,9 @@ from runtime.errors import (
     RoverlinkError,
     SetupError,
 )
-from runtime.handler import Handler, Qos, Route
-from runtime.registry import Peer, Registry, load_registry
-from runtime.translator import Translator
+from roverlink.runtime.core.handler import Handler, Qos, Route
+from roverlink.runtime.core.registry import Peer, Registry, load_registry
+from roverlink.runtime.core.translator import Translator
 
 __all__ = [
     "NODE",

@@ -1,84 +1,168 @@
-"""Who may import whom."""
+"""Holds the imports to docs/architecture.md: who may import whom, no cycles, one package, telling names."""
 
 from __future__ import annotations
 
 import ast
+import re
+import subprocess
+import sys
+from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
-OURS = {"generator", "generated", "runtime", "vision", "roverlink", "bench", "tests"}
-MAY_IMPORT = {
-    "generator": set[str](),
-    "runtime": set[str](),
-    "generated": {"runtime"},
-    "vision": {"runtime", "generated"},
-    "roverlink": {"generator", "runtime", "vision"},
+_SHARED_NAMES = {
+    *(
+        "bodies",
+        "conversions",
+        "handlers",
+        "interfaces",
+        "layout",
+        "messages",
+        "registry",
+        "routes",
+    ),  # of each target
+    *("reader", "writer"),  # of the files of their folder
+    "board",  # the command, and what it prints
 }
+LINKED = ("generator", "runtime", "vision")
+"""Folders of the repository that are imported as `roverlink.<folder>`."""
 
 
-def _imports(path: Path) -> Iterator[str]:
-    """The modules that a file imports, by their full names."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+@cache
+def _modules() -> dict[str, Path]:
+    """Every module of ours by its import name."""
+    files = {path for folder in (*LINKED, "generated") for path in (ROOT / folder).rglob("*.py")}
+    files = {path for path in files if path.relative_to(ROOT).parts[1] != "ros"}  # generated/ros is run by ROS 2
+    own = [path for path in (ROOT / "roverlink").iterdir() if not path.is_symlink()]
+    files |= {path for entry in own for path in ([entry] if entry.suffix == ".py" else entry.rglob("*.py"))}
+    return {_import_name(path): path for path in sorted(files)}
+
+
+def _import_name(path: Path) -> str:
+    name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    return f"roverlink.{name}" if name.split(".")[0] in LINKED else name
+
+
+@cache
+def _imports(module: str) -> frozenset[str]:
+    """The modules of ours that a module imports; imports under TYPE_CHECKING and in functions count."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(_modules()[module].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in _modules() else str(node.module) for name in names}
+    return frozenset(name for name in found & _modules().keys() if name != module)
 
 
-def _imports_below(folder: str) -> set[tuple[str, str]]:
-    # The ROS 2 package among the generated is run by ROS 2, and its program is the command line.
-    files = [path for path in sorted((ROOT / folder).rglob("*.py")) if "ros" not in path.relative_to(ROOT).parts]
-    assert files
-    return {(path.relative_to(ROOT).as_posix(), module) for path in files for module in _imports(path)}
+def _loads(module: str) -> set[str]:
+    """The modules that importing a module executes directly: what it imports, and the packages around that."""
+    parts = [name.split(".") for name in _imports(module)]
+    loaded = {".".join(name[:end]) for name in parts for end in range(1, len(name) + 1)}
+    return {name for name in loaded & _modules().keys() if not f"{module}.".startswith(f"{name}.")}
 
 
-@pytest.mark.parametrize("package", MAY_IMPORT)
-def test_packages_import_only_what_they_may(package: str) -> None:
-    """The command line puts the parts together; generator and runtime know nobody; generated code knows the runtime."""
-    forbidden = OURS - MAY_IMPORT[package] - {package}
-    assert {(file, module) for file, module in _imports_below(package) if module.split(".")[0] in forbidden} == set()
+@cache
+def _table() -> dict[str, tuple[str, ...]]:
+    """The table of docs/architecture.md: a part, and the parts that it may import."""
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = page.partition("## Who may import whom")[2]
+    rows = re.findall(r"^\| `([a-z_/]+)` \| (.*) \|$", section, re.MULTILINE)
+    return {part: tuple(re.findall(r"`([a-z_/]+)`", allowed)) for part, allowed in rows}
 
 
-@pytest.mark.parametrize(("folder", "other"), [("rules", "targets"), ("targets", "rules")])
-def test_rules_and_targets_do_not_know_each_other(folder: str, other: str) -> None:
-    """What is wrong and what is written are decided apart."""
-    found = _imports_below(f"generator/{folder}")
-    assert {pair for pair in found if f"{pair[1]}.".startswith(f"generator.{other}.")} == set()
+def _part(module: str) -> str:
+    """The row of the table that a module belongs to: the most special one."""
+    path = _modules()[module].relative_to(ROOT)
+    candidates = [path.with_suffix("").as_posix(), *(folder.as_posix() for folder in path.parents)]
+    return next((one for one in candidates if one in _table()), "")
 
 
-_LINT = ("rules", "context", "history", "changes")
-"""Parts of the lint: each may import those that follow it, and none before it."""
+def _is_below(part: str, other: str) -> bool:
+    return f"{part}/".startswith(f"{other}/")
 
 
-@pytest.mark.parametrize("part", _LINT)
-def test_parts_of_the_lint_know_only_what_they_rest_on(part: str) -> None:
-    """Comparing two schemas takes no history, history takes no context, and the context takes no rule."""
-    folder = ROOT / "generator" / part
-    files = sorted(folder.rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
-    imported = {module for file in files for module in _imports(file)}
-    above = tuple(f"generator.{other}." for other in _LINT[: _LINT.index(part)])
-    assert {module for module in imported if f"{module}.".startswith(above)} == set()
+def test_every_module_belongs_to_a_part() -> None:
+    """The table of docs/architecture.md names all there is, and nothing that is not there."""
+    assert [module for module in _modules() if not _part(module)] == []
+    assert set(_table()) == {_part(module) for module in _modules()}
 
 
-def test_no_rule_knows_another() -> None:
-    """Each rule is a file that could be taken out; only the list of all knows them."""
-    found = {pair for pair in _imports_below("generator/rules") if not pair[0].endswith("/__init__.py")}
-    assert {pair for pair in found if pair[1].startswith("generator.rules")} == set()
+def test_parts_import_only_what_the_table_allows() -> None:
+    """A module imports its own part, and the parts that the table allows."""
+    crossings = [
+        f"{module} imports {other}"
+        for module in _modules()
+        for other in sorted(_imports(module))
+        if not _is_below(_part(other), _part(module))
+        and not any(_is_below(_part(other), allowed) for allowed in _table()[_part(module)])
+    ]
+    assert crossings == []
 
 
-def test_the_ir_knows_no_format() -> None:
-    """What stands between table and files depends on neither's library."""
-    allowed = {"__future__", "collections", "dataclasses", "enum", "fractions", "typing"}
-    own = {f"generator.{name}" for name in ("ir.Qos", "ir_standard.Feed", "ir_standard.Interface")}
-    for file in ("ir.py", "ir_standard.py"):
-        imported = set(_imports(ROOT / "generator" / file)) - own
-        assert {module.split(".")[0] for module in imported} <= allowed
+def test_no_module_is_part_of_an_import_cycle() -> None:
+    """Modules can be read from the bottom up: none imports itself by way of others."""
+    assert list(_cycles()) == []
 
 
-def test_the_renderer_knows_nothing_of_what_it_judges() -> None:
-    """Frames of known truth do not come from the code that is to find the truth in them."""
-    imported = _imports(ROOT / "vision" / "rendering.py")
-    assert {module for module in imported if module.startswith("vision.")} == {"vision._opencv.cv2"}
+def _cycles() -> Iterator[list[str]]:
+    """Each import cycle, as the modules on it (depth-first search; a module is done once everything below it is)."""
+    done: set[str] = set()
+
+    def visit(module: str, above: list[str]) -> Iterator[list[str]]:
+        if module in above:
+            yield above[above.index(module) :]
+        elif module not in done:
+            for other in sorted(_loads(module)):
+                yield from visit(other, [*above, module])
+            done.add(module)
+
+    for module in _modules():
+        yield from visit(module, [])
+
+
+def test_no_rule_imports_another() -> None:
+    """Each rule of the lint can be taken out; only the list of all knows them."""
+    rules = {name for name in _modules() if name.startswith("roverlink.generator.lint.rules.")}
+    assert {(rule, other) for rule in rules for other in _imports(rule) & rules} == set()
+
+
+def test_the_ir_depends_on_no_format() -> None:
+    """The IR imports neither YAML, protobuf nor Jinja: the standard library's data types suffice."""
+    allowed = {"__future__", "collections", "dataclasses", "enum", "fractions", "keyword", "re", "typing", "roverlink"}
+    for path in (ROOT / "generator" / "ir").glob("*.py"):
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        names = {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
+        names |= {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+        assert {name.split(".")[0] for name in names} <= allowed, path
+
+
+def test_the_renderer_does_not_use_what_it_judges() -> None:
+    """Frames of known truth come from code that the tracker does not share."""
+    assert _imports("roverlink.vision.images.rendering") == {"roverlink.vision.opencv"}
+
+
+@pytest.mark.parametrize("folder", LINKED)
+def test_a_folder_does_not_import_under_its_bare_name(folder: str) -> None:
+    """`import runtime` in a checkout is an error that names the right import, never a second copy of the modules."""
+    command = [sys.executable, "-c", f"import {folder}.__init__"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == (
+        f"ImportError: '{folder}' is a folder of this repository, not a package; import roverlink.{folder}"
+    )
+
+
+def test_a_name_that_two_folders_share_means_the_same_in_both() -> None:
+    """A module's name tells what is inside: the few that stand in several folders are known to mean the same there."""
+    by_name = defaultdict(list)
+    for module, path in _modules().items():
+        if path.name != "__init__.py" and not module.startswith("generated."):
+            by_name[path.stem].append(module)
+    shared = {name for name, modules in by_name.items() if len(modules) > 1}
+    assert shared == _SHARED_NAMES

@@ -4,14 +4,21 @@
 are known. Importing this without OpenCV raises `SetupError`, which says how to install it.
 """
 
-from vision._opencv import cv2 as _cv2  # noqa: F401  # first: it says what is missing, numpy included
-from vision.camera import CameraParameters
-from vision.landmarks import Landmark, Landmarks, read_landmarks
-from vision.localization import FieldPose, localize
-from vision.markers import Board, MarkerSet, TargetId
-from vision.parameters import read_parameters, write_parameters
-from vision.pose import Pose
-from vision.tracking import Sighting, Tracker
+if __name__ != "roverlink.vision":
+    raise ImportError("'vision' is a folder of this repository, not a package; import roverlink.vision")
+
+
+from roverlink.vision.opencv import cv2 as _cv2  # noqa: F401  # first: it says what is missing, numpy included
+
+# isort: split
+
+from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.camera.parameters_file import read_parameters, write_parameters
+from roverlink.vision.field.landmarks import Landmark, Landmarks, read_landmarks
+from roverlink.vision.field.localization import FieldPose, localize
+from roverlink.vision.markers.marker_set import Board, MarkerSet, TargetId
+from roverlink.vision.markers.tracker import Sighting, Tracker
+from roverlink.vision.poses.pose import Pose
 
 __all__ = [
     "Board",

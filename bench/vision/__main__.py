@@ -12,7 +12,7 @@ from rich.console import Console
 from bench.errors import BenchError
 from bench.report import draw, print_results, write_json
 from bench.result import SectionResult
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 POSES, QUICK_POSES = 200, 30
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50

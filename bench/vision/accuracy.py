@@ -13,7 +13,7 @@ import numpy as np
 from bench.result import Chart, Curve, Group, SectionResult, Table
 from bench.vision.contestants import OURS, Estimate, estimators
 from bench.vision.scenes import lens, scenes
-from vision.rendering import Floats, Pose
+from roverlink.vision.images.rendering import Floats, Pose
 
 SIZES = (24, 32, 48, 96, 160)
 SEED = 7

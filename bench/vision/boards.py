@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from bench.vision.scenes import lens
-from vision.calibration import CharucoBoard
-from vision.rendering import RAYS, Floats, Grey, Lens, Pose, Print, project, render, texture
+from roverlink.vision.calibration import CharucoBoard
+from roverlink.vision.images.rendering import RAYS, Floats, Grey, Lens, Pose, Print, project, render, texture
 
 BOARD = CharucoBoard()
 LARGEST_TILT = np.radians(45)

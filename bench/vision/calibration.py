@@ -13,10 +13,10 @@ from bench.vision.accuracy import nees_band
 from bench.vision.boards import BOARD, BoardView, board_views, corrupted
 from bench.vision.contestants import OURS
 from bench.vision.scenes import lens
-from vision import CameraParameters
-from vision.calibration import BoardDetector, calibrate
-from vision.rendering import Floats, Lens
-from vision.sources.frame import size_of
+from roverlink.vision import CameraParameters
+from roverlink.vision.calibration import BoardDetector, calibrate
+from roverlink.vision.frames.frame import size_of
+from roverlink.vision.images.rendering import Floats, Lens
 
 SIZE = (1280, 720)
 SMALL = (640, 480)

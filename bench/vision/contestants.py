@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from bench.vision.scenes import DICTIONARY, SIDE, corner_points
-from vision.camera import CameraParameters
-from vision.markers import MarkerSet
-from vision.rendering import Floats, Grey, Lens
-from vision.tracking import Tracker
+from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.images.rendering import Floats, Grey, Lens
+from roverlink.vision.markers.marker_set import MarkerSet
+from roverlink.vision.markers.tracker import Tracker
 
 OURS = "roverlink"
 REFINEMENTS = {

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from bench.vision.boards import BOARD, board_print
-from vision.rendering import Grey, Lens, Pose, render, texture
+from roverlink.vision.images.rendering import Grey, Lens, Pose, render, texture
 
 SIZE = (640, 480)
 LENS = Lens(

@@ -9,7 +9,7 @@ import numpy as np
 from bench.result import Group, SectionResult, Table
 from bench.vision.contestants import estimators
 from bench.vision.scenes import lens
-from vision.rendering import render, texture
+from roverlink.vision.images.rendering import render, texture
 
 SEED = 99
 

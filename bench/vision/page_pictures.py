@@ -13,12 +13,12 @@ from bench.errors import BenchError
 from bench.vision.boards import BOARD
 from bench.vision.browser import Visitor, browser
 from bench.vision.moving_board import pictures
-from roverlink.calibration import versions
-from runtime.errors import SetupError
-from vision.calibration import Calibration, Collection, View, calibrate
-from vision.calibration.page.live import LiveCalibration
-from vision.calibration.page.server import PageServer
-from vision.calibration.report import report
+from roverlink.aruco.calibration import versions
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.calibration import Calibration, Collection, View, calibrate
+from roverlink.vision.calibration.page.live_calibration import LiveCalibration
+from roverlink.vision.calibration.page.server import PageServer
+from roverlink.vision.calibration.report import report
 
 FOLDER = Path("docs/calibration")
 VIEWS, FIRST = 20, 6

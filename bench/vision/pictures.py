@@ -12,13 +12,13 @@ import numpy as np
 
 from bench.report import draw as draw_charts
 from bench.vision.accuracy import SIZES, measure
-from roverlink.demo_field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_field
-from vision import Landmarks, MarkerSet, Tracker, localize
-from vision.camera import Floats
-from vision.detection import Detection, Detector, Image, Region
-from vision.drawing import SEEN, draw
-from vision.film import Film as Writer
-from vision.view import View, look
+from roverlink.demo.field import RATE_HZ, SIDE, Film, landmarks, parameters, render_film, write_field
+from roverlink.vision import Landmarks, MarkerSet, Tracker, localize
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.field.view import View, look
+from roverlink.vision.images.drawing import SEEN, draw
+from roverlink.vision.images.film import Film as Writer
+from roverlink.vision.markers.detection import Detection, Detector, Image, Region
 
 FOLDER = Path("docs/vision")
 POSES = 100

@@ -8,7 +8,17 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vision.rendering import Floats, Grey, Lens, Pose, marker_print, project, render, texels_for, texture
+from roverlink.vision.images.rendering import (
+    Floats,
+    Grey,
+    Lens,
+    Pose,
+    marker_print,
+    project,
+    render,
+    texels_for,
+    texture,
+)
 
 DICTIONARY = cv2.aruco.DICT_5X5_250
 SIDE = 0.05

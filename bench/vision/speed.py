@@ -12,8 +12,8 @@ import numpy as np
 from bench.result import Group, SectionResult, Table
 from bench.vision.contestants import OURS, camera_of, plain_detector
 from bench.vision.scenes import SIDE, DriveFrame, drive, lens
-from vision.markers import MarkerSet
-from vision.tracking import Tracker
+from roverlink.vision.markers.marker_set import MarkerSet
+from roverlink.vision.markers.tracker import Tracker
 
 SIZE = (1280, 720)
 SEED = 3

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import gps_sensor_pb2
-from runtime import cdr
-from runtime.errors import ConversionError
-from runtime.feed import UNSTAMPED, Counterparts, Feed
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.feed import UNSTAMPED, Counterparts, Feed
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _FIX_QUALITY = Counterparts(
     "fix_quality",

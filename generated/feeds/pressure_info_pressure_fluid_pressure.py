@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import pressure_sensor_pb2
-from runtime import cdr
-from runtime.feed import UNSTAMPED, Feed, single
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _CDR = cdr.template(
     sensor_msgs.FluidPressure(header=std_msgs.Header(frame_id="pressure_link")),

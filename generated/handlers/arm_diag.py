@@ -7,8 +7,8 @@ from __future__ import annotations
 from generated.conversions import motor_information
 from generated.messages import ArmBoardDiagnostics
 from generated.pb2.components.arm_board import motor_diagnostics_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(ArmBoardDiagnostics)
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from generated.messages import ArmBoardMovementFeedback
 from generated.pb2.components.arm_board import movement_software_feedback_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(ArmBoardMovementFeedback)
 

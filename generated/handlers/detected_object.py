@@ -7,8 +7,8 @@ from __future__ import annotations
 from generated.conversions import bounding_box
 from generated.messages import BasestationDetectedObject
 from generated.pb2.components.basestation import detected_object_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(BasestationDetectedObject)
 

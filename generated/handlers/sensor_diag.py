@@ -11,8 +11,8 @@ from generated.handlers.ph_info import PhInfoHandler
 from generated.handlers.pressure_info import PressureInfoHandler
 from generated.messages import SensorBoardDiagnostics
 from generated.pb2.components.sensor_board import diagnostics_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(SensorBoardDiagnostics)
 

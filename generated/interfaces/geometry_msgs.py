@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from runtime.interfaces.geometry_msgs import Quaternion, Vector3
+from roverlink.runtime.interfaces.geometry_msgs import Quaternion, Vector3
 
 __all__ = [
     "Quaternion",

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from generated.interfaces import geometry_msgs, std_msgs
-from runtime.messages import Float64, Int8, Length, Message, UInt8, UInt16
+from roverlink.runtime.core.messages import (
+    Float64,
+    Int8,
+    Length,
+    Message,
+    UInt8,
+    UInt16,
+)
 
 __all__ = [
     "FluidPressure",

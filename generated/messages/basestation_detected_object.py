@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.bounding_box import BoundingBox
-from runtime.messages import Float32, Message, UInt8, UInt32
+from roverlink.runtime.core.messages import Float32, Message, UInt8, UInt32
 
 
 @dataclass(slots=True)

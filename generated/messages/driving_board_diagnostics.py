@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.motor_information import MotorInformation
-from runtime.messages import Message, UInt8
+from roverlink.runtime.core.messages import Message, UInt8
 
 
 @dataclass(slots=True)

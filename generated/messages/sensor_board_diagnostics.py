@@ -13,7 +13,7 @@ from generated.messages.sensor_board_gps_info import SensorBoardGPSInfo
 from generated.messages.sensor_board_load_cell_info import SensorBoardLoadCellInfo
 from generated.messages.sensor_board_ph_info import SensorBoardPHInfo
 from generated.messages.sensor_board_pressure_info import SensorBoardPressureInfo
-from runtime.messages import Float32, Message, UInt8
+from roverlink.runtime.core.messages import Float32, Message, UInt8
 
 
 @dataclass(slots=True)

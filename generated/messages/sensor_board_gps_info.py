@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.sensor_state import SensorState
-from runtime.messages import Float32, Float64, Int32, Int64, Message, UInt8
+from roverlink.runtime.core.messages import (
+    Float32,
+    Float64,
+    Int32,
+    Int64,
+    Message,
+    UInt8,
+)
 
 
 @dataclass(slots=True)

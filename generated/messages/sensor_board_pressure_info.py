@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.sensor_state import SensorState
-from runtime.messages import Bool, Float32, Message, UInt8, UInt32
+from roverlink.runtime.core.messages import Bool, Float32, Message, UInt8, UInt32
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import Message, UInt8
+from roverlink.runtime.core.messages import Message, UInt8
 
 
 @dataclass(slots=True)

@@ -12,7 +12,7 @@
 
 from __future__ import annotations
 
-from generator.adopt.adoption import Adoption, Wanted, adopt
-from generator.adopt.new_project import NewProject, new_project
+from roverlink.generator.adopt.adoption import Adoption, Wanted, adopt
+from roverlink.generator.adopt.new_project import NewProject, new_project
 
 __all__ = ["Adoption", "NewProject", "Wanted", "adopt", "new_project"]

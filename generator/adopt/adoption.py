@@ -8,26 +8,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import envelope_file
-from generator.adopt.draft import Draft
-from generator.adopt.fitting import fit
-from generator.adopt.guesses import guess_rows
-from generator.adopt.lint_levels import lower
-from generator.adopt.new_project import check_the_way
-from generator.adopt.proto_tree import Tree, owner, read_tree
-from generator.adopt.retired_numbers import AdoptedPast, read_past
-from generator.adopt.table_text import text_of
-from generator.context import Subject
-from generator.declarations import parse
-from generator.diagnostics import Diagnostic, in_order
-from generator.ledger import Ledger
-from generator.nanopb import read_bounds
-from generator.pipeline import Compiled, compile_text
-from generator.protoc import compile_protos
-from generator.resolve import resolve_envelope
-from generator.rules import lint
-from generator.table import reader
-from generator.write import Change
+from roverlink.generator.adopt.draft import Draft
+from roverlink.generator.adopt.fitting import fit
+from roverlink.generator.adopt.guesses import guess_rows
+from roverlink.generator.adopt.lint_levels import lower
+from roverlink.generator.adopt.new_project import check_the_way
+from roverlink.generator.adopt.proto_tree import Tree, owner, read_tree
+from roverlink.generator.adopt.retired_numbers import AdoptedPast, read_past
+from roverlink.generator.adopt.table_text import text_of
+from roverlink.generator.diagnostics import Diagnostic, in_order
+from roverlink.generator.emit import envelope_file
+from roverlink.generator.emit.writer import Change
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.rules import lint
+from roverlink.generator.lock import Ledger
+from roverlink.generator.nanopb import read_bounds
+from roverlink.generator.pipeline import Compiled, compile_text
+from roverlink.generator.protos.parser import parse
+from roverlink.generator.protos.protoc import compile_protos
+from roverlink.generator.resolve.routes import resolve_envelope
+from roverlink.generator.table import reader
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 
-from generator import naming
-from generator.adopt.draft import Draft, DraftRow
-from generator.adopt.table_text import text_of
-from generator.conversion_rules import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
-from generator.diagnostics import Diagnostic, Severity, Span
-from generator.protos import ProtoField, Schema
-from generator.ros_messages import RosMessages
-from generator.table import reader
+from roverlink.generator.adopt.draft import Draft, DraftRow
+from roverlink.generator.adopt.table_text import text_of
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span
+from roverlink.generator.ir import ros_names
+from roverlink.generator.protos.schema import ProtoField, Schema
+from roverlink.generator.resolve.conversion_rules import FIELD_NAME_FORBIDDEN, FIELD_NAME_TAKEN
+from roverlink.generator.resolve.messages import RosMessages
+from roverlink.generator.table import reader
 
 
 def fit(draft: Draft, schema: Schema, table: str) -> None:
@@ -40,15 +40,15 @@ def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
     protos = {row.proto: row.name for row in rows}
     nested = schema.reachable(*protos)[0] - protos.keys()
     taken = {
-        naming.message_name(name, schema.packages[schema.messages[name].file])
+        ros_names.message_name(name, schema.packages[schema.messages[name].file])
         for name in nested
         if not name.startswith("google.protobuf.")
     }
     names: dict[str, str] = {}
     for proto, member in protos.items():
         last = proto.rpartition(".")[2]
-        camel = [naming.camel_case(re.sub(r"\W", "_", name)) for name in (last, proto, f"{member}_message")]
-        free = [name for name in (last, *camel) if naming.is_message_name(name) and name not in taken]
+        camel = [ros_names.camel_case(re.sub(r"\W", "_", name)) for name in (last, proto, f"{member}_message")]
+        free = [name for name in (last, *camel) if ros_names.is_message_name(name) and name not in taken]
         names[proto] = next(iter(free), last)
         taken.add(names[proto])
     for row in rows:
@@ -81,8 +81,8 @@ def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Dia
 
 
 def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
-    taken = {naming.field_name(one.name) for one in fields}
-    name = f"{naming.field_name(field.name)}_field"
+    taken = {ros_names.field_name(one.name) for one in fields}
+    name = f"{ros_names.field_name(field.name)}_field"
     return name if name not in taken else f"field_{field.number}"
 
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from generator.adopt.draft import DraftPeer, DraftRow
-from generator.adopt.proto_tree import Tree
-from generator.adopt.role_words import (
+from roverlink.generator.adopt.draft import DraftPeer, DraftRow
+from roverlink.generator.adopt.proto_tree import Tree
+from roverlink.generator.adopt.role_words import (
     COMMANDS,
     GENERIC_FOLDERS,
     OPERATORS,
@@ -19,7 +19,7 @@ from generator.adopt.role_words import (
     camel_prefix,
     words,
 )
-from generator.protos import ProtoField
+from roverlink.generator.protos.schema import ProtoField
 
 _HARDWARE = "hardware"
 _OURS = "ros"

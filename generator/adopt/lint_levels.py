@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import groupby
 
-from generator.adopt.draft import Draft, DraftRow
-from generator.diagnostics import Diagnostic, Severity
-from generator.protos import Schema
-from generator.rules import modules
+from roverlink.generator.adopt.draft import Draft, DraftRow
+from roverlink.generator.diagnostics import Diagnostic, Severity
+from roverlink.generator.lint.rules import modules
+from roverlink.generator.protos.schema import Schema
 
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
 """Rules without which what is generated would make no sense."""

@@ -7,12 +7,12 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import ledger
-from generator.adopt.faults import IN_THE_WAY, PROTOS_WITHOUT_TABLE
-from generator.diagnostics import Diagnostic, DiagnosticsError, Span
-from generator.pipeline import compile_table
-from generator.rendering import REGENERATE, render
-from generator.write import Change, compare
+from roverlink.generator import lock
+from roverlink.generator.adopt.adoption_rules import IN_THE_WAY, PROTOS_WITHOUT_TABLE
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
+from roverlink.generator.emit.render import REGENERATE, render
+from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.pipeline import compile_table
 
 _TABLE, _PROTOS = "mapping.yaml", "proto"
 _TEMPLATES = {
@@ -49,7 +49,7 @@ def new_project(folder: Path, package: str) -> NewProject:
         if path not in kept
     }
     with tempfile.TemporaryDirectory(prefix="roverlink-") as copy:  # lest a fault leave half a project
-        for path in (*kept, ledger.NAME):  # a ledger without a table still knows which numbers are taken
+        for path in (*kept, lock.NAME):  # a ledger without a table still knows which numbers are taken
             if (folder / path).is_file():
                 _put(Path(copy, path), (folder / path).read_bytes())
         for path, text in own.items():

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.adopt.faults import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
-from generator.declarations import File
-from generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from generator.proto_files import read_protos
-from generator.proto_rules import DOES_NOT_COMPILE
-from generator.protoc import compile_protos
-from generator.protos import ProtoField, ProtoMessage, Schema
+from roverlink.generator.adopt.adoption_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.protos.files import read_protos
+from roverlink.generator.protos.parser import File
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.protoc import compile_protos
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 _SCALARS = {"bool", "bytes", "double", "float", "string", "fixed32", "fixed64", "sfixed32", "sfixed64"}
 _SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}

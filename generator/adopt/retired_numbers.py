@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.adopt.draft import DraftRetired, DraftRow
-from generator.adopt.proto_tree import Tree
-from generator.git import GitError
-from generator.history import Usage, read_history
-from generator.naming import distinct
+from roverlink.generator.adopt.draft import DraftRetired, DraftRow
+from roverlink.generator.adopt.proto_tree import Tree
+from roverlink.generator.git import GitError
+from roverlink.generator.ir.ros_names import distinct
+from roverlink.generator.lint.history import Usage, read_history
 
 _TYPE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from generator.adopt.draft import Draft, DraftRow
-from generator.table.edit import quoted, scalar
+from roverlink.generator.adopt.draft import Draft, DraftRow
+from roverlink.generator.table.edit import quoted, scalar
 
 _WIDTH = 110
 

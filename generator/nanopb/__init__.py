@@ -13,11 +13,11 @@ The names and values of the options come from the installed nanopb package; boun
 
 from __future__ import annotations
 
-from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from generator.nanopb.message_sizes import Unbounded, envelope_size, field_sizes, largest_size
-from generator.nanopb.options_file import options_file_of
-from generator.nanopb.options_in_force import read_bounds
-from generator.nanopb.table_bounds import as_lines, as_options, table_bounds
+from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
+from roverlink.generator.nanopb.message_sizes import Unbounded, envelope_size, field_sizes, largest_size
+from roverlink.generator.nanopb.options_file import options_file_of
+from roverlink.generator.nanopb.options_in_force import read_bounds
+from roverlink.generator.nanopb.table_bounds import as_lines, as_options, table_bounds
 
 __all__ = [
     "Bounds",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from generator.nanopb.bounds import Bounds, FieldBounds
-from generator.protos import ProtoField, ProtoMessage, Schema
+from roverlink.generator.nanopb.bounds import Bounds, FieldBounds
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 _NEGATIVE = 10  # bytes of a negative number as a varint, of whatever type
 _FIXED = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from generator.diagnostics import Span
+from roverlink.generator.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
-from generator.diagnostics import Span
-from generator.nanopb.bounded_field import BoundedField, fields_of, varint_size
-from generator.nanopb.bounds import Bounds
-from generator.protos import ProtoMessage, Schema
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.nanopb.bounded_field import BoundedField, fields_of, varint_size
+from roverlink.generator.nanopb.bounds import Bounds
+from roverlink.generator.protos.schema import ProtoMessage, Schema
 
 
 @dataclass(frozen=True, slots=True)

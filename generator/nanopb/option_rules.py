@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.diagnostics import Rule, Severity
+from roverlink.generator.diagnostics import Rule, Severity
 
 UNREADABLE_OPTIONS = Rule(
     "NPB101",
@@ -109,8 +109,7 @@ Without it, the largest size of a message on a microcontroller is not known.
 
 Bad::
 
-    # proto/note.options, and no package nanopb
-    Note.text max_size:20
+    $ roverlink lint     # proto/note.options is there, the package nanopb is not
 
 Good::
 

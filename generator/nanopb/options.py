@@ -11,8 +11,8 @@ from google.protobuf import text_format
 from google.protobuf.message import DecodeError, Message
 from google.protobuf.unknown_fields import UnknownFieldSet
 
-from generator.diagnostics import nearest
-from generator.nanopb.vocabulary import EXTENSION, vocabulary
+from roverlink.generator.diagnostics import nearest
+from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
 
 Values = Mapping[str, Any]  # nanopb.proto says of which type an option is
 """Options that are set, by name; an enum's value by its name."""

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from fnmatch import translate
 from pathlib import Path, PurePosixPath
 
-from generator.diagnostics import Diagnostic, Span, shown
-from generator.nanopb.option_rules import UNREADABLE_OPTIONS
-from generator.nanopb.options import OptionsError, Values, parse_options
+from roverlink.generator.diagnostics import Diagnostic, Span, shown
+from roverlink.generator.nanopb.option_rules import UNREADABLE_OPTIONS
+from roverlink.generator.nanopb.options import OptionsError, Values, parse_options
 
 _BLOCK_COMMENT = re.compile(r"/\*.*?\*/")
 _LINE_COMMENT = re.compile(r"(//|#).*")

@@ -12,13 +12,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from generator.diagnostics import Diagnostic, Span, shown
-from generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
-from generator.nanopb.options import Decoded, decode_options
-from generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
-from generator.nanopb.vocabulary import has_options, vocabulary
-from generator.protos import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
+from roverlink.generator.diagnostics import Diagnostic, Span, shown
+from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
+from roverlink.generator.nanopb.option_rules import NANOPB_MISSING, PATTERN_WITHOUT_MATCH, UNREADABLE_OPTIONS
+from roverlink.generator.nanopb.options import Decoded, decode_options
+from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
+from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
+from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
 
 _Options = Mapping[str, tuple[Any, Span]]  # nanopb.proto says of which type an option is
 """Options that hold somewhere, by name, each with the place where it was said."""

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator import ir
-from generator.diagnostics import Diagnostic, Span, nearest, shown
-from generator.nanopb.option_rules import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
-from generator.nanopb.options import Values
-from generator.nanopb.options_file import OptionsLine, options_file_of
-from generator.protos import ProtoField, ProtoMessage, Schema
-from generator.table import Bound, Row, Table
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest, shown
+from roverlink.generator.nanopb.option_rules import BOUNDS_IN_TWO_PLACES, UNFIT_BOUND
+from roverlink.generator.nanopb.options import Values
+from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.table import Bound, Row, Table
 
 _HAVE_A_LENGTH = ("string", "bytes")
 

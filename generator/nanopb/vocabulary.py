@@ -14,7 +14,7 @@ from google.protobuf.message import DecodeError, Message
 from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.unknown_fields import UnknownFieldSet
 
-from generator.protoc import compile_descriptors
+from roverlink.generator.protos.protoc import compile_descriptors
 
 EXTENSION = 1010
 """The field number of nanopb's options in the options of files, messages, enums and fields."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.table.keys import (
+from roverlink.generator.table.keys import (
     FORMAT_VERSION,
     IMPLEMENTATION_NUMBERS,
     LARGEST_NUMBER,
@@ -19,7 +19,7 @@ from generator.table.keys import (
     Row,
     Table,
 )
-from generator.table.parts import Form
+from roverlink.generator.table.parts import Form
 
 __all__ = [
     "FORMAT_VERSION",

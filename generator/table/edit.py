@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 import yaml
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import DiagnosticsError, Span
-from generator.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
+from roverlink.generator.diagnostics import DiagnosticsError, Span
+from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 
 Edit = tuple[int, int, list[str]]
 """Lines from the first to before the last, counted from 0, become other lines."""

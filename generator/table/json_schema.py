@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from generator.rendering import REGENERATE
-from generator.table.keys import Table
-from generator.table.parts import object_of
-from generator.table.value_types import (
+from roverlink.generator.emit.render import REGENERATE
+from roverlink.generator.table.keys import Table
+from roverlink.generator.table.parts import object_of
+from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
     Duration,

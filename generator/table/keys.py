@@ -1,7 +1,7 @@
 """The keys of mapping.yaml: one declaration each, as an attribute of the part of the table that holds it.
 
 The reader, the JSON Schema, the reference in docs/mapping.md and the defaults follow from these declarations
-(`generator.table.parts` says how). A new key is one attribute here.
+(`roverlink.generator.table.parts` says how). A new key is one attribute here.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from ipaddress import IPv4Network
 from typing import Annotated, Literal
 
-from generator.diagnostics import Span
-from generator.ir import Qos
-from generator.table.parts import NAME, NOT_EMPTY, Form, Part
-from generator.table.value_types import (
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.ir.model import Qos
+from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
+from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
     Duration,

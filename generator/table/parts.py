@@ -22,8 +22,8 @@ from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from generator.diagnostics import Span
-from generator.table.value_types import AnyOf, Boolean, Key, ListOf, MapOf, Meaning, Named, Object, Text, Type
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.table.value_types import AnyOf, Boolean, Key, ListOf, MapOf, Meaning, Named, Object, Text, Type
 
 
 class Mark(Enum):

@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from string import ascii_lowercase
 
-from generator import naming
-from generator.diagnostics import Diagnostic, DiagnosticsError
-from generator.table.keys import FeedSettings, PeerSettings, Row, Table
-from generator.table.parts import Form, build, object_of
-from generator.table.yaml_items import read_form, read_text
-from generator.table_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
+from roverlink.generator.ir import ros_names
+from roverlink.generator.table.keys import FeedSettings, PeerSettings, Row, Table
+from roverlink.generator.table.parts import Form, build, object_of
+from roverlink.generator.table.table_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
+from roverlink.generator.table.yaml_items import read_form, read_text
 
 _FIRST_PORT = 6000
 
@@ -34,7 +34,7 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
     if form is None:
         raise DiagnosticsError(findings)
     table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
-    rows = tuple(replace(row, ros=row.ros or naming.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
+    rows = tuple(replace(row, ros=row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
     for row in rows:
         findings += _mistakes(row)
     return replace(table, peers=tuple(_with_ports(table.peers)), rows=rows)

@@ -116,7 +116,7 @@ class Object:
     others: MapOf | None = None
     """What any other key may be; None if there may be none."""
     part: type[Any] | None = None
-    """The dataclass that it is read as (`generator.table.parts`)."""
+    """The dataclass that it is read as (`roverlink.generator.table.parts`)."""
 
 
 @dataclass(frozen=True, slots=True)

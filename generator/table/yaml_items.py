@@ -14,11 +14,19 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
-from generator.table.parts import Form
-from generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
-from generator.table.yaml_scalars import ScalarReader, fitting_form
-from generator.table_rules import BAD_VALUE, DUPLICATE_KEY, MISSING_KEY, SYNTAX, UNKNOWN_KEY, UNREADABLE, WRONG_TYPE
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
+from roverlink.generator.table.parts import Form
+from roverlink.generator.table.table_rules import (
+    BAD_VALUE,
+    DUPLICATE_KEY,
+    MISSING_KEY,
+    SYNTAX,
+    UNKNOWN_KEY,
+    UNREADABLE,
+    WRONG_TYPE,
+)
+from roverlink.generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
+from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
 
 
 def read_form(text: str, file: str, type: Type, what: str, findings: list[Diagnostic]) -> Form | None:

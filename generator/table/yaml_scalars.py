@@ -9,10 +9,21 @@ from typing import Any
 
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from generator.diagnostics import Diagnostic, Span, nearest
-from generator.table.parts import Form
-from generator.table.value_types import AnyOf, Boolean, Duration, Integer, ListOf, Named, Number, Scalar, Text, Type
-from generator.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.table.parts import Form
+from roverlink.generator.table.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
+from roverlink.generator.table.value_types import (
+    AnyOf,
+    Boolean,
+    Duration,
+    Integer,
+    ListOf,
+    Named,
+    Number,
+    Scalar,
+    Text,
+    Type,
+)
 
 _LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
 _LONGEST_NUMBER = 40

@@ -6,15 +6,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.context import Subject
-from generator.diagnostics import DiagnosticsError
-from generator.lint_engine import Question, lint_project
-from generator.pipeline import add as add_row
-from generator.write import write
 from roverlink.commands.generate import report, say_changes
 from roverlink.commands.next_number import say_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
-from roverlink.linted import in_repository
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.emit.writer import write
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.pipeline import add as add_row
+from roverlink.lint_scope import in_repository
 from roverlink.progress import progress
 
 

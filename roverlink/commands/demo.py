@@ -15,19 +15,21 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.live import Live
 
-from roverlink import bridge_host, crossings, topics
-from roverlink.bridge_host import BridgeHost
+from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
-from roverlink.crossings import Crossing
 from roverlink.generated_code import load_project
-from roverlink.simulation import payload_at
-from runtime import Registry, SetupError, Translator, cdr
-from runtime.middleware import Middleware, Publisher
-from runtime.registry import AnyHandler
-from runtime.values import message_to_values, payload_to_values
+from roverlink.runtime import Registry, SetupError, Translator
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.text.values import message_to_values, payload_to_values
+from roverlink.simulation import bridge_host, crossings
+from roverlink.simulation.bridge_host import BridgeHost
+from roverlink.simulation.crossings import Crossing
+from roverlink.simulation.payloads import payload_at
 
 if TYPE_CHECKING:
-    from roverlink.demo_camera import DemoCamera
+    from roverlink.demo.camera import DemoCamera
 
 _RATE_HZ = 20.0
 _TICK_S = 0.01
@@ -66,10 +68,10 @@ def run(arguments: argparse.Namespace) -> int:
         camera = _camera(console, project, arguments.middleware, stack)
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
         host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
-        middleware = stack.enter_context(host.middleware(topics.identity("demo")))
+        middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
         rig = _Rig(registry, host, middleware, sockets, camera.tells if camera else ())
         if camera and arguments.middleware == "memory":
-            camera.publish_on(middleware, registry, topics.full_topic)
+            camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
         account = host.stop()  # at once: whoever commands is silent from now on
         if camera:
@@ -89,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
     """A camera that tells where the rover is, where OpenCV is installed."""
     try:
-        from roverlink.demo_camera import DemoCamera
+        from roverlink.demo.camera import DemoCamera
     except SetupError as error:
         console.print(f"without a camera: {error}", soft_wrap=True, markup=False)
         return None
@@ -134,7 +136,7 @@ class _Rig:
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
         """Be the ROS 2 node at the other end of a row."""
         handler = crossing.handler
-        topic = topics.full_topic(handler.route.topic)
+        topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
             if handler.route.name in self._told:
                 return

@@ -8,9 +8,10 @@ import json
 from rich.console import Console
 from rich.text import Text
 
-from roverlink import checkup
+from roverlink import doctor_checks
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command
-from runtime import NODE, ros_args
+from roverlink.runtime import NODE
+from roverlink.runtime.node import ros_args
 
 _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
@@ -33,7 +34,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print what was found; exit code 1 where something is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
-    found = checkup.examine(arguments.project, ros)
+    found = doctor_checks.examine(arguments.project, ros)
     if arguments.json:
         print(json.dumps([diagnosis.as_dict() for diagnosis in found], indent=2))
     else:

@@ -8,12 +8,13 @@ import sys
 import time
 from collections.abc import Sequence
 
-from roverlink import topics
+from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
 from roverlink.generated_code import load_project
-from runtime import Qos, cdr
-from runtime.middleware import NAMES, open_middleware
-from runtime.values import message_to_values
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.text.values import message_to_values
 
 
 def add(commands: Subparsers) -> None:
@@ -38,7 +39,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print until interrupted, until ``--count`` messages came (0), or until ``--timeout`` (1)."""
     registry = load_project(project_folder(arguments.project))
-    message_type, published = topics.endpoint(registry, arguments.topic, arguments.type)
+    message_type, published = topic_types.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability
     qos = Qos(reliability, published.durability, depth=1000)
     arrived: queue.Queue[bytes] = queue.Queue()
@@ -48,8 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
         for message in messages:
             arrived.put(message)
 
-    with open_middleware(arguments.middleware, topics.identity("echo")) as middleware:
-        middleware.subscribe(topics.full_topic(arguments.topic), message_type, qos, put_all)
+    with open_middleware(arguments.middleware, topic_types.identity("echo")) as middleware:
+        middleware.subscribe(topic_types.full_topic(arguments.topic), message_type, qos, put_all)
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         while arguments.count is None or seen < arguments.count:
             try:
@@ -58,6 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
                 print(f"nothing more on {arguments.topic} after {arguments.timeout} s", file=sys.stderr)
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))
-            print(topics.json_text(values) if arguments.json else f"{topics.yaml_text(values)}---", flush=True)
+            print(
+                topic_types.json_text(values) if arguments.json else f"{topic_types.yaml_text(values)}---", flush=True
+            )
             seen += 1
     return OK

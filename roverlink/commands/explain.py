@@ -7,11 +7,11 @@ import json
 import sys
 from typing import Any
 
-from generator.catalogue import rules as all_rules
-from generator.diagnostics import DiagnosticsError, Rule
 from roverlink.console import FINDINGS, OK, Subparsers, add_table, command, table_file
 from roverlink.diagnostic_text import show_error
-from runtime.errors import SetupError, nearest
+from roverlink.generator.diagnostics import DiagnosticsError, Rule
+from roverlink.generator.rule_catalogue import rules as all_rules
+from roverlink.runtime.core.errors import SetupError, nearest
 
 
 def add(commands: Subparsers) -> None:
@@ -53,7 +53,7 @@ def _tell_rule(rule: Rule) -> None:
 
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
     # Here, since whoever asks for a rule does not need what compiles a table.
-    from roverlink.explained import Project
+    from roverlink.row_explanation import Project
 
     table, what = table_file(arguments.table), arguments.what
     if not table.exists():

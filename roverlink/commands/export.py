@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, Subparsers, command
-from runtime import SetupError
-from runtime.files import replacing
-from runtime.recording import EXPORTS
+from roverlink.runtime import SetupError
+from roverlink.runtime.atomic_files import replacing
+from roverlink.runtime.recording import EXPORTS
 
 
 def add(commands: Subparsers) -> None:
@@ -28,8 +28,8 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the table; exit code 1 where the topic has no message."""
-    from runtime.recording.reading import Recording
-    from runtime.recording.tables import WRITERS, rows_of
+    from roverlink.runtime.recording.reader import Recording
+    from roverlink.runtime.recording.tables import WRITERS, rows_of
 
     recording = Recording(arguments.recording)
     rows = rows_of(recording, arguments.topic)

@@ -7,11 +7,11 @@ import os
 import sys
 from pathlib import Path
 
-from generator.diagnostics import DiagnosticsError, Severity
-from generator.pipeline import Compiled, compile_table
-from generator.write import Change, compare, write
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, command, counted, table_file
 from roverlink.diagnostic_text import Sources, show, show_error
+from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.emit.writer import Change, compare, write
+from roverlink.generator.pipeline import Compiled, compile_table
 
 
 def add(commands: Subparsers) -> None:

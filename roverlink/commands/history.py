@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 
-from generator.diagnostics import DiagnosticsError
-from generator.history import Usage, branch_name
-from generator.lint_engine import Question
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
 from roverlink.diagnostic_text import show_error
-from roverlink.linted import add_subject, folder_of, linted, say_limits
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.lint.engine import Question
+from roverlink.generator.lint.history import Usage, branch_name
+from roverlink.lint_scope import add_subject, folder_of, linted, say_limits
 from roverlink.progress import progress
 
 

@@ -14,7 +14,7 @@ from rich.table import Table
 from roverlink.console import OK, Subparsers, command
 
 if TYPE_CHECKING:
-    from runtime.recording.reading import Recording
+    from roverlink.runtime.recording.reader import Recording
 
 
 def add(commands: Subparsers) -> None:
@@ -27,7 +27,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print it."""
-    from runtime.recording.reading import Recording
+    from roverlink.runtime.recording.reader import Recording
 
     facts = _facts(Recording(arguments.recording))
     if arguments.json:

@@ -7,13 +7,13 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
-from generator.diagnostics import DiagnosticsError, Severity
-from generator.write import Change, write
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import Sources, show, show_error
+from roverlink.generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
+from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.emit.writer import Change, write
 from roverlink.progress import progress
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 _EXAMPLE = """\
 roverlink init

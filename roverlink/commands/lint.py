@@ -6,14 +6,14 @@ import argparse
 import sys
 from pathlib import Path
 
-from generator.diagnostics import DiagnosticsError, Severity
-from generator.lint_engine import Linted, Question
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.diagnostic_text import show_error
-from roverlink.linted import add_subject, folder_of, linted
+from roverlink.generator.diagnostics import DiagnosticsError, Severity
+from roverlink.generator.lint.engine import Linted, Question
+from roverlink.lint_scope import add_subject, folder_of, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 _COUNTED = ("error", "warning", "hint")
 
@@ -104,8 +104,8 @@ def _lint(arguments: argparse.Namespace) -> Linted:
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:
     """Burn the numbers that history found, and generate."""
     # Here, since whoever only lints does not need what writes Python.
-    from generator.accept import accept
-    from generator.write import write
+    from roverlink.generator.accept import accept
+    from roverlink.generator.emit.writer import write
 
     changes, accepted = accept(table_file(arguments.table), found)
     write(found.folder, changes)

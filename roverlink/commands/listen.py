@@ -9,9 +9,10 @@ from typing import Any
 
 from roverlink.console import OK, Subparsers, add_project, command, count, port, project_folder
 from roverlink.generated_code import load_project
-from runtime import DatagramError, Registry, Translator, udp
-from runtime.envelope import payload_numbers, restore
-from runtime.values import payload_to_values
+from roverlink.runtime import DatagramError, Registry, Translator
+from roverlink.runtime.core.envelope import payload_numbers, restore
+from roverlink.runtime.net import udp
+from roverlink.runtime.text.values import payload_to_values
 
 _RECEIVE_BUFFER = 1024 * 1024
 _LARGEST = 65_536

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 
-from generator.context import Subject
-from generator.diagnostics import DiagnosticsError
-from generator.lint_engine import Question
-from generator.table import LARGEST_NUMBER
 from roverlink.console import UNABLE, Subparsers, command
 from roverlink.diagnostic_text import show_error
-from roverlink.linted import add_subject, folder_of, in_repository, linted, say_limits
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.engine import Question
+from roverlink.generator.table import LARGEST_NUMBER
+from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, say_limits
 from roverlink.progress import progress
 
 

@@ -6,12 +6,14 @@ import argparse
 import sys
 import time
 
-from roverlink import topics
+from roverlink import topic_types
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
 from roverlink.generated_code import load_project
-from runtime import SetupError, cdr, yaml_text
-from runtime.middleware import NAMES, Publisher, open_middleware
-from runtime.values import message_from_values
+from roverlink.runtime import SetupError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
+from roverlink.runtime.text import strict_yaml
+from roverlink.runtime.text.values import message_from_values
 
 _FLUSH_S = 0.2
 
@@ -41,10 +43,10 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Publish, once somebody listens."""
     registry = load_project(project_folder(arguments.project))
-    message_type, qos = topics.endpoint(registry, arguments.topic, arguments.type)
+    message_type, qos = topic_types.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
-    with open_middleware(arguments.middleware, topics.identity("pub")) as middleware:
-        publisher = middleware.publisher(topics.full_topic(arguments.topic), message_type, qos)
+    with open_middleware(arguments.middleware, topic_types.identity("pub")) as middleware:
+        publisher = middleware.publisher(topic_types.full_topic(arguments.topic), message_type, qos)
         _wait_for_subscriber(publisher, arguments.topic, arguments.wait)
         start, sent = time.monotonic(), 0
         while arguments.count is None or sent < arguments.count:
@@ -61,8 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _values(text: str) -> object:
     try:
-        return yaml_text.load(text)
-    except yaml_text.YamlTextError as error:
+        return strict_yaml.load(text)
+    except strict_yaml.YamlTextError as error:
         raise SetupError(f"the message: {error}") from error
 
 

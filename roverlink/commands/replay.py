@@ -11,15 +11,16 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink import topics
+from roverlink import topic_types
 from roverlink.commands.send import destination_of
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, rate, seconds
 from roverlink.generated_code import load_project
-from runtime import SetupError, parameters
-from runtime.middleware import NAMES, Publisher, open_middleware
+from roverlink.runtime import SetupError
+from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
+from roverlink.runtime.node import parameters
 
 if TYPE_CHECKING:
-    from runtime.recording.replaying import BoardReplay, RosReplay, Timed
+    from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed
 
 _FLUSH_S = 0.2  # a reliable reader that asks again for a sample must still find us
 
@@ -67,8 +68,8 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; exit code 1 where something could not be."""
-    from runtime.recording.reading import Recording
-    from runtime.recording.replaying import BoardReplay, RosReplay
+    from roverlink.runtime.recording.reader import Recording
+    from roverlink.runtime.recording.replaying import BoardReplay, RosReplay
 
     registry = load_project(project_folder(arguments.project))
     recording = Recording(arguments.recording)
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _play(replay: BoardReplay | RosReplay, send: Send, speed: float, loop: bool) -> tuple[int, float]:
     """Send everything in time; how many, and in how many seconds."""
-    from runtime.recording.replaying import paced
+    from roverlink.runtime.recording.replaying import paced
 
     start, sent = time.monotonic(), 0
     while True:
@@ -119,7 +120,7 @@ def _to_bridge(destination: tuple[str, int], stack: ExitStack) -> Send:
 def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStack) -> Send:
     if replay.left_out:
         print(f"left out, since they command the rover (--commands): {', '.join(replay.left_out)}", file=sys.stderr)
-    middleware = stack.enter_context(open_middleware(arguments.middleware, topics.identity("replay")))
+    middleware = stack.enter_context(open_middleware(arguments.middleware, topic_types.identity("replay")))
     publishers = {
         topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
         for topic, endpoint in replay.endpoints.items()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from generator.diagnostics import DiagnosticsError
-from generator.pipeline import retire
-from generator.write import write
 from roverlink.commands.generate import report, say_changes
 from roverlink.console import OK, Subparsers, add_table, command, count, table_file
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.emit.writer import write
+from roverlink.generator.pipeline import retire
 
 
 def add(commands: Subparsers) -> None:

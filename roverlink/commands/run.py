@@ -9,12 +9,13 @@ import signal
 from contextlib import ExitStack
 from pathlib import Path
 
-from roverlink import watching
+from roverlink import observers
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
 from roverlink.generated_code import load_project
-from roverlink.watching import Watching
-from runtime import NODE, Bridge, Registry, parameters, ros_args
-from runtime.middleware import NAMES, open_middleware
+from roverlink.observers import Watching
+from roverlink.runtime import NODE, Bridge, Registry
+from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.node import parameters, ros_args
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
@@ -55,7 +56,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default="ros",
         help="ros: lines as ROS 2 nodes write them; json: an object a line (default: %(default)s)",
     )
-    watching.add_options(parser)
+    observers.add_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -10,10 +10,12 @@ from google.protobuf.message import EncodeError
 
 from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate
 from roverlink.generated_code import load_project
-from runtime import Registry, SetupError, parameters, udp
-from runtime.assignments import payload_from_assignments
-from runtime.errors import nearest
-from runtime.registry import AnyHandler
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.core.errors import nearest
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.net import udp
+from roverlink.runtime.node import parameters
+from roverlink.runtime.text.assignments import payload_from_assignments
 
 
 def add(commands: Subparsers) -> None:

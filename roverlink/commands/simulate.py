@@ -13,8 +13,7 @@ import random
 import time
 from collections.abc import Iterator
 
-from roverlink import bridge_host, topics
-from roverlink.bridge_host import BridgeHost
+from roverlink import topic_types
 from roverlink.commands.send import destination_of
 from roverlink.console import (
     FINDINGS,
@@ -28,13 +27,16 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
-from roverlink.reckoning import Reckoning, fate, resident_bytes
-from roverlink.scenarios import SCENARIOS, Stream, World, emissions
-from roverlink.simulated_peers import Arrivals, Senders
-from roverlink.simulation import payload_at
-from runtime import Registry, Translator, parameters
-from runtime.middleware import Middleware, Publisher
-from runtime.registry import AnyHandler
+from roverlink.runtime import Registry, Translator
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.node import parameters
+from roverlink.simulation import bridge_host
+from roverlink.simulation.bridge_host import BridgeHost
+from roverlink.simulation.payloads import payload_at
+from roverlink.simulation.peers import Arrivals, Senders
+from roverlink.simulation.run_account import Reckoning, fate, resident_bytes
+from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 
 _LOG_LEVEL = "error"  # what it warns of is what the account says in the end
 _RATE_OF_A_ROW_HZ = 20.0
@@ -125,7 +127,7 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
         arrivals = stack.enter_context(Arrivals(world.registry))
         host = stack.enter_context(_host(arguments, world.registry, arrivals))
         senders = stack.enter_context(Senders(("127.0.0.1", host.port)))
-        middleware = stack.enter_context(host.middleware(topics.identity("simulate")))
+        middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, reckoning, world):
@@ -150,7 +152,7 @@ class _Nodes:
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         for handler in registry.handlers:
             if not handler.route.inbound:
-                topic = topics.full_topic(handler.route.topic)
+                topic = topic_types.full_topic(handler.route.topic)
                 publisher = middleware.publisher(topic, handler.message_type, handler.route.qos)
                 self._publishers.append((handler, publisher))
         self._next = 0.0

@@ -13,12 +13,13 @@ from typing import Any
 from rich.console import Console
 from rich.live import Live
 
-from roverlink import screen, topics
+from roverlink import top_screen, topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, command, seconds
-from runtime import NODE, cdr
-from runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from runtime.middleware import NAMES, open_middleware
-from runtime.monitoring import diagnostics
+from roverlink.runtime import NODE
+from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
+from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.monitoring import diagnostic_array
 
 _REFRESH_S = 0.5
 _QUIET_S = 3.0  # without news, after which the screen says so
@@ -52,18 +53,18 @@ def run(arguments: argparse.Namespace) -> int:
         for message in messages:
             arrived.put(message)
 
-    with open_middleware(arguments.middleware, topics.identity("top")) as middleware:
-        middleware.subscribe(diagnostics.TOPIC, DiagnosticArray, diagnostics.QOS, keep)
+    with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
+        middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
         page = _next_page(arrived, arguments.node, arguments.timeout)
         if page is None:
             print(
-                f"no bridge {arguments.node!r} is heard on {diagnostics.TOPIC} after {arguments.timeout:g} s",
+                f"no bridge {arguments.node!r} is heard on {diagnostic_array.TOPIC} after {arguments.timeout:g} s",
                 file=sys.stderr,
             )
             return FINDINGS
         if arguments.once:
             _show(page, arguments.json)
-            return FINDINGS if screen.in_trouble(page) else OK
+            return FINDINGS if top_screen.in_trouble(page) else OK
         return _follow(arrived, page, arguments)
 
 
@@ -77,7 +78,7 @@ def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argpar
     heard = time.monotonic()
     with Live(console=Console(), screen=True, auto_refresh=False) as live:
         while True:
-            live.update(screen.render(page, quiet=time.monotonic() - heard > _QUIET_S), refresh=True)
+            live.update(top_screen.render(page, quiet=time.monotonic() - heard > _QUIET_S), refresh=True)
             if (news := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
                 page, heard = news, time.monotonic()
 
@@ -90,7 +91,7 @@ def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[s
             data = arrived.get(timeout=left)
         except queue.Empty:
             return None
-        if page := screen.page_of(cdr.decode(DiagnosticArray, data), node):
+        if page := top_screen.page_of(cdr.decode(DiagnosticArray, data), node):
             return page
     return None
 
@@ -99,4 +100,4 @@ def _show(page: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print(json.dumps(page, indent=2))
     else:
-        Console().print(screen.render(page))
+        Console().print(top_screen.render(page))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from generator.lint_engine import Linted
-from roverlink.reports import github, json_list, junit, sarif, text
+from roverlink.generator.lint.engine import Linted
+from roverlink.reports import github, json_report, junit, sarif, text
 
 FORMATS: Mapping[str, Callable[[Linted], None]] = {
     "text": text.write,
-    "json": json_list.write,
+    "json": json_report.write,
     "github": github.write,
     "sarif": sarif.write,
     "junit": junit.write,

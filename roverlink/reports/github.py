@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from generator.diagnostics import Diagnostic, Severity
-from generator.lint_engine import Linted
-from roverlink.linted import sources
+from roverlink.generator.diagnostics import Diagnostic, Severity
+from roverlink.generator.lint.engine import Linted
+from roverlink.lint_scope import sources
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from generator.diagnostics import Diagnostic, Rule, Severity
-from generator.lint_engine import Linted
-from generator.rules import modules
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.rules import modules
 
 
 def write(linted: Linted) -> None:

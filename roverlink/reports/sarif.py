@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import quote
 
-from generator.diagnostics import Diagnostic, Rule, Severity, Span
-from generator.lint_engine import Linted
-from generator.rules import modules
-from roverlink.linted import sources
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
+from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.rules import modules
+from roverlink.lint_scope import sources
 
 _LEVELS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "note"}
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"

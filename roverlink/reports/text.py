@@ -11,11 +11,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from generator.diagnostics import Severity
-from generator.lint_engine import Linted
-from generator.pinned_numbers import Pinned
 from roverlink.diagnostic_text import show
-from roverlink.linted import sources
+from roverlink.generator.diagnostics import Severity
+from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.pinned_numbers import Pinned
+from roverlink.lint_scope import sources
 
 
 def write(linted: Linted) -> None:

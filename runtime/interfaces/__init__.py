@@ -5,6 +5,6 @@ published has its type's hash, which ROS 2 compares from Iron on. A table's gene
 its rows need, and takes these from here.
 """
 
-from runtime.interfaces.builtin_interfaces import Duration, Time
+from roverlink.runtime.interfaces.builtin_interfaces import Duration, Time
 
 __all__ = ["Duration", "Time"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import Int32, Message, UInt32
+from roverlink.runtime.core.messages import Int32, Message, UInt32
 
 
 @dataclass(slots=True)

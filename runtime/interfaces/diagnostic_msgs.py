@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.interfaces import std_msgs
-from runtime.messages import Byte, Message
+from roverlink.runtime.core.messages import Byte, Message
+from roverlink.runtime.interfaces import std_msgs
 
 
 @dataclass(slots=True)

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from runtime.interfaces import std_msgs
-from runtime.messages import Float64, Length, Message
+from roverlink.runtime.core.messages import Float64, Length, Message
+from roverlink.runtime.interfaces import std_msgs
 
 
 @dataclass(slots=True)

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.interfaces import geometry_msgs, std_msgs
-from runtime.messages import Float64, Message
+from roverlink.runtime.core.messages import Float64, Message
+from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
 
 @dataclass(slots=True)

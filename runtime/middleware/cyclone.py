@@ -26,7 +26,7 @@ from cyclonedds.qos import BasePolicy, _CQos
 from cyclonedds.sub import DataReader
 from cyclonedds.util import duration
 
-from runtime.errors import MiddlewareError
+from roverlink.runtime.core.errors import MiddlewareError
 
 _library: Any = DDS._dll_handle
 _flush = _library.dds_write_flush

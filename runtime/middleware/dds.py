@@ -23,13 +23,13 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from runtime.errors import MiddlewareError
-from runtime.handler import Qos
-from runtime.messages import Message
-from runtime.middleware import Callback, NodeIdentity
-from runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
-from runtime.middleware.dds_types import dds_qos, dds_type
-from runtime.middleware.discovery import GraphAnnouncer
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
+from roverlink.runtime.middleware.discovery import GraphAnnouncer
+from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'

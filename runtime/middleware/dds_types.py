@@ -12,9 +12,9 @@ from cyclonedds.idl import IdlStruct, make_idl_struct, types
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
 
-from runtime.handler import Qos
-from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
-from runtime.middleware.cyclone import WriterBatching
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
+from roverlink.runtime.middleware.cyclone import WriterBatching
 
 _MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
 _UNLIMITED = -1

@@ -15,12 +15,12 @@ from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
 
-from runtime import cdr
-from runtime.handler import Qos
-from runtime.messages import Bound, Length, Message
-from runtime.middleware import NodeIdentity
-from runtime.middleware.cyclone import RawWriter
-from runtime.middleware.dds_types import dds_qos, dds_type
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Bound, Length, Message
+from roverlink.runtime.middleware.cyclone import RawWriter
+from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
+from roverlink.runtime.middleware.protocol import NodeIdentity
 
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
 _GUID_BYTES = 16

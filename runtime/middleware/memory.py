@@ -6,9 +6,9 @@ from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from runtime.handler import Qos
-from runtime.messages import Message
-from runtime.middleware import Callback
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.protocol import Callback
 
 Callbacks = list[Callback]
 

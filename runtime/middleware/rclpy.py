@@ -17,10 +17,10 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from runtime.errors import MiddlewareError
-from runtime.handler import Qos
-from runtime.messages import Message
-from runtime.middleware import Callback, NodeIdentity
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
 
 
 class RclpyPublisher:

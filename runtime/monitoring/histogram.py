@@ -7,9 +7,9 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from runtime import udp
-from runtime.bridge import Handle
-from runtime.outlet import Send
+from roverlink.runtime.bridge.bridge import Handle
+from roverlink.runtime.bridge.to_peer import Send
+from roverlink.runtime.net import udp
 
 BOUNDS_S = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.5)
 """Upper bounds of the buckets, in seconds; one more bucket has what took longer."""

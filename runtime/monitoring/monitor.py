@@ -8,12 +8,12 @@ from collections import Counter, deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from runtime.account import Account
-from runtime.handler import Route
-from runtime.monitoring.histogram import LatencyProbe
-from runtime.monitoring.state import Level, Recording, RowState, State
-from runtime.registry import Registry
-from runtime.udp import SocketState
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.monitoring.histogram import LatencyProbe
+from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
+from roverlink.runtime.net.udp import SocketState
 
 LOOK_S = 0.25
 """How often the account is looked at: what an age may be wrong by."""

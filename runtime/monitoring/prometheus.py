@@ -7,10 +7,10 @@ from http.server import BaseHTTPRequestHandler
 from itertools import accumulate
 from typing import Any
 
-from runtime.errors import SetupError
-from runtime.http_server import HttpServer
-from runtime.monitoring.histogram import BOUNDS_S, Latencies
-from runtime.monitoring.state import State
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
+from roverlink.runtime.monitoring.http_server import HttpServer
+from roverlink.runtime.monitoring.state import State
 
 try:
     from prometheus_client import CollectorRegistry, generate_latest

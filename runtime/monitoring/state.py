@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from runtime.monitoring.histogram import Latencies
+from roverlink.runtime.monitoring.histogram import Latencies
 
 
 class Level(IntEnum):

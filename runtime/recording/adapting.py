@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from google.protobuf.message import DecodeError
 
-from runtime import envelope
-from runtime.errors import DatagramError, Reason
-from runtime.registry import Registry
+from roverlink.runtime.core import envelope
+from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.registry import Registry
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage

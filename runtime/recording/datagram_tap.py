@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from runtime import udp
-from runtime.bridge import Handle
-from runtime.outlet import Send
-from runtime.recording.recorder import Recorder
-from runtime.registry import Registry
+from roverlink.runtime.bridge.bridge import Handle
+from roverlink.runtime.bridge.to_peer import Send
+from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.net import udp
+from roverlink.runtime.recording.recorder import Recorder
 
 
 class DatagramTap:

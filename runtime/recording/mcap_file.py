@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 try:
     import lz4.frame

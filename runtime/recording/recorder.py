@@ -15,16 +15,16 @@ from pathlib import Path
 
 from google.protobuf.message import DecodeError
 
-from runtime.handler import Qos
-from runtime.messages import Message
-from runtime.recording import places
-from runtime.recording.definitions import definition_of
-from runtime.recording.half import Half, Settings
-from runtime.recording.mcap_file import Entry
-from runtime.recording.rosbag2 import qos_text
-from runtime.recording.schemas import descriptor_set_of
-from runtime.registry import Registry
-from runtime.tapping import Tap
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.recording import file_names
+from roverlink.runtime.recording.mcap_file import Entry
+from roverlink.runtime.recording.message_definitions import definition_of
+from roverlink.runtime.recording.queued_file import Half, Settings
+from roverlink.runtime.recording.rosbag2 import qos_text
+from roverlink.runtime.recording.schemas import descriptor_set_of
 
 _WAKE_S = 0.05  # short, so that each turn holds the interpreter lock for little
 _FLUSH_S = 0.5  # what a kill may cost, with the time that writing takes
@@ -47,12 +47,12 @@ class Recorder:
 
         Raises `SetupError` where the file cannot be, and `OSError` where it cannot be made.
         """
-        self.path = places.new_recording(path)
+        self.path = file_names.new_recording(path)
         self._registry, self._rows, self._logger = registry, topics, logger
         settings = settings or Settings()
         metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
-        self._topics = Half(self.path, places.TOPICS, settings, metadata)
-        self._datagrams = Half(self.path, places.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._topics = Half(self.path, file_names.TOPICS, settings, metadata)
+        self._datagrams = Half(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
         self._halves = (self._topics, self._datagrams)
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()

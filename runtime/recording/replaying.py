@@ -8,17 +8,17 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-from runtime import envelope
-from runtime.errors import ConversionError, DatagramError
-from runtime.handler import Qos
-from runtime.messages import Message
-from runtime.recording.adapting import Adapter
-from runtime.recording.definitions import definition_of, message_type_from
-from runtime.recording.mcap_file import Channel
-from runtime.recording.reading import Recorded, Recording
-from runtime.recording.schemas import message_type_from as proto_type_from
-from runtime.registry import AnyHandler, Registry
-from runtime.translator import Translator
+from roverlink.runtime.core import envelope
+from roverlink.runtime.core.errors import ConversionError, DatagramError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.registry import AnyHandler, Registry
+from roverlink.runtime.core.translator import Translator
+from roverlink.runtime.recording.adapting import Adapter
+from roverlink.runtime.recording.mcap_file import Channel
+from roverlink.runtime.recording.message_definitions import definition_of, message_type_from
+from roverlink.runtime.recording.reader import Recorded, Recording
+from roverlink.runtime.recording.schemas import message_type_from as proto_type_from
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage

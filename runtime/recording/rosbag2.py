@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from runtime.handler import Qos
+from roverlink.runtime.core.handler import Qos
 
 _FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import DecodeError
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage

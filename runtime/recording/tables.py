@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from runtime import cdr
-from runtime.errors import SetupError, nearest
-from runtime.recording.definitions import message_type_from
-from runtime.recording.mcap_file import Channel
-from runtime.recording.reading import Recording
-from runtime.values import message_to_values
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.runtime.recording.mcap_file import Channel
+from roverlink.runtime.recording.message_definitions import message_type_from
+from roverlink.runtime.recording.reader import Recording
+from roverlink.runtime.text.values import message_to_values
 
 Row = dict[str, Any]
 

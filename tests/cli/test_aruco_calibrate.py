@@ -18,10 +18,10 @@ cv2 = pytest.importorskip("cv2")
 np = pytest.importorskip("numpy")
 pypdfium2 = pytest.importorskip("pypdfium2")
 
-from roverlink.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
+from roverlink.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
+from roverlink.vision.calibration import BoardDetector, CharucoBoard  # noqa: E402
+from roverlink.vision.camera.parameters_file import read_parameters  # noqa: E402
 from tests.vision.board_frames import BOARD, MATRIX, SIZE, frames  # noqa: E402
-from vision.calibration import BoardDetector, CharucoBoard  # noqa: E402
-from vision.parameters import read_parameters  # noqa: E402
 
 Start = Callable[..., Any]
 

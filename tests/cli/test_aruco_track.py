@@ -21,16 +21,17 @@ import pytest
 from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from runtime import Qos, cdr
-from runtime.messages import Message
-from runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime import Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
 from tests.cli.conftest import PATIENCE_S
 
 cv2 = pytest.importorskip("cv2")
 np = pytest.importorskip("numpy")
 
-from roverlink.demo_field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
-from runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
+from roverlink.demo.field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
 _FRAMES = 6
 _NEEDS_DDS = pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")

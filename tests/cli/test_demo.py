@@ -14,13 +14,13 @@ import pytest
 from rich.console import Console
 
 from generated.registry import REGISTRY
-from roverlink import bridge_host, crossings
 from roverlink.__main__ import main
-from roverlink.bridge_host import BridgeProcess, BridgeThread
 from roverlink.console import keep_to_ourselves
-from roverlink.crossings import Crossing
-from roverlink.simulation import payload_at
-from runtime import SetupError
+from roverlink.runtime import SetupError
+from roverlink.simulation import bridge_host, crossings
+from roverlink.simulation.bridge_host import BridgeProcess, BridgeThread
+from roverlink.simulation.crossings import Crossing
+from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from generator.diagnostics import Rule, Span
 from roverlink.__main__ import main
 from roverlink.diagnostic_text import Sources, show
+from roverlink.generator.diagnostics import Rule, Span
 
 _TABLE = """\
 version: 1
@@ -82,5 +82,7 @@ def test_colour_is_for_terminals(
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     file = stream()
-    show([Rule("XYZ101", "example").at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file)
+    show(
+        [Rule("XYZ101", "example", "An example.").at(Span("nowhere.yaml", 1, 1), "it is wrong")], Sources(Path()), file
+    )
     assert ("\x1b[31m" in file.getvalue() or "\x1b[1;31m" in file.getvalue()) == coloured

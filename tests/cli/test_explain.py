@@ -13,8 +13,8 @@ from google.protobuf import wrappers_pb2
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation import payload_at
-from roverlink.wire_lines import wire_lines
+from roverlink.simulation.payloads import payload_at
+from roverlink.wire_dump import wire_lines
 
 _ROOT = Path(__file__).parents[2]
 

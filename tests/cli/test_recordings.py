@@ -17,11 +17,11 @@ import pytest
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation import payload_at
-from runtime import cdr
-from runtime.recording.reading import Recording
-from runtime.recording.recorder import Recorder
-from runtime.recording.replaying import RosReplay
+from roverlink.runtime.core import cdr
+from roverlink.runtime.recording.reader import Recording
+from roverlink.runtime.recording.recorder import Recorder
+from roverlink.runtime.recording.replaying import RosReplay
+from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 

@@ -18,7 +18,7 @@ import pytest
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation import payload_at
+from roverlink.simulation.payloads import payload_at
 
 _NEEDS_DDS = pytest.mark.skipif(
     not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
@@ -180,8 +180,8 @@ _HUNG = """
 import sys
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from runtime import Qos
-from runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime import Qos
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 with open_middleware("dds", NodeIdentity("hung")) as middleware:
     for handler in REGISTRY.handlers:
         if handler.route.inbound:

@@ -19,8 +19,8 @@ from typing import Any
 import pytest
 
 from generated.registry import REGISTRY
-from runtime import Qos
-from runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime import Qos
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 pytestmark = pytest.mark.skipif(
     not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
@@ -132,7 +132,7 @@ import sys
 from generated.registry import REGISTRY
 from roverlink import topics
 from roverlink.simulation import payload_at
-from runtime.middleware import open_middleware
+from roverlink.runtime.middleware import open_middleware
 middleware = open_middleware("dds", topics.identity("flood"))
 rows = [h for h in REGISTRY.handlers if not h.route.inbound and not h.route.priority]
 publishers = [(middleware.publisher("/" + h.route.topic, h.message_type, h.route.qos),

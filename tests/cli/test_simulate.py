@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 
 from generated.registry import REGISTRY
-from roverlink.reckoning import PUBLISHED, Reckoning, fate
-from roverlink.scenarios import SCENARIOS, Emission, World, emissions, steady
-from roverlink.simulation import payload_at
-from runtime import Translator
-from runtime.envelope import restore
+from roverlink.runtime import Translator
+from roverlink.runtime.core.envelope import restore
+from roverlink.simulation.payloads import payload_at
+from roverlink.simulation.run_account import PUBLISHED, Reckoning, fate
+from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions, steady
 
 Start = Callable[..., Any]
 _LONGEST = 1472

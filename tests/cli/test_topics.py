@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
-from roverlink import topics
+from roverlink import topic_types
 from roverlink.__main__ import main
-from runtime import Qos, SetupError
-from runtime.values import message_to_values
+from roverlink.runtime import Qos, SetupError
+from roverlink.runtime.text.values import message_to_values
 
 _NEEDS_DDS = pytest.mark.skipif(
     not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
@@ -182,25 +182,25 @@ def test_what_cannot_be_is_told(arguments: list[str], expected: str, capsys: pyt
 def test_a_rows_topic_has_the_rows_type_and_quality(topic: str) -> None:
     """With or without the leading slash, what the table says of the topic is what is published and subscribed."""
     handler = REGISTRY.by_name["imu_info"]
-    assert topics.endpoint(REGISTRY, topic, None) == (ImuSensorInformation, handler.route.qos)
+    assert topic_types.endpoint(REGISTRY, topic, None) == (ImuSensorInformation, handler.route.qos)
 
 
 def test_a_type_of_the_table_is_known_by_its_name() -> None:
     """A topic under another name may have a row's type."""
     for name in ("comms/msg/DrivingBoardMotorMessage", "comms/DrivingBoardMotorMessage"):
-        assert topics.endpoint(REGISTRY, "x", name) == (DrivingBoardMotorMessage, Qos())
+        assert topic_types.endpoint(REGISTRY, "x", name) == (DrivingBoardMotorMessage, Qos())
 
 
 def test_a_given_type_goes_before_the_rows() -> None:
     """What is said on the line counts, whatever the table has."""
-    message_type, _ = topics.endpoint(REGISTRY, "imu_data", "std_msgs/String")
+    message_type, _ = topic_types.endpoint(REGISTRY, "imu_data", "std_msgs/String")
     assert message_type.__msgtype__ == "std_msgs/msg/String"
 
 
 def test_a_topic_without_a_row_needs_a_type() -> None:
     """The error says which topics there are."""
     with pytest.raises(SetupError, match=r"no row has the topic '/zzz' \(there are ph_data, .*say the --type"):
-        topics.endpoint(REGISTRY, "/zzz", None)
+        topic_types.endpoint(REGISTRY, "/zzz", None)
 
 
 @pytest.mark.parametrize("topic", ["imu data", "", "/", "2x", "a//b", "a/", "~", "~a", "a-b", "rt/ä"])
@@ -208,7 +208,7 @@ def test_what_is_no_topic_name_is_told(topic: str) -> None:
     """A name that ROS 2 would not take is quoted, whether or not a type is given."""
     for type_name in (None, "std_msgs/String"):
         with pytest.raises(SetupError, match=f"'{re.escape(topic)}' is not a topic name"):
-            topics.endpoint(REGISTRY, topic, type_name)
+            topic_types.endpoint(REGISTRY, topic, type_name)
 
 
 # --- how a message is printed -----------------------------------------------------------------------------------
@@ -244,7 +244,7 @@ def _same(left: Any, right: Any) -> bool:
 @given(_MESSAGES)
 def test_printed_yaml_is_read_as_the_same_values(values: dict[str, Any]) -> None:
     """Whatever a message holds, YAML reads it back equal in value and type, with its fields in order."""
-    text = topics.yaml_text(values)
+    text = topic_types.yaml_text(values)
     assert _same(yaml.safe_load(text), values), text
     assert text.endswith("\n")
 
@@ -257,7 +257,7 @@ def test_printed_json_is_one_strict_line(values: dict[str, Any]) -> None:
     def refuse(constant: str) -> None:
         raise AssertionError(constant)
 
-    text = topics.json_text(values)
+    text = topic_types.json_text(values)
     assert len(text.splitlines()) == 1
     read = json.loads(text, parse_constant=refuse)
     assert list(read) == list(values)
@@ -266,7 +266,11 @@ def test_printed_json_is_one_strict_line(values: dict[str, Any]) -> None:
 def test_numbers_that_json_lacks_are_named_as_protobuf_names_them() -> None:
     """Not a number and the infinities are strings, as in what `listen` prints."""
     values = {"a": math.nan, "b": [math.inf, -math.inf, 1.5], "c": {"d": math.nan}}
-    assert json.loads(topics.json_text(values)) == {"a": "NaN", "b": ["Infinity", "-Infinity", 1.5], "c": {"d": "NaN"}}
+    assert json.loads(topic_types.json_text(values)) == {
+        "a": "NaN",
+        "b": ["Infinity", "-Infinity", 1.5],
+        "c": {"d": "NaN"},
+    }
 
 
 def test_the_form_of_printed_yaml_is_ros2s() -> None:
@@ -278,7 +282,7 @@ def test_the_form_of_printed_yaml_is_ros2s() -> None:
         "empty": [],
         "text": "word " * 40,
     }
-    assert topics.yaml_text(values).splitlines() == [
+    assert topic_types.yaml_text(values).splitlines() == [
         "header:",
         "  stamp:",
         "    sec: 1",
@@ -294,4 +298,4 @@ def test_the_form_of_printed_yaml_is_ros2s() -> None:
         "empty: []",
         "text: '" + "word " * 40 + "'",
     ]
-    assert topics.yaml_text({}) == "{}\n"
+    assert topic_types.yaml_text({}) == "{}\n"

@@ -22,8 +22,8 @@ from prometheus_client.parser import text_string_to_metric_families
 from generated.messages import ImuSensorInformation
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from runtime import cdr
-from runtime.recording.definitions import definition_of
+from roverlink.runtime.core import cdr
+from roverlink.runtime.recording.message_definitions import definition_of
 
 Start = Callable[..., Any]
 

@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
-    *("generator", "templates", "runtime", "vision", "roverlink"),
+    *("generator", "templates", "runtime", "vision", "cpp", "roverlink"),
 )
 _READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "is seen"}
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
@@ -241,7 +241,7 @@ def _waits(command: str) -> bool:
 
 def _copy(source: Path, target: Path) -> None:
     if source.is_dir():
-        shutil.copytree(source, target)
+        shutil.copytree(source, target, symlinks=True)  # roverlink/ links to the other folders
     elif source.exists():
         shutil.copy(source, target)
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from generated.registry import REGISTRY
-from generator.table.edit import scalar
-from generator.table.keys import Table
-from generator.table.parts import Part, object_of
-from generator.table.value_types import (
+from roverlink.generator.table.edit import scalar
+from roverlink.generator.table.keys import Table
+from roverlink.generator.table.parts import Part, object_of
+from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
     Duration,
@@ -29,7 +29,7 @@ from generator.table.value_types import (
     Text,
     Type,
 )
-from runtime import parameters
+from roverlink.runtime.node import parameters
 
 ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "docs" / "mapping.md", ROOT / "README.md")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from page import ROOT, blocks
 
-from generator.pipeline import compile_table
+from roverlink.generator.pipeline import compile_table
 
 _PAGE = ROOT / "docs" / "conversions.md"
 _TABLE = """\

@@ -15,7 +15,7 @@ import pytest
 import yaml
 from page import ROOT
 
-from generator.rules import modules
+from roverlink.generator.lint.rules import modules
 
 _PAGE = ROOT / "docs" / "lint.md"
 

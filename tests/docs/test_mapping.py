@@ -8,11 +8,11 @@ from pathlib import Path
 import reference
 from page import ROOT, blocks
 
-from generator.catalogue import rules
-from generator.pipeline import compile_table
-from generator.rules import modules
-from generator.table import Table, reader
-from generator.table.parts import object_of
+from roverlink.generator.lint.rules import modules
+from roverlink.generator.pipeline import compile_table
+from roverlink.generator.rule_catalogue import rules
+from roverlink.generator.table import Table, reader
+from roverlink.generator.table.parts import object_of
 
 _PAGE = ROOT / "docs" / "mapping.md"
 _SMALLEST = """\

@@ -9,7 +9,8 @@ import re
 
 from page import ROOT
 
-from generator import ir, ir_standard, targets
+from roverlink.generator.emit import targets
+from roverlink.generator.ir import interfaces, model
 
 _PAGE = (ROOT / "docs" / "targets.md").read_text(encoding="utf-8")
 
@@ -28,7 +29,7 @@ def test_every_class_of_the_bridge_is_on_the_page() -> None:
     """Whoever writes a template finds every class with every field, and its type."""
     classes = {
         name: cls
-        for module in (ir, ir_standard)
+        for module in (model, interfaces)
         for name, cls in vars(module).items()
         if inspect.isclass(cls) and cls.__module__ == module.__name__
     }

@@ -25,8 +25,8 @@ def test_what_stands_there_happens(tmp_path: Path) -> None:
 @_NEEDS_OPENCV
 def test_the_examples_of_files_are_read(tmp_path: Path) -> None:
     """The landmarks and boards that the page shows are taken as they stand."""
-    from vision import read_landmarks
-    from vision.boards import read_boards
+    from roverlink.vision import read_landmarks
+    from roverlink.vision.markers.boards import read_boards
 
     texts = {block.text.splitlines()[0]: block.text for block in blocks(_PAGE) if block.language == "yaml"}
     for name, text in texts.items():
@@ -36,8 +36,8 @@ def test_the_examples_of_files_are_read(tmp_path: Path) -> None:
 
 
 def test_every_topic_of_the_code_stands_there() -> None:
-    """The table of the page has those of `vision.publishing`."""
-    code = (ROOT / "vision" / "publishing.py").read_text(encoding="utf-8")
+    """The table of the page has those of `roverlink.vision.ros.publishing`."""
+    code = (ROOT / "vision" / "ros" / "publishing.py").read_text(encoding="utf-8")
     topics = re.findall(r"^\| (\S+) +\| (\w+/\w+)", code, re.MULTILINE)
     page = re.findall(r"^\| `([\w/]+)` \| `(\w+/\w+)`", _PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     assert len(topics) == 6

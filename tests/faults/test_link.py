@@ -13,8 +13,9 @@ from network import BOARD, ROVER, Network, ip, why_not
 from relay import Relay
 
 from generated.registry import REGISTRY
-from runtime import Bridge, Qos, Registry, parameters
-from runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime import Bridge, Qos, Registry
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.node import parameters
 
 pytestmark = pytest.mark.skipif(bool(why_not()), reason=why_not())
 

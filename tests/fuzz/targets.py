@@ -6,9 +6,10 @@ import contextlib
 from collections.abc import Callable
 
 from generated.registry import REGISTRY
-from runtime import ConversionError, DatagramError, Translator, cdr
-from runtime.envelope import payload_numbers, restore, strip_trailing_zeros
-from runtime.messages import Message
+from roverlink.runtime import ConversionError, DatagramError, Translator
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.envelope import payload_numbers, restore, strip_trailing_zeros
+from roverlink.runtime.core.messages import Message
 
 _TRANSLATOR = Translator(REGISTRY)
 _OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]

@@ -28,11 +28,12 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 from walker import RefusedError, Walker
 
-from generator.ir import Conversion, ConversionKind
-from generator.pipeline import compile_table
-from generator.write import compare, write
-from runtime import ConversionError, cdr, load_registry
-from runtime.messages import fields_of
+from roverlink.generator.emit.writer import compare, write
+from roverlink.generator.ir.model import Conversion, ConversionKind
+from roverlink.generator.pipeline import compile_table
+from roverlink.runtime import ConversionError, load_registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import fields_of
 
 _EXAMPLES = settings(max_examples=15, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a message without fields
@@ -40,13 +41,13 @@ _PLACEHOLDER = "structure_needs_at_least_one_member"  # what ROS 2 puts into a m
 # --- rosbags ----------------------------------------------------------------------------------------------------
 
 
-def typestore(project: Path, package: str) -> Typestore:
-    """A rosbags store that has read the generated .msg files."""
+def typestore(generated: Path, package: str) -> Typestore:
+    """A rosbags store that has read the .msg files of a generated package."""
     store = get_typestore(Stores.EMPTY)
     types: dict[str, Any] = {}
     for name in ("Time", "Duration"):
         types.update(get_types_from_msg("int32 sec\nuint32 nanosec\n", f"builtin_interfaces/msg/{name}"))
-    for path in sorted((project / "generated" / "ros" / package / "msg").glob("*.msg")):
+    for path in sorted((generated / "ros" / package / "msg").glob("*.msg")):
         types.update(get_types_from_msg(path.read_text(encoding="utf-8"), f"{package}/msg/{path.stem}"))
     store.register(types)
     return store
@@ -69,8 +70,8 @@ def check(table: Path) -> None:
     """Raise `AssertionError` where a handler does something else than the IR and rosbags."""
     compiled = compile_table(table)
     write(table.parent, compare(table.parent, compiled.files, compiled.folders))
-    registry = load_registry(table.parent)
-    store, walker = typestore(table.parent, registry.package), Walker(compiled.bridge)
+    registry = load_registry(table.parent, compiled.bridge.python_package)
+    store, walker = typestore(table.parent / compiled.bridge.folder, registry.package), Walker(compiled.bridge)
     in_any = sorted({member.proto for conversion in compiled.bridge.anys for member in conversion.members})
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0
     for route in compiled.bridge.routes:

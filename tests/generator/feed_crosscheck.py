@@ -12,10 +12,11 @@ from random_payloads import Payloads
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from generator.ir import Bridge
-from generator.ir_standard import Feed
-from runtime import ConversionError, Registry, cdr
-from runtime.interfaces import Time
+from roverlink.generator.ir import Feed
+from roverlink.generator.ir.model import Bridge
+from roverlink.runtime import ConversionError, Registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces import Time
 
 Plain = Callable[[Any, Typestore], Any]
 

@@ -14,11 +14,11 @@ from typing import Any
 
 from google.protobuf.message import Message as Payload
 
-from generator.ir_standard import (
+from roverlink.generator.ir import Feed
+from roverlink.generator.ir.interfaces import (
     Chosen,
     Constant,
     Expression,
-    Feed,
     InterfaceType,
     Moment,
     Parts,
@@ -28,7 +28,7 @@ from generator.ir_standard import (
     Taken,
     Unset,
 )
-from runtime.interfaces import Time
+from roverlink.runtime.interfaces import Time
 
 _LARGEST_ANGLE = 100.0
 """Beyond, the last digit of an angle is felt in its sine."""

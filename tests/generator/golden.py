@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from generator.pipeline import compile_table
 from roverlink.__main__ import main
+from roverlink.generator.pipeline import compile_table
 
 ROOT = Path(__file__).parents[2]
 CASES = Path(__file__).parent / "cases"

@@ -1,11 +1,11 @@
-"""Projects made of the examples of rules; `generator.diagnostics.Rule` says how examples are written."""
+"""Projects made of the examples of rules; `roverlink.generator.diagnostics.Rule` says how examples are written."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from generator.diagnostics import Rule
+from roverlink.generator.diagnostics import Rule
 
 _BASE = {
     "version": "version: 1",

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from golden import inside, snapshot
 
-from generator.diagnostics import DiagnosticsError
-from generator.table import reader
-from generator.table.edit import with_row
 from roverlink.__main__ import main
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.table import reader
+from roverlink.generator.table.edit import with_row
 
 _HEAD = """\
 version: 1

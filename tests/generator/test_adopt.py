@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
-from generator.adopt import Adoption, Wanted, adopt
-from generator.adopt.role_words import words
-from generator.diagnostics import DiagnosticsError
-from generator.lint_engine import Question, lint_project
-from generator.pipeline import compile_table
-from generator.write import compare, write
+from roverlink.generator.adopt import Adoption, Wanted, adopt
+from roverlink.generator.adopt.role_words import words
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.emit.writer import compare, write
+from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.pipeline import compile_table
 
 _GOLDEN = Path(__file__).parent / "adopted"
 

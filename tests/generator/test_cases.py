@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from golden import ROOT, Case, Outcome, cases, generate, passing_cases, snapshot
 
-import generator
-from generator.diagnostics import Rule
+from roverlink import generator
+from roverlink.generator.diagnostics import Rule
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.folder.name)
@@ -61,7 +61,7 @@ def test_rule_ids_are_unique() -> None:
 def _rules() -> dict[str, list[Rule]]:
     """The rules that the generator's modules declare, by id."""
     rules: dict[str, list[Rule]] = {}
-    for module in pkgutil.walk_packages(generator.__path__, "generator."):
+    for module in pkgutil.walk_packages(generator.__path__, "roverlink.generator."):
         for value in vars(importlib.import_module(module.name)).values():
             if isinstance(value, Rule):
                 rules.setdefault(value.id, []).append(value)

@@ -14,12 +14,12 @@ import yaml
 from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
-from generator.context import Subject
-from generator.diagnostics import Diagnostic, DiagnosticsError
-from generator.ledger import Ledger
-from generator.rules import lint
-from generator.table import reader
-from runtime import parameters
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.rules import lint
+from roverlink.generator.lock import Ledger
+from roverlink.generator.table import reader
+from roverlink.runtime.node import parameters
 
 _SCHEMA = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])
 _VALIDATOR = jsonschema.Draft202012Validator(_SCHEMA)

@@ -76,7 +76,7 @@ def test_mypy_finds_nothing(case: Case, tmp_path: Path, tmp_path_factory: pytest
 def _write(project: Path, files: dict[str, str]) -> None:
     """The project as its owner has it: the generated code beside the runtime that it imports."""
     project.mkdir(exist_ok=True)
-    (project / "runtime").symlink_to(ROOT / "runtime")
+    (project / "roverlink").symlink_to(ROOT / "roverlink")
     for path, text in files.items():
         target = project / path
         target.parent.mkdir(parents=True, exist_ok=True)

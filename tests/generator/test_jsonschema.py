@@ -14,8 +14,8 @@ from golden import ROOT
 from payloads import random_payload
 
 from generated.registry import REGISTRY
-from generator.pipeline import compile_table
-from runtime.values import payload_to_values
+from roverlink.generator.pipeline import compile_table
+from roverlink.runtime.text.values import payload_to_values
 
 
 @cache

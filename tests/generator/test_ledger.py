@@ -10,9 +10,9 @@ from golden import CASES, ROOT, Case, generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator import ledger
-from generator.diagnostics import Diagnostic, Severity
-from generator.rules import modules
+from roverlink.generator import lock
+from roverlink.generator.diagnostics import Diagnostic, Severity
+from roverlink.generator.lint.rules import modules
 
 _LEDGER = (ROOT / "mapping.lock").read_text(encoding="utf-8")
 
@@ -37,9 +37,9 @@ def _allow(project: Path, *rules: str) -> None:
     (project / "mapping.yaml").write_text((project / "mapping.yaml").read_text() + f"lint:\n{settings}")
 
 
-def _read(file: Path) -> tuple[ledger.Ledger, list[str]]:
+def _read(file: Path) -> tuple[lock.Ledger, list[str]]:
     findings: list[Diagnostic] = []
-    read = ledger.read(file, findings)
+    read = lock.read(file, findings)
     return read, [finding.rule.id for finding in findings]
 
 

@@ -22,11 +22,11 @@ from grpc_tools import protoc
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from generator.descriptors import schema_of
-from generator.diagnostics import Diagnostic, Span
-from generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
-from generator.nanopb.vocabulary import vocabulary
-from generator.protos import Schema
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
+from roverlink.generator.nanopb.vocabulary import vocabulary
+from roverlink.generator.protos.descriptors import schema_of
+from roverlink.generator.protos.schema import Schema
 
 # It would choose protobuf's pure Python implementation for all processes that this one starts.
 with pytest.MonkeyPatch.context() as environment:
@@ -576,7 +576,7 @@ def test_options_without_nanopb_are_one_finding(
         [],
     )
     vocabulary.cache_clear()
-    monkeypatch.setattr("generator.nanopb.vocabulary.find_spec", lambda name: None)
+    monkeypatch.setattr("roverlink.generator.nanopb.vocabulary.find_spec", lambda name: None)
     bounds = read_bounds(schema, tmp_path, "proto", findings)
     vocabulary.cache_clear()
     assert (bounds is None) is bool(expected)

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 from golden import CASES, ROOT, Case, generate
 
-from generator.diagnostics import Diagnostic
-from generator.table import reader
+from roverlink.generator.diagnostics import Diagnostic
+from roverlink.generator.table import reader
 
 _LOADS = """
 import sys
 from pathlib import Path
 from roverlink.generated_code import load_project
-from runtime import RegistryError, Translator
+from roverlink.runtime import RegistryError, Translator
 for folder in sys.argv[1:]:
     try:
         registry = load_project(Path(folder))

@@ -10,10 +10,10 @@ from golden import CASES, ROOT, Case, generate, inside, snapshot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator.diagnostics import DiagnosticsError
-from generator.table import Table, reader
-from generator.table.edit import with_retired
 from roverlink.__main__ import main
+from roverlink.generator.diagnostics import DiagnosticsError
+from roverlink.generator.table import Table, reader
+from roverlink.generator.table.edit import with_retired
 
 _TABLE = (ROOT / "mapping.yaml").read_text(encoding="utf-8")
 _HEAD = """\

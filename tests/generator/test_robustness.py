@@ -15,11 +15,11 @@ from golden import ROOT
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import generator
-from generator import ledger
-from generator.diagnostics import Diagnostic, DiagnosticsError
-from generator.pipeline import compile_table
-from generator.table import reader
+from roverlink import generator
+from roverlink.generator import lock
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
+from roverlink.generator.pipeline import compile_table
+from roverlink.generator.table import reader
 
 T = TypeVar("T")
 
@@ -89,7 +89,7 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
     file = tmp_path_factory.getbasetemp() / "mutated.lock"
     file.write_bytes(text)
     findings: list[Diagnostic] = []
-    read_back = ledger.read(file, findings)
+    read_back = lock.read(file, findings)
     unchanged = file.read_bytes() == _LEDGER
     assert {finding.span.file for finding in findings} <= {"mapping.lock"}
     assert not unchanged or (read_back.entries and not findings)
@@ -98,7 +98,9 @@ def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPat
 # --- odds and ends ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [module.name for module in pkgutil.walk_packages(generator.__path__, "generator.")])
+@pytest.mark.parametrize(
+    "name", [module.name for module in pkgutil.walk_packages(generator.__path__, "roverlink.generator.")]
+)
 def test_examples_in_docstrings_are_true(name: str) -> None:
     """What a docstring shows is what happens."""
     assert doctest.testmod(importlib.import_module(name)).failed == 0

@@ -7,13 +7,13 @@ import pkgutil
 
 import pytest
 
-from generator import units
-from generator.ir_standard import InterfaceType
-from generator.standard import definitions, extract, meanings
-from generator.standard.definitions import DistributionsDisagreeError
-from generator.targets.python.interfaces import OF_THE_RUNTIME
-from runtime import interfaces
-from runtime.messages import Message, fields_of
+from roverlink.generator.emit.targets.python.interfaces import OF_THE_RUNTIME
+from roverlink.generator.ir.interfaces import InterfaceType
+from roverlink.generator.resolve import units
+from roverlink.generator.resolve.interfaces import definitions, extract, meanings
+from roverlink.generator.resolve.interfaces.definitions import DistributionsDisagreeError
+from roverlink.runtime import interfaces
+from roverlink.runtime.core.messages import Message, fields_of
 
 
 def _type_at(message: str, path: str) -> InterfaceType | None:
@@ -32,7 +32,9 @@ def _type_at(message: str, path: str) -> InterfaceType | None:
 
 def test_the_file_is_what_rosbags_says() -> None:
     """The definitions in the repository are those of rosbags for Humble and Jazzy."""
-    assert extract.text() == definitions.FILE.read_text(encoding="utf-8"), "run python -m generator.standard.extract"
+    assert extract.text() == definitions.FILE.read_text(
+        encoding="utf-8"
+    ), "run python -m roverlink.generator.resolve.interfaces.extract"
 
 
 def test_every_message_can_be_read() -> None:
@@ -90,10 +92,10 @@ def test_the_outermost_message_knows_the_unit() -> None:
 
 
 def _of_the_runtime() -> dict[str, type[Message]]:
-    """The classes of `runtime.interfaces` that ROS 2's common interfaces have, but for the times, by full name."""
+    """Return the classes of `roverlink.runtime.interfaces` but for the times, by full name."""
     others = {"builtin_interfaces", "vision_msgs"}
     packages = {module.name for module in pkgutil.iter_modules(interfaces.__path__)} - others
-    modules = [importlib.import_module(f"runtime.interfaces.{package}") for package in packages]
+    modules = [importlib.import_module(f"roverlink.runtime.interfaces.{package}") for package in packages]
     return {
         one.__msgtype__: one
         for module in modules

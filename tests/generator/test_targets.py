@@ -12,7 +12,7 @@ import pytest
 from golden import generate, snapshot
 
 from generated.registry import REGISTRY
-from runtime.translator import Translator
+from roverlink.runtime.core.translator import Translator
 
 _TABLE = """\
 version: 1

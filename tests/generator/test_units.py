@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generator import units
-from generator.units import known
-from generator.units.unit import BASES, Unit
+from roverlink.generator.resolve import units
+from roverlink.generator.resolve.units import known
+from roverlink.generator.resolve.units.unit import BASES, Unit
 
 _THEIRS = {
     "1": "dimensionless",

@@ -12,7 +12,7 @@ from google.protobuf.message import Message as Payload
 from google.protobuf.message_factory import GetMessageClass
 from random_payloads import fill, packed
 
-from generator.ir import AnyConversion, Bridge, Conversion, ConversionKind, FieldConversion
+from roverlink.generator.ir.model import AnyConversion, Bridge, Conversion, ConversionKind, FieldConversion
 
 
 class RefusedError(Exception):

@@ -25,7 +25,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from generated.registry import REGISTRY
-from runtime.registry import AnyHandler
+from roverlink.runtime.core.registry import AnyHandler
 
 pytest.importorskip("cyclonedds", reason="the middleware dds needs Cyclone DDS, which has no wheel for this machine")
 

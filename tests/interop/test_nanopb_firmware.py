@@ -16,8 +16,8 @@ import pytest
 from payloads import random_payload
 
 from generated.registry import REGISTRY
-from generator.pipeline import compile_table
-from runtime.translator import Translator
+from roverlink.generator.pipeline import compile_table
+from roverlink.runtime.core.translator import Translator
 
 ROOT = Path(__file__).parents[2]
 _PROGRAM = Path(__file__).with_name("nanopb_echo.c")

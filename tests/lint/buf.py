@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.buf import executable
+from roverlink.generator.lint.buf import executable
 
 CATEGORIES = ("FILE", "WIRE_JSON", "WIRE")
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from mutations import write
 
-from generator import rules
-from generator.changes import Change
-from generator.context import Subject
-from generator.diagnostics import Diagnostic, Span
-from generator.ledger import Ledger
-from generator.protoc import compile_tree
-from generator.protos import Schema
-from generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Table
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.lint import rules
+from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lock import Ledger
+from roverlink.generator.protos.protoc import compile_tree
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSettings, RosSettings, Table
 
 ROOT = "proto"
 _NOWHERE = Span("mapping.yaml")

@@ -19,10 +19,10 @@ from buf import BufFinding, needs_buf
 from comparing import FAMILY, ROOT, changes_found, compiled
 from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, write
 
-from generator import rules
-from generator.changes.field_type_changes import kind
-from generator.diagnostics import Severity, Span
-from generator.protos import ProtoField, ProtoMessage, Schema
+from roverlink.generator.diagnostics import Severity, Span
+from roverlink.generator.lint import rules
+from roverlink.generator.lint.breaking.field_type_changes import kind
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 DOCS = Path(__file__).parents[2] / "docs"
 

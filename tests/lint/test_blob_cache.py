@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from repositories import RepositoryBuilder, envelope
 
-from generator.history import History, blob_cache, history, read_history
+from roverlink.generator.lint.history import History, blob_cache, proto_history, read_history
 
 _FILE = "envelope.proto"
 
@@ -34,8 +34,8 @@ def cache_file(repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 def parsed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The texts that are parsed."""
     texts: list[str] = []
-    parse = history.parse
-    monkeypatch.setattr(history, "parse", lambda text: (texts.append(text), parse(text))[1])
+    parse = proto_history.parse
+    monkeypatch.setattr(proto_history, "parse", lambda text: (texts.append(text), parse(text))[1])
     return texts
 
 

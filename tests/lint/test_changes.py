@@ -15,19 +15,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mutations import BASE, MUTATIONS
 
-from generator import rules
-from generator.changes import Change
-from generator.changes.cardinality import EXPLICIT, IMPLICIT, MAP, REPEATED, REQUIRED, broken_by_cardinality
-from generator.changes.declaration_text import from_within
-from generator.changes.field_type_changes import broken_by_kind
-from generator.changes.name_units import disagree, factor, measure
-from generator.changes.name_words import share_a_word, words
-from generator.changes.number_ranges import covers, missing, spelled
-from generator.context import Subject
-from generator.declarations import parse
-from generator.diagnostics import Diagnostic, Severity, Span
-from generator.ledger import Ledger, read
-from generator.protos import ProtoField, ProtoMessage, Schema
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span
+from roverlink.generator.lint import rules
+from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.breaking.cardinality import (
+    EXPLICIT,
+    IMPLICIT,
+    MAP,
+    REPEATED,
+    REQUIRED,
+    broken_by_cardinality,
+)
+from roverlink.generator.lint.breaking.declaration_text import from_within
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
+from roverlink.generator.lint.breaking.name_units import disagree, factor, measure
+from roverlink.generator.lint.breaking.name_words import share_a_word, words
+from roverlink.generator.lint.breaking.number_ranges import covers, missing, spelled
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lock import Ledger, read
+from roverlink.generator.protos.parser import parse
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 LINT_CASES = Path(__file__).parent / "cases"
 

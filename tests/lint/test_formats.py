@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from generator.rules import modules
 from roverlink.__main__ import main
+from roverlink.generator.lint.rules import modules
 
 _TABLE = """\
 version: 1

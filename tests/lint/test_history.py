@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from repositories import RepositoryBuilder, envelope, git, message
 
-from generator.git import GitError
-from generator.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
+from roverlink.generator.git import GitError
+from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
 
 _EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from generator.rules import modules
 from roverlink.__main__ import main
+from roverlink.generator.lint.rules import modules
 
 CASES = Path(__file__).parent / "cases"
 # A history cannot be a folder: these have their cases in test_past.py, where a test reports each and another does not.

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from generator import bare_tree, rules
-from generator.changes import Change
-from generator.context import Subject
-from generator.declarations import parse
-from generator.diagnostics import Diagnostic, Rule, Severity, Span
-from generator.ledger import Entry, Ledger
-from generator.nanopb import Bounds, FieldBounds
-from generator.protoc import compile_tree
-from generator.protos import Schema
-from generator.table import Table, reader
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
+from roverlink.generator.lint import bare_tree, rules
+from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lock import Entry, Ledger
+from roverlink.generator.nanopb import Bounds, FieldBounds
+from roverlink.generator.protos.parser import parse
+from roverlink.generator.protos.protoc import compile_tree
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.table import Table, reader
 
 _HEAD = """\
 version: 1
@@ -350,7 +350,7 @@ def test_settings_that_lower_nothing(tmp_path: Path, setting: str, text: str) ->
 def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What could not be looked at is no matter of opinion."""
     module = rules.modules()["TAB108"]
-    known = {"LED101": Rule("LED101", "unreadable-ledger", Severity.FATAL)}
+    known = {"LED101": Rule("LED101", "unreadable-ledger", "It cannot be read.", Severity.FATAL)}
     monkeypatch.setattr(module, "_rules", lambda: known)
     table = _table(tmp_path, _IMU, 'lint:\n  LED101: {severity: "off", reason: agreed}\n')
     (finding,) = module.check(Subject(table, None, Ledger()))

@@ -16,11 +16,11 @@ from buf import needs_buf
 from comparing import ROOT, changes_found, compiled
 from mutations import MUTATIONS, together, write
 
-from generator.buf import breaking, unstated
-from generator.diagnostics import Diagnostic
-from generator.protoc import compile_tree
-from generator.protos import Schema
 from roverlink.__main__ import main
+from roverlink.generator.diagnostics import Diagnostic
+from roverlink.generator.lint.buf import breaking, unstated
+from roverlink.generator.protos.protoc import compile_tree
+from roverlink.generator.protos.schema import Schema
 
 _BEFORE = """\
 syntax = "proto3";
@@ -384,7 +384,7 @@ def test_buf_is_not_installed(lint: Lint, other_bin: Path, format: str) -> None:
         2,
         "",
         "--with-buf: fatal[BUF101] there is no buf beside this Python interpreter or on the PATH; nothing was linted\n"
-        f"  help: {other_bin}/python -m pip install buf-bin\n",
+        f"  help: {other_bin}/python -m pip install buf-bin\n\n",
     )
 
 

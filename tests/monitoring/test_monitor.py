@@ -16,17 +16,19 @@ from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 
 from generated.registry import REGISTRY
-from roverlink import screen
+from roverlink import top_screen
 from roverlink.console import LOG_FORMATS
-from runtime import Registry, SetupError, cdr, standard
-from runtime.account import Account, ThrottledWarnings
-from runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from runtime.monitoring import diagnostics, prometheus
-from runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
-from runtime.monitoring.monitor import Monitor
-from runtime.monitoring.state import Level, Recording, RowState, State
-from runtime.udp import SocketState
-from runtime.values import message_to_values
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.core import cdr
+from roverlink.runtime.interfaces import from_rosbags
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
+from roverlink.runtime.monitoring import diagnostic_array, prometheus
+from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
+from roverlink.runtime.monitoring.monitor import Monitor
+from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
+from roverlink.runtime.net.udp import SocketState
+from roverlink.runtime.text.values import message_to_values
 
 _SCREEN = Path(__file__).with_name("top.txt")
 _STAMP = 1_700_000_000_250_000_000
@@ -185,28 +187,28 @@ def _busy() -> State:
 
 def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     """The screen, as an operator sees it; `--update-cases` writes it anew."""
-    page = screen.page_of(diagnostics.array_of(_busy(), _STAMP), "udp_forwarder")
+    page = top_screen.page_of(diagnostic_array.array_of(_busy(), _STAMP), "udp_forwarder")
     assert page is not None
     console = Console(width=120, record=True, file=io.StringIO())
-    console.print(screen.render(page))
+    console.print(top_screen.render(page))
     shown = "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert screen.in_trouble(page)
+    assert top_screen.in_trouble(page)
 
 
 def test_only_the_bridge_that_is_meant_makes_the_page() -> None:
     """Other nodes speak on /diagnostics, too."""
-    array = diagnostics.array_of(_busy(), _STAMP)
-    assert screen.page_of(array, "another") is None
-    assert screen.page_of(DiagnosticArray(), "udp_forwarder") is None
+    array = diagnostic_array.array_of(_busy(), _STAMP)
+    assert top_screen.page_of(array, "another") is None
+    assert top_screen.page_of(DiagnosticArray(), "udp_forwarder") is None
 
 
 def test_diagnostics_are_those_of_ros2() -> None:
     """The bytes are what the definition of diagnostic_msgs, as rosbags has it, reads."""
-    array = diagnostics.array_of(_busy(), _STAMP)
-    theirs = cdr.decode(standard.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
+    array = diagnostic_array.array_of(_busy(), _STAMP)
+    theirs = cdr.decode(from_rosbags.message_type("diagnostic_msgs/msg/DiagnosticArray"), cdr.encode(array))
     assert message_to_values(theirs) == message_to_values(array)
     values = message_to_values(theirs)
     assert values["header"]["stamp"] == {"sec": 1_700_000_000, "nanosec": 250_000_000}

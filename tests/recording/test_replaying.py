@@ -14,14 +14,15 @@ from runs import LOGGER, ROWS, record_everything
 
 from generated.messages import ImuSensorInformation
 from generated.registry import REGISTRY
-from runtime import Registry, SetupError, cdr
-from runtime.messages import Float32, Message
-from runtime.recording import schemas
-from runtime.recording.adapting import Adapter
-from runtime.recording.definitions import definition_of, message_type_from
-from runtime.recording.reading import Recording
-from runtime.recording.recorder import Recorder
-from runtime.recording.replaying import BoardReplay, RosReplay, Timed, paced
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Float32, Message
+from roverlink.runtime.recording import schemas
+from roverlink.runtime.recording.adapting import Adapter
+from roverlink.runtime.recording.message_definitions import definition_of, message_type_from
+from roverlink.runtime.recording.reader import Recording
+from roverlink.runtime.recording.recorder import Recorder
+from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed, paced
 
 _IMU = REGISTRY.by_name["imu_info"]
 

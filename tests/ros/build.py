@@ -30,9 +30,17 @@ from building import standard_text  # noqa: E402
 
 import generated.messages  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
-from generator.naming import snake_case  # noqa: E402
-from generator.pipeline import compile_table  # noqa: E402
-from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of  # noqa: E402
+from roverlink.generator.ir.ros_names import snake_case  # noqa: E402
+from roverlink.generator.pipeline import compile_table  # noqa: E402
+from roverlink.runtime.core.messages import (  # noqa: E402
+    Array,
+    FieldType,
+    Message,
+    Primitive,
+    Sequence,
+    Text,
+    fields_of,
+)
 
 _WORKSPACE = ROOT / "build" / "ros-package"
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules

@@ -19,8 +19,8 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
-from generator.ir import RosMessage, RosType
-from generator.pipeline import Compiled, compile_table
+from roverlink.generator.ir.model import RosMessage, RosType
+from roverlink.generator.pipeline import Compiled, compile_table
 
 ROOT = Path(__file__).parents[2]
 _CASES = ROOT / "tests" / "generator" / "cases"

@@ -14,11 +14,11 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
-from generator.ir import RosField, RosMessage, RosType
-from generator.pipeline import compile_table
-from generator.type_hashes import type_hashes
-from runtime import standard
-from runtime.cdr import encode
+from roverlink.generator.emit.type_hashes import type_hashes
+from roverlink.generator.ir.model import RosField, RosMessage, RosType
+from roverlink.generator.pipeline import compile_table
+from roverlink.runtime.core.cdr import encode
+from roverlink.runtime.interfaces import from_rosbags
 
 ROOT = Path(__file__).parents[2]
 _TABLES = [ROOT, *sorted(folder.parent for folder in (ROOT / "tests" / "generator" / "cases").glob("*/expected"))]
@@ -51,7 +51,7 @@ def test_what_ros_2_published(name: str, fields: tuple[RosField, ...]) -> None:
 @pytest.mark.parametrize("name", _PUBLISHED)
 def test_standard_messages_have_their_hashes(name: str) -> None:
     """What `roverlink pub --type` publishes says the hash that ROS 2's own nodes say."""
-    message = standard.message_type(name)
+    message = from_rosbags.message_type(name)
     assert message.__typehash__ == _PUBLISHED[name]
     assert encode(message())  # it is no field
 
@@ -63,7 +63,7 @@ def test_an_independent_implementation_agrees(folder: Path) -> None:
     store: Any = get_typestore(Stores.ROS2_JAZZY)
     package = compiled.bridge.package
     for path, text in compiled.files.items():
-        if match := re.fullmatch(rf"generated/ros/{package}/msg/(\w+)\.msg", path):
+        if match := re.fullmatch(rf"{compiled.bridge.folder}/ros/{package}/msg/(\w+)\.msg", path):
             store.register(get_types_from_msg(text, f"{package}/msg/{match[1]}"))
     ours = type_hashes(compiled.bridge)
     assert ours == {name: store.hash_rihs01(f"{package}/msg/{name}") for name in ours}

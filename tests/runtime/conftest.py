@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from generated.registry import REGISTRY
-from runtime import Registry, Translator
+from roverlink.runtime import Registry, Translator
 
 # A loaded machine says nothing about the code: no property has a deadline.
 settings.register_profile("roverlink", deadline=None, suppress_health_check=[HealthCheck.too_slow])

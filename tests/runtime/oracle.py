@@ -10,7 +10,7 @@ import numpy
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from runtime.messages import Array, FieldType, Message, Primitive, Sequence, fields_of
+from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, fields_of
 
 _DTYPES = {"?": "bool", "b": "i1", "B": "u1", "h": "i2", "H": "u2", "i": "i4", "I": "u4", "q": "i8", "Q": "u8"}
 _DTYPES |= {"f": "f4", "d": "f8"}

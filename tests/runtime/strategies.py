@@ -9,7 +9,7 @@ from google.protobuf.descriptor import FieldDescriptor
 from hypothesis import strategies as st
 
 from generated.registry import REGISTRY
-from runtime.messages import UINT8, Array, FieldType, Message, Primitive, Sequence, Text, fields_of
+from roverlink.runtime.core.messages import UINT8, Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor

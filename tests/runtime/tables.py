@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from runtime import Registry
-from runtime.registry import AnyHandler
+from roverlink.runtime import Registry
+from roverlink.runtime.core.registry import AnyHandler
 
 
 def changed(registry: Registry, name: str, **changes: Any) -> Registry:

@@ -8,7 +8,7 @@ from collections import Counter
 
 import pytest
 
-from runtime.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
+from roverlink.runtime.bridge.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
 
 
 class _Clock:

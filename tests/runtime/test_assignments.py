@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from generated.registry import REGISTRY
-from runtime import ConversionError
-from runtime.assignments import payload_from_assignments
+from roverlink.runtime import ConversionError
+from roverlink.runtime.text.assignments import payload_from_assignments
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage

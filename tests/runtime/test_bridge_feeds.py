@@ -16,8 +16,10 @@ import pytest
 from polling import wait_until
 
 from generated.registry import REGISTRY
-from runtime import Bridge, Qos, cdr, parameters
-from runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime import Bridge, Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.node import parameters
 
 _FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
 

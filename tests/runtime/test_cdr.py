@@ -13,8 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import messages
 
-from runtime import ConversionError, cdr, standard
-from runtime.messages import (
+from roverlink.runtime import ConversionError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import (
     Bool,
     Bound,
     Byte,
@@ -33,6 +34,7 @@ from runtime.messages import (
     UInt64,
     fields_of,
 )
+from roverlink.runtime.interfaces import from_rosbags
 
 
 @dataclass(slots=True)
@@ -157,17 +159,17 @@ def test_every_kind_of_field_both_ways(message: Everything) -> None:
 @given(data=st.data())
 def test_standard_messages_both_ways(type_name: str, data: st.DataObject) -> None:
     """Messages of ROS 2's common interfaces, made at run time, are as rosbags has them."""
-    _round_trip(data.draw(messages(standard.message_type(type_name))))
+    _round_trip(data.draw(messages(from_rosbags.message_type(type_name))))
 
 
 def test_every_standard_message_starts_empty() -> None:
     """Each class that can be made at run time has a default for each field, and it is written and read."""
-    names = sorted(standard._store().fielddefs)
+    names = sorted(from_rosbags._store().fielddefs)
     assert len(names) > 100
     for name in names:
         if name.startswith("tests/"):
             continue
-        message_type = standard.message_type(name)
+        message_type = from_rosbags.message_type(name)
         _round_trip(message_type())
 
 
@@ -197,7 +199,7 @@ def test_decoding_any_bytes_raises_nothing_else(body: bytes) -> None:
 def test_a_count_beyond_the_data_is_refused(name: str) -> None:
     """A sequence that claims four billion elements is too short, at once."""
     with pytest.raises(ConversionError, match="too short"):
-        cdr.decode(standard.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
+        cdr.decode(from_rosbags.message_type(name), b"\0\1\0\0" + b"\xff" * 16)
 
 
 @pytest.mark.parametrize("header", ["", "00", "000100", "00020000", "00030000", "00060000", "00070000", "01000000"])
@@ -214,7 +216,7 @@ def test_options_in_the_header_are_ignored() -> None:
 
 def test_an_empty_message_carries_one_byte() -> None:
     """A message without fields has the placeholder that ROS 2's IDL gives it, and needs it to be read."""
-    empty = standard.message_type("std_msgs/msg/Empty")
+    empty = from_rosbags.message_type("std_msgs/msg/Empty")
     assert cdr.encode(empty()) == bytes.fromhex("0001000000")
     assert cdr.decode(empty, bytes.fromhex("0001000000")) == empty()
     with pytest.raises(ConversionError, match="too short"):
@@ -224,12 +226,12 @@ def test_an_empty_message_carries_one_byte() -> None:
 def test_a_string_that_is_not_utf8_is_refused() -> None:
     """A string of other bytes is no text, and is not guessed at."""
     with pytest.raises(ConversionError, match="not UTF-8"):
-        cdr.decode(standard.message_type("std_msgs/msg/String"), bytes.fromhex("00010000 02000000 ff00"))
+        cdr.decode(from_rosbags.message_type("std_msgs/msg/String"), bytes.fromhex("00010000 02000000 ff00"))
 
 
 def test_a_string_without_its_nul_byte_is_empty() -> None:
     """Some writers give an empty string the length 0 in place of an empty one with its NUL."""
-    string = standard.message_type("std_msgs/msg/String")
+    string = from_rosbags.message_type("std_msgs/msg/String")
     assert cdr.decode(string, bytes(1) + b"\1" + bytes(6)) == string()
 
 

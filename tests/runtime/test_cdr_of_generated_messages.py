@@ -13,8 +13,9 @@ from strategies import messages, payloads
 
 from generated import messages as generated_messages
 from generated.registry import REGISTRY
-from runtime import ConversionError, cdr
-from runtime.messages import Message, fields_of
+from roverlink.runtime import ConversionError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Message, fields_of
 
 _HANDLERS = pytest.mark.parametrize("handler", REGISTRY.handlers, ids=lambda handler: handler.route.name)
 _MESSAGE_TYPES: list[type[Message]] = [getattr(generated_messages, name) for name in generated_messages.__all__]

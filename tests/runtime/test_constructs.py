@@ -8,10 +8,10 @@ from google.protobuf.duration_pb2 import Duration
 from google.protobuf.struct_pb2 import Value
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from runtime import oneof
-from runtime.any_of import check_empty, check_none, holds, packed, unpacked
-from runtime.entries import mapping
-from runtime.errors import ConversionError
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.any_of import check_empty, check_none, holds, packed, unpacked
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.core.errors import ConversionError
 
 _MEMBERS = {"number_value": 2, "string_value": 3}
 

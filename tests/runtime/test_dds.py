@@ -17,10 +17,12 @@ import pytest
 from polling import PATIENCE_S, wait_until
 
 from generated.messages import ImuSensorInformation, SensorState
-from runtime import MiddlewareError, Qos, cdr, standard
-from runtime.messages import Message
-from runtime.middleware import Middleware, NodeIdentity, open_middleware
-from runtime.values import message_to_values
+from roverlink.runtime import MiddlewareError, Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import from_rosbags
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.text.values import message_to_values
 
 pytest.importorskip("cyclonedds", reason="Cyclone DDS has no wheel for this machine")
 
@@ -138,7 +140,7 @@ def test_we_read_what_another_program_publishes(join: Open, topic: str) -> None:
 )
 def test_messages_of_every_shape_cross(join: Open, topic: str, type_name: str, values: dict[str, Any]) -> None:
     """Empty messages, strings, sequences, arrays and nested messages cross as well, at sizes of no whole words."""
-    message_type = standard.message_type(type_name)
+    message_type = from_rosbags.message_type(type_name)
     seen = _gathered(join("listener"), topic, message_type)
     publisher = join("talker").publisher(topic, message_type, Qos())
     wait_until(publisher.has_subscribers, "the reader")
@@ -254,8 +256,8 @@ def test_we_are_seen_as_a_node_with_our_endpoints(
 _COME_AND_GO = """
 import sys
 from generated.messages import ImuSensorInformation
-from runtime import Qos
-from runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime import Qos
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 class Owner:
     def __init__(self):
@@ -317,8 +319,8 @@ _ALONE = """
 import os, sys, time
 os.environ.update({environment!r})
 from generated.messages import ImuSensorInformation
-from runtime import MiddlewareError, Qos
-from runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime import MiddlewareError, Qos
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 try:
     with open_middleware("dds", NodeIdentity("alone")) as middleware:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 from polling import PATIENCE_S
 
-from runtime.destination import Destination
+from roverlink.runtime.net.destination import Destination
 
 
 @pytest.fixture

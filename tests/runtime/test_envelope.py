@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from strategies import delimited, envelopes, payload_fields, payloads, unknown_fields, varint
 
 from generated.registry import REGISTRY
-from runtime import Translator, wire_format
-from runtime.envelope import payload_numbers, restore, strip_trailing_zeros
+from roverlink.runtime import Translator
+from roverlink.runtime.core import wire_format
+from roverlink.runtime.core.envelope import payload_numbers, restore, strip_trailing_zeros
 
 _LARGEST_DATAGRAM = 65_507
 _TRANSLATOR = Translator(REGISTRY)

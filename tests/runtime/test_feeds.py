@@ -13,9 +13,10 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from generated.registry import REGISTRY
-from runtime import ConversionError, Translator, cdr
-from runtime.feed import Feed
-from runtime.interfaces import Time
+from roverlink.runtime import ConversionError, Translator
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import Feed
+from roverlink.runtime.interfaces import Time
 
 _FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
 _STORES = [get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)]
@@ -175,7 +176,7 @@ def test_what_has_no_fixed_size_cannot_vary() -> None:
 @given(st.tuples(*[st.floats(-math.pi, math.pi)] * 3))
 def test_angles_come_back_from_their_quaternion(angles: tuple[float, float, float]) -> None:
     """Roll, pitch and yaw make a quaternion of length 1, from which the same rotation is read."""
-    from runtime import rotations
+    from roverlink.runtime.convert import rotations
 
     class Quaternion:
         def __init__(self, x: float, y: float, z: float, w: float) -> None:
@@ -198,6 +199,6 @@ def test_angles_come_back_from_their_quaternion(angles: tuple[float, float, floa
 )
 def test_quaternions_are_those_of_the_books(angles: Any, parts: Any) -> None:
     """Quarter turns, and one about x followed by one about the fixed z."""
-    from runtime import rotations
+    from roverlink.runtime.convert import rotations
 
     assert rotations.quaternion(*angles) == pytest.approx(parts, abs=1e-15)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.files import replacing, write_whole
+from roverlink.runtime.atomic_files import replacing, write_whole
 
 
 def _fail_midway(path: Path) -> None:

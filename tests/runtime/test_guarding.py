@@ -16,10 +16,11 @@ from polling import wait_until
 from tables import changed, of_peers, unguarded
 
 from generated.registry import REGISTRY
-from roverlink.simulation import payload_at
-from runtime import Bridge, Qos, Registry, parameters
-from runtime.handler import Deadman
-from runtime.middleware.memory import Graph, MemoryMiddleware, MemoryPublisher
+from roverlink.runtime import Bridge, Qos, Registry
+from roverlink.runtime.core.handler import Deadman
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware, MemoryPublisher
+from roverlink.runtime.node import parameters
+from roverlink.simulation.payloads import payload_at
 
 _LOGGER = logging.getLogger("test_guarding")
 _PLAIN = unguarded(REGISTRY)
@@ -333,7 +334,7 @@ def test_only_who_may_say_something_is_heard(
     source: str, datagram: bytes, outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A stranger is not, nor is a board that speaks for the basestation; both are counted, and handed on to nobody."""
-    from runtime import mmsg
+    from roverlink.runtime.net import mmsg
 
     monkeypatch.setattr(mmsg, "AVAILABLE", kind == "batch" and mmsg.AVAILABLE)
     with _Rig(_SOURCES) as rig:

@@ -14,9 +14,10 @@ import pytest
 from polling import PATIENCE_S, wait_until
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
-from runtime import MiddlewareError, Qos, cdr
-from runtime.middleware import NodeIdentity, open_middleware
-from runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime import MiddlewareError, Qos
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 
 _NODE = NodeIdentity("udp_forwarder", "/rover")
 
@@ -29,7 +30,7 @@ def absent(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     def make_absent(*names: str) -> None:
         for module in list(sys.modules):
-            own = module.startswith("runtime.middleware.")
+            own = module.startswith("roverlink.runtime.middleware.")
             if own or module.partition(".")[0] in names:
                 monkeypatch.delitem(sys.modules, module)
         for name in names:
@@ -244,12 +245,12 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
     ros = _Ros()
     for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "comms")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "runtime.middleware.rclpy", raising=False)
+    monkeypatch.delitem(sys.modules, "roverlink.runtime.middleware.rclpy", raising=False)
     for name, module in ros.modules().items():
         monkeypatch.setitem(sys.modules, name, module)
     yield ros
     ros.end_spin.set()
-    sys.modules.pop("runtime.middleware.rclpy", None)
+    sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
 
 
 def test_a_node_of_rclpys_is_ours_alone(ros: _Ros) -> None:

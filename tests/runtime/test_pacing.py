@@ -7,7 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.pacing import Pacer
+from roverlink.runtime.bridge.pacing import Pacer
 
 
 def test_the_newest_waits_and_the_others_are_counted() -> None:

@@ -15,10 +15,12 @@ from google.protobuf import descriptor_pb2, descriptor_pool
 
 from generated import checks
 from generated.registry import REGISTRY
-from runtime import Registry, RegistryError, SetupError, load_registry, parameters, schema
+from roverlink.runtime import Registry, RegistryError, SetupError, load_registry
+from roverlink.runtime.core import descriptor_check
+from roverlink.runtime.node import parameters
 
 _REPOSITORY = Path(__file__).parents[2]
-_LOAD = "import sys; from runtime import load_registry; print(len(load_registry(sys.argv[1]).handlers))"
+_LOAD = "import sys; from roverlink.runtime import load_registry; print(len(load_registry(sys.argv[1]).handlers))"
 
 Python = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -28,7 +30,7 @@ def python(tmp_path: Path) -> Python:
     """A fresh interpreter that sees the runtime, and no generated code but a project's."""
     site = tmp_path / "site"
     site.mkdir()
-    (site / "runtime").symlink_to(_REPOSITORY / "runtime")
+    (site / "roverlink").symlink_to(_REPOSITORY / "roverlink")
 
     def run(code: str, *arguments: object) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -55,7 +57,7 @@ def _error(code: str) -> str:
     """A program that prints the registry error that some code raises."""
     return textwrap.dedent(f"""
         import sys
-        from runtime import RegistryError, load_registry
+        from roverlink.runtime import RegistryError, load_registry
         try:
             {code}
         except RegistryError as error:
@@ -110,7 +112,7 @@ def test_a_project_with_half_its_code_is_told(python: Python, project: Path) -> 
         ("REGISTRY = 1", "is no registry"),
         ("REGISTRY = ", "registry.py"),
         ("pass", "REGISTRY"),
-        ("from runtime.handler import Nothing", "Nothing"),
+        ("from roverlink.runtime.core.handler import Nothing", "Nothing"),
         ("from google.protobuf.runtime_version import VersionError; raise VersionError('too old')", "too old"),
     ],
     ids=["no registry", "syntax error", "nothing", "from an older runtime", "from a newer protobuf"],
@@ -167,12 +169,12 @@ _WHOLE = ("1 mode tests.Whole.Mode", "2 parts repeated tests.Part", "3 numbers r
 
 def test_a_message_is_described_by_number_name_and_type() -> None:
     """Fields come in the order of their numbers, in the words of a .proto."""
-    assert schema.describe(descriptor_pool.Default().FindMessageTypeByName("tests.Whole")) == _WHOLE
+    assert descriptor_check.describe(descriptor_pool.Default().FindMessageTypeByName("tests.Whole")) == _WHOLE
 
 
 def test_descriptors_that_agree_pass() -> None:
     """Nothing is raised where what is loaded is what was generated from."""
-    schema.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)}, {})
+    descriptor_check.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)}, {})
     checks.check()
 
 
@@ -191,7 +193,7 @@ def test_descriptors_that_agree_pass() -> None:
 def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str]) -> None:
     """A field more or less, another number, name, label or type: the message, and each difference, are named."""
     with pytest.raises(RegistryError) as caught:
-        schema.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)}, {})
+        descriptor_check.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)}, {})
     for line in expected:
         assert f"tests.Whole: {line}" in str(caught.value)
     assert "tests.Part:" not in str(caught.value)
@@ -202,7 +204,7 @@ def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str])
 def test_a_message_that_is_not_loaded_is_told() -> None:
     """A message that is missing altogether is one line, among those of the others."""
     with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded at all[^$]*tests\.Whole"):
-        schema.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()}, {})
+        descriptor_check.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()}, {})
 
 
 def test_an_enum_that_differs_is_told() -> None:
@@ -210,7 +212,7 @@ def test_an_enum_that_differs_is_told() -> None:
     name = "DrivingBoardDiagnostics.State"
     loaded = checks.ENUMS[name]
     with pytest.raises(RegistryError) as caught:
-        schema.check_descriptors({}, {name: (*loaded[:-1], "9 ELSE"), "tests.NoEnum": ("0 A",)})
+        descriptor_check.check_descriptors({}, {name: (*loaded[:-1], "9 ELSE"), "tests.NoEnum": ("0 A",)})
     assert f"{name}: '9 ELSE' was generated, but is not loaded" in str(caught.value)
     assert f"{name}: {loaded[-1]!r} is loaded, but was not generated" in str(caught.value)
     assert "tests.NoEnum: not loaded at all" in str(caught.value)

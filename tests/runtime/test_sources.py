@@ -7,9 +7,9 @@ import socket
 
 import pytest
 
-from runtime import DatagramError, Reason
-from runtime.registry import Peer
-from runtime.sources import SourceGate, restrict
+from roverlink.runtime import DatagramError, Reason
+from roverlink.runtime.core.registry import Peer
+from roverlink.runtime.net.sources import SourceGate, restrict
 
 _BOARD = Peer("board", "p", 1, sources=("10.0.0.7", "10.0.1.0/24"), source_rate=100)
 _BASE = Peer("base", "q", 2, sources=("10.0.1.9", "192.168.0.0/16"))

@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from strategies import delimited, payloads, varint
 
 from generated.registry import REGISTRY
-from runtime import ConversionError, DatagramError, Reason, Registry, Translator, cdr
-from runtime.interfaces import Time
-from runtime.registry import AnyHandler
+from roverlink.runtime import ConversionError, DatagramError, Reason, Registry, Translator
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.interfaces import Time
 
 _INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
 _OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]

@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 from polling import PATIENCE_S, wait_until
 
-from runtime import SetupError, mmsg, udp
+from roverlink.runtime import SetupError
+from roverlink.runtime.net import mmsg, udp
 
 _LINUX = pytest.mark.skipif(sys.platform != "linux", reason="counted by the Linux kernel only")
 _SIZE = 100

@@ -15,16 +15,18 @@ from strategies import messages
 
 from generated.messages import ArmBoardDiagnostics, BasestationDetectedObject, ImuSensorInformation
 from generated.registry import REGISTRY
-from roverlink.simulation import payload_at
-from runtime import ConversionError, SetupError, cdr, standard
-from runtime.errors import nearest
-from runtime.values import message_from_values, message_to_values, payload_to_values
+from roverlink.runtime import ConversionError, SetupError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import nearest
+from roverlink.runtime.interfaces import from_rosbags
+from roverlink.runtime.text.values import message_from_values, message_to_values, payload_to_values
+from roverlink.simulation.payloads import payload_at
 
 _TYPES = [
     ImuSensorInformation,
     ArmBoardDiagnostics,
     *map(
-        standard.message_type,
+        from_rosbags.message_type,
         ["sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage", "diagnostic_msgs/msg/DiagnosticArray"],
     ),
 ]
@@ -41,7 +43,7 @@ def test_a_message_is_the_same_again_after_plain_values(message_type: Any, data:
 
 def test_fields_that_are_left_out_are_zero() -> None:
     """A message from a part of its values has zeros, empty texts and empty lists in the rest, at every depth."""
-    imu = standard.message_type("sensor_msgs/msg/Imu")
+    imu = from_rosbags.message_type("sensor_msgs/msg/Imu")
     message: Any = message_from_values(imu, {"header": {"stamp": {"sec": 7}}})
     assert message.header.stamp.sec == 7
     assert message.header.frame_id == ""
@@ -85,7 +87,7 @@ def test_values_of_another_kind_are_refused_with_their_path(
 ) -> None:
     """A wrong name or value is a `ConversionError` with the path to it, and the nearest name that there is."""
     with pytest.raises(ConversionError) as caught:
-        message_from_values(standard.message_type(type_name), values)
+        message_from_values(from_rosbags.message_type(type_name), values)
     assert caught.value.field == path
     assert expected in str(caught.value)
 
@@ -123,37 +125,37 @@ def test_the_nearest_name_is_found() -> None:
 @pytest.mark.parametrize("name", ["sensor_msgs/Imu", "sensor_msgs/msg/Imu"])
 def test_a_type_may_be_named_short_or_in_full(name: str) -> None:
     """`pkg/Name` is `pkg/msg/Name`, as everywhere in ROS 2."""
-    assert standard.full_name(name) == "sensor_msgs/msg/Imu"
-    assert standard.message_type(standard.full_name(name)).__msgtype__ == "sensor_msgs/msg/Imu"
+    assert from_rosbags.full_name(name) == "sensor_msgs/msg/Imu"
+    assert from_rosbags.message_type(from_rosbags.full_name(name)).__msgtype__ == "sensor_msgs/msg/Imu"
 
 
 @pytest.mark.parametrize("name", ["Imu", "", "a/b/c/d", "sensor_msgs//Imu", "/Imu", "sensor_msgs/"])
 def test_what_is_no_type_name_is_told(name: str) -> None:
     """A name of another form is quoted, with an example."""
     with pytest.raises(SetupError, match="is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"):
-        standard.full_name(name)
+        from_rosbags.full_name(name)
 
 
 def test_an_unknown_type_leads_to_the_nearest() -> None:
     """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
     with pytest.raises(SetupError, match=r"no standard ROS 2 type 'sensor_msgs/msg/Imus'; did you mean .*/Imu\?"):
-        standard.message_type("sensor_msgs/msg/Imus")
+        from_rosbags.message_type("sensor_msgs/msg/Imus")
 
 
 def test_without_rosbags_standard_types_say_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     """The definitions come with an optional package, which is named where it is missing."""
     import sys
 
-    standard._store.cache_clear()
-    standard.message_type.cache_clear()
+    from_rosbags._store.cache_clear()
+    from_rosbags.message_type.cache_clear()
     for name in [name for name in sys.modules if name.partition(".")[0] == "rosbags"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "rosbags", None)
     try:
         with pytest.raises(SetupError, match=r"pip install 'roverlink\[standard\]'"):
-            standard.message_type("std_msgs/msg/String")
+            from_rosbags.message_type("std_msgs/msg/String")
     finally:
-        standard._store.cache_clear()
+        from_rosbags._store.cache_clear()
 
 
 def test_a_detected_object_names_its_constants() -> None:

@@ -7,7 +7,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.watchdog import Watchdog
+from roverlink.runtime.bridge.watchdog import Watchdog
 
 
 def _due(watchdog: Watchdog, *times: float) -> list[float]:

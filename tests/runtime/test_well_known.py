@@ -13,9 +13,9 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.errors import ConversionError
-from runtime.interfaces import Duration, Time
-from runtime.well_known import duration, json_list, json_struct, json_value, timestamp
+from roverlink.runtime.convert.well_known import duration, json_list, json_struct, json_value, timestamp
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.interfaces import Duration, Time
 
 _INT32 = st.integers(-(2**31), 2**31 - 1)
 _JSON_TEXTS = [

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration import CharucoBoard
+from roverlink.vision.calibration import CharucoBoard
 
 BOARD = CharucoBoard()
 SIZE = (640, 480)

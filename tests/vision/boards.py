@@ -7,8 +7,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from vision import CameraParameters
-from vision.calibration import CharucoBoard, View
+from roverlink.vision import CameraParameters
+from roverlink.vision.calibration import CharucoBoard, View
 
 BOARD = CharucoBoard()
 SIZE = (1280, 720)

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from vision import Pose, Sighting, TargetId
-from vision.markers import square
-from vision.pnp import Corners, solve, square_poses
-from vision.pose import predict, rotation_of
+from roverlink.vision import Pose, Sighting, TargetId
+from roverlink.vision.markers.marker_set import square
+from roverlink.vision.poses.pnp import Corners, solve, square_poses
+from roverlink.vision.poses.pose import predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
 NOISE = 2e-5

@@ -9,8 +9,8 @@ from bench.vision import nothing
 from bench.vision.accuracy import OURS, Accuracy, measure_size, nees_band
 from bench.vision.contestants import camera_of
 from bench.vision.scenes import lens
-from vision import MarkerSet, Tracker
-from vision.rendering import render, texture
+from roverlink.vision import MarkerSet, Tracker
+from roverlink.vision.images.rendering import render, texture
 
 GOALS = {24: (95, 0.3, 1.5, 0.7, np.inf), 48: (99, 0.08, 0.25, 0.12, 0.6), 96: (99, 0.04, 0.10, 0.06, 0.25)}
 """By side in pixels: detected %, translation median and p95 in %, rotation median and p95 in degrees."""

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.errors import SetupError
-from vision import MarkerSet
-from vision.boards import read_boards
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import MarkerSet
+from roverlink.vision.markers.boards import read_boards
 
 _GATE = """\
 boards:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.errors import SetupError
-from vision import CameraParameters
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import CameraParameters
 
 MATRIX = np.array([[1163.3, 0, 941.6], [0, 1168.5, 618.5], [0, 0, 1.0]])
 ROVER = (0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651)

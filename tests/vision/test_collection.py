@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from roverlink.vision.calibration import Collection, Offer
+from roverlink.vision.calibration.coverage import CELLS
 from tests.vision.board_frames import BOARD, PLACES, frame, frames
-from vision.calibration import Collection, Offer
-from vision.calibration.coverage import CELLS
 
 FRAME_NS = 33_000_000
 MIDDLE = (0.5, 0.5)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bench.vision.scenes import Scene, scenes
-from vision.detection import Detection, Detector, Image, Region
-from vision.markers import MarkerSet
+from roverlink.vision.markers.detection import Detection, Detector, Image, Region
+from roverlink.vision.markers.marker_set import MarkerSet
 
 MARKERS = MarkerSet()
 

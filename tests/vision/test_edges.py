@@ -10,9 +10,9 @@ import pytest
 
 from bench.vision.contestants import camera_of
 from bench.vision.scenes import DICTIONARY, SIDE, Scene, corner_points, lens, project, random_pose, scenes
-from vision.edges import Fit, Guess, fit_edges
-from vision.markers import MarkerSet
-from vision.rendering import Floats, marker_print, render, texels_for
+from roverlink.vision.images.rendering import Floats, marker_print, render, texels_for
+from roverlink.vision.markers.edges import Fit, Guess, fit_edges
+from roverlink.vision.markers.marker_set import MarkerSet
 
 LENS = lens()
 CAMERA, MARKERS = camera_of(LENS), MarkerSet()

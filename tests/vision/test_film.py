@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import CameraParameters, FieldPose, Pose
+from roverlink.vision.frames import open_source, play
+from roverlink.vision.images.drawing import REJECTED, SEEN, draw
+from roverlink.vision.images.film import Film
 from tests.vision.seen import FACING, sighting
-from vision import CameraParameters, FieldPose, Pose
-from vision.drawing import REJECTED, SEEN, draw
-from vision.film import Film
-from vision.sources import open_source, play
 
 MS = 1_000_000
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vision.flips import Flips
-from vision.pnp import Solution
-from vision.pose import Pose, rotation_of
+from roverlink.vision.markers.flips import Flips
+from roverlink.vision.poses.pnp import Solution
+from roverlink.vision.poses.pose import Pose, rotation_of
 
 FRAME = 33_000_000
 NAMES = ("left", "right")

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.frames import open_source
 from tests.vision.webcam import PATIENCE_S, Webcam
-from vision.sources import open_source
 
 SIZE = (96, 64)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.errors import SetupError
-from vision import Landmarks, read_landmarks
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import Landmarks, read_landmarks
 
 EXAMPLE = """
 frame: arena

@@ -15,13 +15,13 @@ import cv2
 import numpy as np
 import pytest
 
-from runtime.errors import SetupError
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import Pose
+from roverlink.vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
+from roverlink.vision.calibration.page.live_calibration import LiveCalibration
+from roverlink.vision.calibration.page.server import PageServer
 from tests.vision.board_frames import frame
 from tests.vision.boards import CAMERA
-from vision import Pose
-from vision.calibration import Calibration, CharucoBoard, Collection, Fitted, Model, PoorViewsError, View
-from vision.calibration.page.live import LiveCalibration
-from vision.calibration.page.server import PageServer
 
 BOARD = CharucoBoard(7, 5, 0.038, 0.028)
 FRAME_NS = 33_000_000

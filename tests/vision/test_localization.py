@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from roverlink.vision import Landmark, Landmarks, Pose, TargetId, localize
+from roverlink.vision.poses.pose import rotation_of
 from tests.vision.seen import camera_on_field, view, wall
-from vision import Landmark, Landmarks, Pose, TargetId, localize
-from vision.pose import rotation_of
 
 EXACT = (1e-4, 1e-4)
 """Metres and radians to which the landmarks are known."""

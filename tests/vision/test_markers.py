@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from runtime.errors import SetupError
-from vision import Board, MarkerSet
-from vision.markers import square
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import Board, MarkerSet
+from roverlink.vision.markers.marker_set import square
 
 SHIFTED = square(0.1) + np.array([0.2, 0, 0])
 

@@ -13,12 +13,14 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
-from runtime import cdr, interfaces
-from runtime.messages import Array, Message, Primitive, Sequence, Text, fields_of
+from roverlink.runtime import interfaces
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence, Text, fields_of
+from roverlink.vision import CameraParameters, FieldPose, Pose, Sighting
+from roverlink.vision.poses.pose import quaternion_of, rotation_of
+from roverlink.vision.ros import sighting_messages
+from roverlink.vision.ros.sighting_messages import FrameNames
 from tests.vision.seen import FACING, sighting
-from vision import CameraParameters, FieldPose, Pose, Sighting, messages
-from vision.messages import FrameNames
-from vision.pose import quaternion_of, rotation_of
 
 _STAMP = 1_700_000_000_123_456_789
 _NAMES = FrameNames("eye", "mark_")
@@ -44,7 +46,8 @@ def _store() -> Any:
 
 STORE = _store()
 _PACKAGES = [
-    importlib.import_module(f"runtime.interfaces.{one.name}") for one in pkgutil.iter_modules(interfaces.__path__)
+    importlib.import_module(f"roverlink.runtime.interfaces.{one.name}")
+    for one in pkgutil.iter_modules(interfaces.__path__)
 ]
 OURS = [
     one
@@ -96,7 +99,7 @@ def test_a_transform_takes_the_markers_points_to_the_camera() -> None:
     """Frames and stamp are said; the quaternion, as tf2 applies it, is the rotation."""
     rotation = rotation_of(np.array([0.3, -0.8, 0.2])) @ FACING
     one = _seen(rotation)
-    (transform,) = _read(messages.transforms_of([one], _NAMES)).transforms
+    (transform,) = _read(sighting_messages.transforms_of([one], _NAMES)).transforms
     assert (transform.header.frame_id, transform.child_frame_id) == ("eye", "mark_7")
     assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == _STAMP
     t, q = transform.transform.translation, transform.transform.rotation
@@ -125,7 +128,7 @@ def test_quaternions_of_all_turns(angle: float, axis: tuple[float, float, float]
 def test_a_pose_has_its_covariance_row_by_row() -> None:
     """In the order x y z rotX rotY rotZ of ROS 2."""
     one = _seen()
-    message = _read(messages.marker_pose_of(one, _NAMES))
+    message = _read(sighting_messages.marker_pose_of(one, _NAMES))
     assert message.header.frame_id == "eye"
     assert np.reshape(message.pose.covariance, (6, 6)).tolist() == one.covariance.tolist()
 
@@ -133,7 +136,7 @@ def test_a_pose_has_its_covariance_row_by_row() -> None:
 def test_the_cameras_pose_is_in_the_frame_of_the_field() -> None:
     """Stamp, frame and numbers are those of the place."""
     place = FieldPose("mars_yard", Pose(np.eye(3), np.array([1.0, 2.0, 3.0])), np.diag(np.arange(6.0)), (7,), ())
-    message = _read(messages.camera_pose_of(place, _STAMP))
+    message = _read(sighting_messages.camera_pose_of(place, _STAMP))
     position = message.pose.pose.position
     assert (message.header.frame_id, message.header.stamp.nanosec) == ("mars_yard", 123_456_789)
     assert [position.x, position.y, position.z] == [1, 2, 3]
@@ -143,7 +146,7 @@ def test_the_cameras_pose_is_in_the_frame_of_the_field() -> None:
 def test_a_detection_has_both_poses_and_a_box() -> None:
     """The pose that was decided for comes first; scores are what the frame alone says, and sum to 1."""
     one = _seen(rotation_of(np.array([0.5, 0, 0])) @ FACING)
-    message = _read(messages.detections_of([one], _STAMP, _NAMES))
+    message = _read(sighting_messages.detections_of([one], _STAMP, _NAMES))
     (detection,) = message.detections
     chosen, other = detection.results
     assert (detection.id, chosen.hypothesis.class_id) == ("mark_7", "7")
@@ -166,7 +169,7 @@ def test_the_camera_info_is_of_images_that_nobody_rectified(
     """K, D, R and P as REP-104 and image_pipeline read them."""
     matrix = np.array([[900.0, 0, 640], [0, 910, 360], [0, 0, 1]])
     camera = CameraParameters(matrix, np.array(distortion), (1280, 720), fisheye)
-    info = _read(messages.camera_info_of(camera, (1280, 720), _STAMP, _NAMES))
+    info = _read(sighting_messages.camera_info_of(camera, (1280, 720), _STAMP, _NAMES))
     assert (info.width, info.height, info.distortion_model, info.header.frame_id) == (1280, 720, model, "eye")
     assert info.d.tolist() == list(distortion)
     assert info.k.tolist() == matrix.ravel().tolist()
@@ -177,7 +180,7 @@ def test_the_camera_info_is_of_images_that_nobody_rectified(
 def test_an_image_is_a_jpeg() -> None:
     """Whoever decodes it sees what was compressed."""
     image = cv2.GaussianBlur(np.random.default_rng(3).integers(0, 256, (90, 120, 3), np.uint8), (0, 0), 5)
-    message = _read(messages.compressed_of(image, _STAMP, _NAMES))
+    message = _read(sighting_messages.compressed_of(image, _STAMP, _NAMES))
     decoded = cv2.imdecode(message.data, cv2.IMREAD_COLOR)
     assert message.format == "jpeg"
     assert np.abs(decoded.astype(int) - image).mean() < 2

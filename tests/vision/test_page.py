@@ -9,13 +9,13 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from bench.vision.browser import Visitor
+from roverlink.vision.calibration import CharucoBoard, Collection, calibrate
+from roverlink.vision.calibration.page.live_calibration import LiveCalibration
+from roverlink.vision.calibration.page.server import PageServer
+from roverlink.vision.calibration.report import report
 from tests.vision.boards import BOARD, CAMERA, views
 from tests.vision.browsing import visiting
 from tests.vision.test_live_calibration import LEFT, NEAR, TILTED
-from vision.calibration import CharucoBoard, Collection, calibrate
-from vision.calibration.page.live import LiveCalibration
-from vision.calibration.page.server import PageServer
-from vision.calibration.report import report
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from runtime.errors import SetupError
-from vision.calibration.page.server import PageServer
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.calibration.page.server import PageServer
 
 PATIENCE_S = 30.0
 

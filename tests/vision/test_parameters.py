@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
-from runtime.errors import SetupError
-from vision import CameraParameters, read_parameters, write_parameters
-from vision.parameters import model_name
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import CameraParameters, read_parameters, write_parameters
+from roverlink.vision.camera.parameters_file import model_name
 
 MATRIX = np.array([[1163.311, 0, 941.628], [0, 1168.458, 618.535], [0, 0, 1.0]])
 ROVER = (0.100096, -0.256227, 0.00111085, 2.69882e-07, 0.203651)

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from vision.markers import square
-from vision.pnp import Corners, Solution, chi2_limit, doubted, solve, square_poses
-from vision.pose import Pose, predict, rotation_of
+from roverlink.vision.markers.marker_set import square
+from roverlink.vision.poses.pnp import Corners, Solution, chi2_limit, doubted, solve, square_poses
+from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FACING = np.diag([1.0, -1.0, -1.0])
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)

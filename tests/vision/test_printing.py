@@ -10,12 +10,12 @@ import pypdfium2
 import pytest
 from numpy.typing import NDArray
 
-from runtime.errors import SetupError
-from vision import MarkerSet
-from vision.calibration import BoardDetector, CharucoBoard
-from vision.printing import PAPERS, board_sheet, marker_sheets, to_pdf, to_png
-from vision.printing.layout import RULER
-from vision.printing.sheet import Label, Sheet
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import MarkerSet
+from roverlink.vision.calibration import BoardDetector, CharucoBoard
+from roverlink.vision.printing import PAPERS, board_sheet, marker_sheets, to_pdf, to_png
+from roverlink.vision.printing.sheet import Label, Sheet
+from roverlink.vision.printing.sheet_layout import RULER
 
 SCALE = 8000
 """Pixels a metre."""

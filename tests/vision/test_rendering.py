@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.vision.scenes import lens, random_pose
-from vision.rendering import Pose, Print, project, render
+from roverlink.vision.images.rendering import Pose, Print, project, render
 
 CAMERA = lens()
 

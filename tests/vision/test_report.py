@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from roverlink.vision.calibration import Calibration, calibrate
+from roverlink.vision.calibration.pictures import round_down
+from roverlink.vision.calibration.report import parameters, report
 from tests.vision.boards import BOARD, CAMERA, NOISE, views
-from vision.calibration import Calibration, calibrate
-from vision.calibration.pictures import round_down
-from vision.calibration.report import parameters, report
 
 VERSIONS = {"roverlink": "1.2.3", "OpenCV": "5.0.0"}
 START_NS = 1_700_000_000_000_000_000  # 2023-11-14 22:13:20

@@ -8,9 +8,10 @@ import numpy as np
 
 from generated.messages import BasestationRoverLocalization, DrivingBoardMotorMessage
 from generated.registry import REGISTRY
-from runtime import Registry, cdr
-from runtime.middleware import NodeIdentity, open_middleware
-from vision.rover_position import ROW, position_publisher
+from roverlink.runtime import Registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.vision.ros.rover_position import ROW, position_publisher
 
 _POSITION = np.array([1.5, -2.0, 0.25])
 

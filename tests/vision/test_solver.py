@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from bench.vision.calibration import projection_differences
+from roverlink.vision import CameraParameters
+from roverlink.vision.calibration import Model, PoorViewsError, calibrate
+from roverlink.vision.calibration.adjustment import by_parameters, moved_camera
+from roverlink.vision.images.rendering import Lens
 from tests.vision.boards import BOARD, CAMERA, FISHEYE, NOISE, RATIONAL, SIZE, part, views
-from vision import CameraParameters
-from vision.calibration import Model, PoorViewsError, calibrate
-from vision.calibration.adjustment import by_parameters, moved_camera
-from vision.rendering import Lens
 
 MODELS = {Model.PLUMB_BOB: CAMERA, Model.RATIONAL: RATIONAL, Model.EQUIDISTANT: FISHEYE}
 LENS = Lens(CAMERA.matrix, tuple(CAMERA.distortion.tolist()), SIZE)

@@ -11,12 +11,12 @@ import pytest
 from bench.vision.accuracy import miss_of
 from bench.vision.contestants import Estimate, camera_of
 from bench.vision.scenes import DICTIONARY, SIDE, DriveFrame, drive, lens
-from runtime.errors import SetupError
-from vision import Board, MarkerSet, Sighting, Tracker
-from vision.markers import square
-from vision.pose import Pose, rotation_of
-from vision.rendering import Pose as TruePose
-from vision.rendering import marker_print, render
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision import Board, MarkerSet, Sighting, Tracker
+from roverlink.vision.images.rendering import Pose as TruePose
+from roverlink.vision.images.rendering import marker_print, render
+from roverlink.vision.markers.marker_set import square
+from roverlink.vision.poses.pose import Pose, rotation_of
 
 SIZE = (640, 480)
 LENS = lens(*SIZE)

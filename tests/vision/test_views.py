@@ -11,10 +11,10 @@ import pytest
 
 from bench.vision.boards import BOARD, board_print, true_corners
 from bench.vision.scenes import lens
+from roverlink.vision.calibration import BoardDetector, CharucoBoard, View
+from roverlink.vision.calibration.views import OFFSET
+from roverlink.vision.images.rendering import Grey, Pose, render, texture
 from tests.vision.board_frames import frame
-from vision.calibration import BoardDetector, CharucoBoard, View
-from vision.calibration.views import OFFSET
-from vision.rendering import Grey, Pose, render, texture
 
 CAMERA = lens()
 POSE = Pose(cv2.Rodrigues(np.array([0.5, -0.3, 0.1]))[0] @ np.diag([1.0, -1, -1]), np.array([0.01, -0.005, 0.55]))

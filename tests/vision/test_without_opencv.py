@@ -16,8 +16,8 @@ def test_what_is_missing_is_a_setup_error_with_its_cure(missing: str) -> None:
     """Importing the package names the extra that installs what it needs."""
     program = (
         f"import sys; sys.modules[{missing!r}] = None\n"
-        "from runtime.errors import SetupError\n"
-        "try:\n    import vision\nexcept SetupError as error:\n    print(error)\n"
+        "from roverlink.runtime.core.errors import SetupError\n"
+        "try:\n    import roverlink.vision\nexcept SetupError as error:\n    print(error)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert "pip install 'roverlink[vision]'" in done.stdout
@@ -28,30 +28,38 @@ def test_an_old_opencv_is_told_so() -> None:
     program = (
         "import sys, types; old = types.ModuleType('cv2'); old.__version__ = '4.8.1'\n"
         "old.aruco = types.SimpleNamespace(ArucoDetector=None); sys.modules['cv2'] = old\n"
-        "from runtime.errors import SetupError\n"
-        "try:\n    import vision\nexcept SetupError as error:\n    print(error)\n"
+        "from roverlink.runtime.core.errors import SetupError\n"
+        "try:\n    import roverlink.vision\nexcept SetupError as error:\n    print(error)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert "4.8.1 is installed" in done.stdout
 
 
-@pytest.mark.parametrize(("words", "code"), [(["aruco", "track", "0"], 2), (["aruco", "track", "--help"], 0)])
-def test_commands_say_what_they_need(words: list[str], code: int) -> None:
-    """A camera command names the extra, with exit code 2; its help is there all the same."""
-    program = f"import sys; sys.modules['cv2'] = None\nfrom roverlink.__main__ import main\nsys.exit(main({words}))\n"
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == code
-    assert "pip install 'roverlink[vision]'" in done.stderr if code else "usage: roverlink aruco track" in done.stdout
-    assert "Traceback" not in done.stderr
+@pytest.mark.parametrize("missing", ["cv2", "numpy"])
+@pytest.mark.parametrize("command", ["track 0", "calibrate 0", "board --out board.pdf"])
+def test_commands_say_what_they_need(command: str, missing: str, tmp_path: Path) -> None:
+    """A camera command names the extra that it needs, with exit code 2; its help is there all the same."""
+    told = _main(["aruco", *command.split()], missing, tmp_path)
+    assert told.returncode == 2
+    assert len(told.stderr.splitlines()) == 1
+    assert "pip install 'roverlink[vision]'" in told.stderr
+    helped = _main(["aruco", command.split()[0], "--help"], missing, tmp_path)
+    assert (helped.returncode, helped.stderr) == (0, "")
+    assert "usage: roverlink aruco" in helped.stdout
 
 
-def test_the_demo_does_without_a_camera() -> None:
-    """It shows the rest, and says how to get the camera."""
+def _main(words: list[str], missing: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a Python that lacks a package."""
     program = (
-        "import sys; sys.modules['cv2'] = None\nfrom roverlink.__main__ import main\n"
-        "sys.exit(main(['demo', '--seconds', '1', '--middleware', 'memory']))\n"
+        f"import sys; sys.modules[{missing!r}] = None\nfrom roverlink.__main__ import main\nsys.exit(main({words}))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    return subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("missing", ["cv2", "numpy"])
+def test_the_demo_does_without_a_camera(missing: str) -> None:
+    """It shows the rest, and says how to get the camera."""
+    done = _main(["demo", "--seconds", "1", "--middleware", "memory"], missing, ROOT)
     assert done.returncode == 0, done.stderr
     assert "without a camera: " in done.stdout
     assert "pip install 'roverlink[vision]'" in done.stdout

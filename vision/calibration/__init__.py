@@ -4,12 +4,12 @@ A `Collection` takes views of a `CharucoBoard` from frames and knows what is mis
 of them: the camera, standard deviations, what became of each view, and how uncertain each part of the image is.
 """
 
-from vision.calibration.board import CharucoBoard
-from vision.calibration.collection import Collection, Offer
-from vision.calibration.coverage import Coverage, Need
-from vision.calibration.solution import Calibration, Fitted, Model, PoorViewsError
-from vision.calibration.solver import calibrate
-from vision.calibration.views import BoardDetector, View
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.collection import Collection, Offer
+from roverlink.vision.calibration.coverage import Coverage, Need
+from roverlink.vision.calibration.solution import Calibration, Fitted, Model, PoorViewsError
+from roverlink.vision.calibration.solver import calibrate
+from roverlink.vision.calibration.views import BoardDetector, View
 
 __all__ = [
     "BoardDetector",

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.camera import CameraParameters, Floats
-from vision.pose import Pose, predict
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.poses.pose import Pose, predict
 
 CONVERGED = 1e-10
 _STEPS = 100

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from runtime.errors import SetupError, nearest
-from vision._opencv import cv2
-from vision.camera import Floats
+from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.opencv import cv2
 
 COLUMNS, ROWS = 11, 8
 """Squares; at `SQUARE` a board that fits on A4 across."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vision.calibration.board import CharucoBoard
-from vision.calibration.coverage import Coverage, Need, Traits, traits
-from vision.calibration.start import rough_camera, rough_pose
-from vision.calibration.views import BoardDetector, View
-from vision.camera import CameraParameters
-from vision.detection import Image
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.coverage import Coverage, Need, Traits, traits
+from roverlink.vision.calibration.start import rough_camera, rough_pose
+from roverlink.vision.calibration.views import BoardDetector, View
+from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.markers.detection import Image
 
 VIEWS = 20
 """Views after which a collection may be complete."""

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration.views import View
-from vision.camera import Floats
-from vision.pose import Pose
+from roverlink.vision.calibration.views import View
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.poses.pose import Pose
 
 CELLS = (6, 4)
 """Columns and rows of the parts of the image."""

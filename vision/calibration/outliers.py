@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration.adjustment import Estimate
-from vision.calibration.board import CharucoBoard
-from vision.calibration.start import residuals
-from vision.calibration.views import FEWEST_CORNERS, View
-from vision.camera import Floats
+from roverlink.vision.calibration.adjustment import Estimate
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.start import residuals
+from roverlink.vision.calibration.views import FEWEST_CORNERS, View
+from roverlink.vision.camera.camera_model import Floats
 
 OUTLIER = 3.5
 """Corners whose residuals are longer than so many standard deviations of a coordinate are left out."""

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision._opencv import cv2
-from vision.calibration.solution import Calibration
-from vision.camera import Floats
+from roverlink.vision.calibration.solution import Calibration
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.opencv import cv2
 
 BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Pixels between the classes of the uncertainty: fixed, so that reports can be compared."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from vision.calibration.board import CharucoBoard
-from vision.calibration.coverage import CELLS, Coverage, traits
-from vision.calibration.solution import Fitted, PoorViewsError
-from vision.calibration.views import View
-from vision.camera import CameraParameters
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.coverage import CELLS, Coverage, traits
+from roverlink.vision.calibration.solution import Fitted, PoorViewsError
+from roverlink.vision.calibration.views import View
+from roverlink.vision.camera.camera_model import CameraParameters
 
 FEWEST_VIEWS = 10
 FEWEST_CELLS = 0.6

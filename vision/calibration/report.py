@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from runtime.files import write_whole
-from vision.calibration import pictures
-from vision.calibration.board import CharucoBoard
-from vision.calibration.coverage import Coverage, traits
-from vision.calibration.solution import Calibration, Fitted
+from roverlink.runtime.atomic_files import write_whole
+from roverlink.vision.calibration import pictures
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.coverage import Coverage, traits
+from roverlink.vision.calibration.solution import Calibration, Fitted
 
 _TEMPLATES = Path(__file__).parents[2] / "templates"
 _TEMPLATE = "calibration.html.j2"

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.camera import Floats
-from vision.detection import Image
-from vision.pattern import look, make_pattern
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.pattern import look, make_pattern
 
 RADIUS = 7
 """Pixels to each side of a corner that are looked at: so near, a lens does not bend an edge."""

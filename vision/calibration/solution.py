@@ -9,11 +9,11 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.errors import RoverlinkError
-from vision.calibration.adjustment import by_parameters
-from vision.calibration.views import View
-from vision.camera import CameraParameters, Floats
-from vision.pose import Pose, predict
+from roverlink.runtime.core.errors import RoverlinkError
+from roverlink.vision.calibration.adjustment import by_parameters
+from roverlink.vision.calibration.views import View
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.poses.pose import Pose, predict
 
 
 class Model(str, Enum):

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from vision.calibration.adjustment import Estimate, Observation, adjust, information, linearise
-from vision.calibration.board import CharucoBoard
-from vision.calibration.outliers import Choice, choose, measure
-from vision.calibration.refusal import check_count, check_coverage, check_sizes
-from vision.calibration.solution import COEFFICIENTS, Calibration, Fitted, Model
-from vision.calibration.start import residuals, rough_camera, rough_pose
-from vision.calibration.views import View
-from vision.camera import Floats
-from vision.pose import Pose
+from roverlink.vision.calibration.adjustment import Estimate, Observation, adjust, information, linearise
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.outliers import Choice, choose, measure
+from roverlink.vision.calibration.refusal import check_count, check_coverage, check_sizes
+from roverlink.vision.calibration.solution import COEFFICIENTS, Calibration, Fitted, Model
+from roverlink.vision.calibration.start import residuals, rough_camera, rough_pose
+from roverlink.vision.calibration.views import View
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.poses.pose import Pose
 
 _ROUNDS = 10
 _ROBUST_PASSES = 5

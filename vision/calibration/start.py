@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vision._opencv import cv2
-from vision.calibration.board import CharucoBoard
-from vision.calibration.views import FEWEST_CORNERS, View
-from vision.camera import CameraParameters, Floats
-from vision.pose import Pose, predict, rotation_of
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.views import FEWEST_CORNERS, View
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.opencv import cv2
+from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FOCALS = np.geomspace(0.4, 4.0, 13)
 """Focal lengths to try, in widths of the image: fields of view from 103 to 14 degrees."""

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vision._opencv import cv2
-from vision.calibration.board import CharucoBoard
-from vision.calibration.saddles import Sites, find_saddles
-from vision.camera import Floats
-from vision.detection import CELL, Image, to_grey
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.calibration.saddles import Sites, find_saddles
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.markers.detection import CELL, Image, to_grey
+from roverlink.vision.opencv import cv2
 
 FEWEST_CORNERS = 8
 """A view with fewer corners says little, and hides what is wrong with it."""

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vision.calibration.solution import Calibration
-from vision.parameters import Fact, write_parameters
+from roverlink.vision.calibration.solution import Calibration
+from roverlink.vision.camera.parameters_file import Fact, write_parameters
 
 
 def write_calibration(path: Path, calibration: Calibration) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from vision.printing.sheet import Sheet
+from roverlink.vision.printing.sheet import Sheet
 
 _POINTS = 72 / 0.0254
 """A metre in the units of PDF."""

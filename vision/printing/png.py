@@ -7,9 +7,9 @@ import zlib
 
 import numpy as np
 
-from runtime.errors import SetupError
-from vision._opencv import cv2
-from vision.printing.sheet import Sheet
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.opencv import cv2
+from roverlink.vision.printing.sheet import Sheet
 
 _INCH = 0.0254
 _HEADER = 8 + 25

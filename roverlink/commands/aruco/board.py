@@ -7,13 +7,13 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink.board_options import add_board, board_of, metres
+from roverlink.aruco.board_options import add_board, board_of, metres
 from roverlink.console import OK, Subparsers, command, counted
-from runtime.errors import SetupError
-from runtime.files import write_whole
+from roverlink.runtime.atomic_files import write_whole
+from roverlink.runtime.core.errors import SetupError
 
 if TYPE_CHECKING:
-    from vision.printing import Sheet
+    from roverlink.vision.printing import Sheet
 
 _PAPERS = ("A0", "A1", "A2", "A3", "A4", "letter", "tabloid")
 _FORMATS = (".pdf", ".png")
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out or Path("markers.pdf" if arguments.markers else "charuco_board.pdf")
     if out.suffix.lower() not in _FORMATS:
         raise SetupError(f"{out}: a sheet is written as {' or '.join(_FORMATS)}")
-    from vision import printing  # only here, so that the help needs no OpenCV
+    from roverlink.vision import printing  # only here, so that the help needs no OpenCV
 
     sheets = _sheets(arguments)
     if out.suffix.lower() == ".pdf":
@@ -70,8 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _sheets(arguments: argparse.Namespace) -> list[Sheet]:
-    from vision.markers import MarkerSet
-    from vision.printing import board_sheet, marker_sheets
+    from roverlink.vision.markers.marker_set import MarkerSet
+    from roverlink.vision.printing import board_sheet, marker_sheets
 
     if arguments.markers:
         sides = dict.fromkeys(arguments.markers, arguments.side)

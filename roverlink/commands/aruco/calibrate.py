@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverlink.board_options import add_board
-from roverlink.camera_source import PARAMETERS, add_source
+from roverlink.aruco.board_options import add_board
+from roverlink.aruco.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, command, count, port
 
 _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
@@ -63,6 +63,6 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate; exit code 1 where the views do not determine the camera."""
-    from roverlink.calibration import calibrate  # only here, so that the help needs no OpenCV
+    from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
     return calibrate(arguments)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverlink.board_options import metres
-from roverlink.camera_source import PARAMETERS, add_source
+from roverlink.aruco.board_options import metres
+from roverlink.aruco.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_project, command, count, node_logger
-from runtime import ros_args
-from runtime.errors import SetupError
-from runtime.middleware import NAMES
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import NAMES
+from roverlink.runtime.node import ros_args
 
 NODE = "aruco_tracker"
 NO_MIDDLEWARE = "none"
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.middleware = "auto"
     elif arguments.middleware == NO_MIDDLEWARE:
         arguments.middleware = None
-    from roverlink.tracking import track  # only here, so that the help needs no OpenCV
+    from roverlink.aruco.tracking import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
 

@@ -13,9 +13,9 @@ import grpc_tools
 from google.protobuf.descriptor_pb2 import Edition, FileDescriptorProto, FileDescriptorSet
 from grpc_tools import protoc
 
-from generator.declarations import File, resolve_type
-from generator.descriptors import schema_of
-from generator.protos import Declared, ProtoEnum, ProtoField, ProtoMessage
+from roverlink.generator.protos.descriptors import schema_of
+from roverlink.generator.protos.parser import File, resolve_type
+from roverlink.generator.protos.schema import Declared, ProtoEnum, ProtoField, ProtoMessage
 
 WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rosbags.typesys import Stores, get_typestore
 
-from generator.ir import Bridge
+from roverlink.generator.ir.model import Bridge
 
 _HERE = Path(__file__).parent
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules

@@ -13,9 +13,10 @@ from google.protobuf.message import Message as Payload
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from runtime import ConversionError, Registry, cdr
-from runtime.interfaces import Time
-from runtime.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
+from roverlink.runtime import ConversionError, Registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
+from roverlink.runtime.interfaces import Time
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "generator"))
 from random_payloads import Payloads

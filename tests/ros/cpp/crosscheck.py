@@ -12,11 +12,11 @@ from pathlib import Path
 from building import build
 from comparing import Speaker, compare
 
-from generator.ir import Bridge, ConversionKind
-from generator.pipeline import compile_table
-from generator.write import compare as changes
-from generator.write import write
-from runtime import load_registry
+from roverlink.generator.emit.writer import compare as changes
+from roverlink.generator.emit.writer import write
+from roverlink.generator.ir.model import Bridge, ConversionKind
+from roverlink.generator.pipeline import compile_table
+from roverlink.runtime import load_registry
 
 
 def check(table: Path) -> None:

@@ -16,8 +16,8 @@ _HERE = Path(__file__).parent
 ROOT = _HERE.parents[2]
 sys.path.insert(0, str(_HERE))
 
-from generator.ir import Bridge  # noqa: E402
-from generator.pipeline import compile_table  # noqa: E402
+from roverlink.generator.ir.model import Bridge  # noqa: E402
+from roverlink.generator.pipeline import compile_table  # noqa: E402
 
 _EXAMPLES = re.compile(r"^```cpp\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _NODE = """

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs, urlsplit
 
-from runtime.errors import RoverlinkError
-from runtime.http_server import HttpServer
+from roverlink.runtime.core.errors import RoverlinkError
+from roverlink.runtime.monitoring.http_server import HttpServer
 
 _CONNECTIONS = 24
 """At a time; a browser opens six."""

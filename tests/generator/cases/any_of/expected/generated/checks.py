@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from runtime.schema import check_descriptors
+from roverlink.runtime.core.descriptor_check import check_descriptors
 
 MESSAGES = {
     "Envelope": (
@@ -42,5 +42,5 @@ ENUMS: dict[str, tuple[str, ...]] = {}
 
 
 def check() -> None:
-    """Raise `runtime.RegistryError` where a loaded message is not the one that is meant."""
+    """Raise `roverlink.runtime.RegistryError` where a loaded message is not the one that is meant."""
     check_descriptors(MESSAGES, ENUMS)

@@ -9,7 +9,7 @@ from generated.handlers import (
     ShortHandler,
 )
 from generated.pb2 import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

@@ -11,7 +11,7 @@ from generated.handlers import (
     TopHandler,
 )
 from generated.pb2.rover.link import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.handlers import NowHandler
 from generated.pb2 import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

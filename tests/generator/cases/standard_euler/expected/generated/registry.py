@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.feeds import LevelLevelPoseFeed
 from generated.handlers import AttitudeHandler, LevelHandler, PoseHandler
 from generated.pb2 import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

@@ -13,7 +13,7 @@ from generated.feeds import (
 )
 from generated.handlers import WeatherHandler
 from generated.pb2 import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

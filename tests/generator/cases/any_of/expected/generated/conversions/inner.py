@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import inner_detail
 from generated.messages import Inner
 from generated.pb2 import packet_pb2
-from runtime.well_known import timestamp
+from roverlink.runtime.convert.well_known import timestamp
 
 
 def to_ros(payload: packet_pb2.Inner) -> Inner:

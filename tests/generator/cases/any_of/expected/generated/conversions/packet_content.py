@@ -11,7 +11,13 @@ from generated.handlers.imu import ImuHandler
 from generated.messages import PacketContent
 from generated.pb2.other import parts_pb2 as pb2_other_parts_pb2
 from generated.pb2.sensors import parts_pb2 as pb2_sensors_parts_pb2
-from runtime.any_of import check_empty, check_none, holds, packed, unpacked
+from roverlink.runtime.convert.any_of import (
+    check_empty,
+    check_none,
+    holds,
+    packed,
+    unpacked,
+)
 
 
 def to_ros(payload: any_pb2.Any) -> PacketContent:

@@ -13,8 +13,8 @@ from generated.conversions import (
 )
 from generated.messages import Packet, PacketNamedEntry
 from generated.pb2 import packet_pb2
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class PacketHandler(Handler[packet_pb2.Packet, Packet]):

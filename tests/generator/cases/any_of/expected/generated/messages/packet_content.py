@@ -11,7 +11,7 @@ from typing import ClassVar
 from generated.messages.gps import Gps
 from generated.messages.gps2 import Gps2
 from generated.messages.imu import IMU as IMU_
-from runtime.messages import Message, UInt8
+from roverlink.runtime.core.messages import Message, UInt8
 
 
 @dataclass(slots=True)

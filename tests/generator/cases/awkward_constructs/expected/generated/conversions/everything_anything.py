@@ -9,7 +9,13 @@ from google.protobuf import any_pb2
 from generated.conversions import holds_, packed_, unpacked_
 from generated.messages import EverythingAnything
 from generated.pb2 import any_pb2 as pb2_any_pb2
-from runtime.any_of import check_empty, check_none, holds, packed, unpacked
+from roverlink.runtime.convert.any_of import (
+    check_empty,
+    check_none,
+    holds,
+    packed,
+    unpacked,
+)
 
 
 def to_ros(payload: any_pb2.Any) -> EverythingAnything:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Oneof
 from generated.pb2 import any_pb2
-from runtime import oneof
+from roverlink.runtime.convert import oneof
 
 _WHICH_ONEOF = {"one": Oneof.ONEOF_ONE}
 

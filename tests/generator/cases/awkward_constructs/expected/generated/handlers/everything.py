@@ -23,11 +23,11 @@ from generated.messages import (
     EverythingValueEntry,
 )
 from generated.pb2 import any_pb2
-from runtime import oneof
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.keywords import keywords
-from runtime.well_known import duration, json_struct, timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.keywords import keywords
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.convert.well_known import duration, json_struct, timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_KIND = {
     "depth": Everything.KIND_DEPTH,

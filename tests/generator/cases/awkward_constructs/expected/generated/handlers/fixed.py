@@ -7,9 +7,9 @@ from __future__ import annotations
 from generated.conversions import duration_, oneof_, timestamp_
 from generated.messages import Fixed
 from generated.pb2 import any_pb2
-from runtime import oneof
-from runtime.handler import Handler, Route
-from runtime.well_known import timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.well_known import timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_CDR = {"a": Fixed.CDR_A}
 

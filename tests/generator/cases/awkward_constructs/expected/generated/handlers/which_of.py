@@ -9,8 +9,8 @@ from google.protobuf import wrappers_pb2
 from generated.conversions import which_message
 from generated.messages import WhichOf
 from generated.pb2 import any_pb2
-from runtime import oneof
-from runtime.handler import Handler, Route
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_MESSAGE = {"which": WhichOf.MESSAGE_WHICH, "text": WhichOf.MESSAGE_TEXT}
 

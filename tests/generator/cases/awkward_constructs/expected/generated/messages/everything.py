@@ -18,8 +18,8 @@ from generated.messages.json_struct import JsonStruct
 from generated.messages.keywords import Keywords
 from generated.messages.oneof import Oneof
 from generated.messages.time import Time_
-from runtime.interfaces import Duration, Time
-from runtime.messages import Int32, Message, UInt8
+from roverlink.runtime.core.messages import Int32, Message, UInt8
+from roverlink.runtime.interfaces import Duration, Time
 
 
 @dataclass(slots=True)

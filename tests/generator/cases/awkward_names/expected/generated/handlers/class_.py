@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from generated.messages import Class
 from generated.pb2 import awkward_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(Class)
 

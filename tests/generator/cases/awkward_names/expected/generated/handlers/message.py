@@ -16,7 +16,7 @@ from generated.conversions import (
 )
 from generated.messages import Message_
 from generated.pb2 import awkward_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class MessageHandler(Handler[awkward_pb2.Message, Message_]):

@@ -7,8 +7,8 @@ from __future__ import annotations
 from generated.handlers.sensor_10 import Sensor10Handler
 from generated.messages import MotorHandler_
 from generated.pb2 import awkward_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(MotorHandler_)
 

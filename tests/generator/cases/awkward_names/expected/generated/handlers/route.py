@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import route_handler, route_qos, waypoint
 from generated.messages import Route_
 from generated.pb2 import awkward_pb2
-from runtime.handler import Handler, Qos, Route
+from roverlink.runtime.core.handler import Handler, Qos, Route
 
 
 class RouteHandler(Handler[awkward_pb2.Route, Route_]):

@@ -16,7 +16,7 @@ from generated.messages.item import Item
 from generated.messages.motor_pb2 import MotorPb2
 from generated.messages.payload import Payload
 from generated.messages.u_int8 import UInt8_
-from runtime.messages import Message
+from roverlink.runtime.core.messages import Message
 
 
 @dataclass(slots=True)

@@ -11,7 +11,7 @@ from typing import ClassVar
 from generated.messages.arm import Arm
 from generated.messages.gps import GPS
 from generated.messages.imu import IMU
-from runtime.messages import Float64, Message
+from roverlink.runtime.core.messages import Float64, Message
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import Int32, Message
+from roverlink.runtime.core.messages import Int32, Message
 
 
 @dataclass(slots=True)

@@ -12,7 +12,7 @@ from generated.messages.another import Another
 from generated.messages.args import Args
 from generated.messages.quoted import Quoted
 from generated.messages.tidy import Tidy
-from runtime.messages import Float32, Message, UInt8
+from roverlink.runtime.core.messages import Float32, Message, UInt8
 
 
 @dataclass(slots=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.bare import Bare
-from runtime.messages import Float32, Message, UInt8
+from roverlink.runtime.core.messages import Float32, Message, UInt8
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import part
 from generated.messages import New
 from generated.pb2 import new_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class NewHandler(Handler[new_pb2.New, New]):

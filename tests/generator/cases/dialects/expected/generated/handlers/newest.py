@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from generated.messages import Newest
 from generated.pb2 import newest_pb2
-from runtime import oneof
-from runtime.handler import Handler, Route
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_WHICH = {"a": Newest.WHICH_A, "b": Newest.WHICH_B}
 

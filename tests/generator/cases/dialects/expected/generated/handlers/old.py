@@ -7,10 +7,10 @@ from __future__ import annotations
 from generated.conversions import old_more, old_part, old_result
 from generated.messages import Old, OldByNumberEntry
 from generated.pb2 import old_pb2
-from runtime import oneof
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.well_known import timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.convert.well_known import timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_ONE = {"text": Old.ONE_TEXT, "part": Old.ONE_PART}
 

@@ -8,7 +8,7 @@ from generated.conversions import nothing
 from generated.handlers.ping import PingHandler
 from generated.messages import Holder
 from generated.pb2 import empty_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class HolderHandler(Handler[empty_pb2.Holder, Holder]):

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Ping
 from generated.pb2 import empty_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class PingHandler(Handler[empty_pb2.Ping, Ping]):

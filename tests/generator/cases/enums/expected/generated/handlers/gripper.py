@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import health
 from generated.messages import Gripper, GripperMode
 from generated.pb2 import gripper_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class GripperHandler(Handler[gripper_pb2.Gripper, Gripper]):

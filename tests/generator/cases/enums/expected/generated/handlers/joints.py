@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import HealthCode, Joints
 from generated.pb2 import gripper_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class JointsHandler(Handler[gripper_pb2.Joints, Joints]):

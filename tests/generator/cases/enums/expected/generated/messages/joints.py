@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.health_code import HealthCode
-from runtime.messages import Int8, Message, UInt16
+from roverlink.runtime.core.messages import Int8, Message, UInt16
 
 
 @dataclass(slots=True)

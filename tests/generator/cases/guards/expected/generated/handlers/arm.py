@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import grip
 from generated.messages import Arm
 from generated.pb2 import all_pb2
-from runtime.handler import Deadman, Handler, Route
+from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 
 class ArmHandler(Handler[all_pb2.Arm, Arm]):

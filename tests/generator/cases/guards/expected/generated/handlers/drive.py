@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from generated.messages import Drive
 from generated.pb2 import all_pb2
-from runtime import cdr
-from runtime.handler import Deadman, Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 _CDR = cdr.fixed_layout(Drive)
 

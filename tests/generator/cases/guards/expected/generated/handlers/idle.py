@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Idle
 from generated.pb2 import all_pb2
-from runtime.handler import Deadman, Handler, Route
+from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 
 class IdleHandler(Handler[all_pb2.Idle, Idle]):

@@ -21,11 +21,16 @@ from generated.messages import (
     LongFinallyEntry,
 )
 from generated.pb2 import long_pb2
-from runtime import oneof
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.keywords import keywords
-from runtime.well_known import duration, json_struct, json_value, timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.keywords import keywords
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.convert.well_known import (
+    duration,
+    json_struct,
+    json_value,
+    timestamp,
+)
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT = {
     "a_member_field_with_a_name_so_long_that_nothing_fits_beside_it": Long.A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_A_MEMBER_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,

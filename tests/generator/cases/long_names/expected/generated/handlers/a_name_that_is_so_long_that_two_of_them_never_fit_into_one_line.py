@@ -14,7 +14,7 @@ from generated.messages import (
 from generated.pb2.a_folder_with_a_long_name.another_folder_with_a_long_name import (
     a_file_with_a_long_name_pb2,
 )
-from runtime.handler import Handler, Qos, Route
+from roverlink.runtime.core.handler import Handler, Qos, Route
 
 
 class ANameThatIsSoLongThatTwoOfThemNeverFitIntoOneLineHandler(

@@ -11,8 +11,8 @@ from generated.messages import Short
 from generated.pb2.a_folder_with_a_long_name.another_folder_with_a_long_name import (
     a_file_with_a_long_name_pb2,
 )
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(Short)
 

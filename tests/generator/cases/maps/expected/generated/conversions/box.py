@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Box, BoxContentsEntry
 from generated.pb2 import stock_pb2
-from runtime.entries import mapping
+from roverlink.runtime.convert.maps import mapping
 
 
 def to_ros(payload: stock_pb2.Box) -> Box:

@@ -26,9 +26,9 @@ from generated.messages import (
     ShelfTemperaturesEntry,
 )
 from generated.pb2 import stock_pb2
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.well_known import duration, json_value, timestamp
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.convert.well_known import duration, json_value, timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class ShelfHandler(Handler[stock_pb2.Shelf, Shelf]):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.messages.box import Box
-from runtime.messages import Message
+from roverlink.runtime.core.messages import Message
 
 
 @dataclass(slots=True)

@@ -7,10 +7,10 @@ from __future__ import annotations
 from generated.conversions import in_side
 from generated.messages import OddNames, OddNamesTryEntry
 from generated.pb2 import named_pb2
-from runtime import oneof
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.keywords import keywords
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.keywords import keywords
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_WITH = {"global": OddNames.WITH_GLOBAL, "pass": OddNames.WITH_PASS}
 

@@ -8,9 +8,9 @@ from google.protobuf import wrappers_pb2 as google_wrappers_pb2
 
 from generated.messages import Wrappers
 from generated.pb2 import wrappers_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
-from runtime.keywords import keywords
+from roverlink.runtime.convert.keywords import keywords
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(Wrappers)
 

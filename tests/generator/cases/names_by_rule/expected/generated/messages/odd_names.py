@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from generated.messages.in_side import InSide
 from generated.messages.odd_names_try_entry import OddNamesTryEntry
-from runtime.messages import Bool, Float64, Int32, Message, UInt8
+from roverlink.runtime.core.messages import Bool, Float64, Int32, Message, UInt8
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Texts
 from generated.pb2 import texts_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class TextsHandler(Handler[texts_pb2.Texts, Texts]):

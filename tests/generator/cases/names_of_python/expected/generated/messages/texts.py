@@ -8,7 +8,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import Int32, Message
+from roverlink.runtime.core.messages import Int32, Message
 
 
 @dataclass(slots=True)

@@ -8,7 +8,7 @@ from generated.conversions import arm_segment, joint
 from generated.handlers.wrist import WristHandler
 from generated.messages import Arm
 from generated.pb2 import arm_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class ArmHandler(Handler[arm_pb2.Arm, Arm]):

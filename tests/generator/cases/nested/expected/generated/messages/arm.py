@@ -11,7 +11,7 @@ from typing import ClassVar
 from generated.messages.arm_segment import ArmSegment
 from generated.messages.joint import Joint
 from generated.messages.wrist import Wrist
-from runtime.messages import Message
+from roverlink.runtime.core.messages import Message
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.handlers.left import LeftHandler
 from generated.messages import Cart
 from generated.pb2 import wheel_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class CartHandler(Handler[wheel_pb2.Cart, Cart]):

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Move
 from generated.pb2 import command_pb2
-from runtime import oneof
+from roverlink.runtime.convert import oneof
 
 _WHICH_HOW = {"speed": Move.HOW_SPEED, "seconds": Move.HOW_SECONDS}
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from generated.messages import Apart
 from generated.pb2 import command_pb2
-from runtime import oneof
-from runtime.handler import Handler, Route
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_LEFT = {"number": Apart.RESULT_NUMBER, "text": Apart.RESULT_TEXT}
 _WHICH_RESULT = {"number": Apart.RESULT_NUMBER}

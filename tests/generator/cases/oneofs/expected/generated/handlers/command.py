@@ -9,9 +9,9 @@ from google.protobuf import wrappers_pb2
 from generated.conversions import empty, move
 from generated.messages import Command
 from generated.pb2 import command_pb2
-from runtime import oneof
-from runtime.handler import Handler, Route
-from runtime.well_known import json_value, timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.well_known import json_value, timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 _WHICH_ACTION = {
     "move": Command.ACTION_MOVE,

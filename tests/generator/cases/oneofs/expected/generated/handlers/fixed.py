@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from generated.messages import Fixed
 from generated.pb2 import command_pb2
-from runtime import cdr, oneof
-from runtime.handler import Handler, Route
-from runtime.well_known import timestamp
+from roverlink.runtime.convert import oneof
+from roverlink.runtime.convert.well_known import timestamp
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(Fixed)
 _WHICH_CHOICE = {"a": Fixed.CHOICE_A, "b": Fixed.CHOICE_B}

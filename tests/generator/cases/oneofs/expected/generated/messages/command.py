@@ -10,8 +10,8 @@ from typing import ClassVar
 
 from generated.messages.empty import Empty
 from generated.messages.move import Move
-from runtime.interfaces import Time
-from runtime.messages import Bool, Float32, Int32, Message, UInt8, UInt16
+from roverlink.runtime.core.messages import Bool, Float32, Int32, Message, UInt8, UInt16
+from roverlink.runtime.interfaces import Time
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import position
 from generated.messages import Target
 from generated.pb2 import fix_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class TargetHandler(Handler[fix_pb2.Target, Target]):

@@ -9,8 +9,8 @@ from generated.handlers.inner import InnerHandler
 from generated.handlers.top import TopHandler
 from generated.messages import ArmKind, ArmState
 from generated.pb2.rover.arm import state_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(ArmState)
 

@@ -8,7 +8,7 @@ from generated.conversions import state_inner
 from generated.handlers.arm_state import ArmStateHandler
 from generated.messages import DriveState
 from generated.pb2.rover.drive import state_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class DriveStateHandler(Handler[state_pb2.State, DriveState]):

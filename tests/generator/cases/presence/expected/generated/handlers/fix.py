@@ -9,9 +9,9 @@ from google.protobuf import wrappers_pb2
 from generated.conversions import position
 from generated.messages import Fix, FixByNameEntry
 from generated.pb2 import fix_pb2
-from runtime.entries import mapping
-from runtime.handler import Handler, Route
-from runtime.well_known import duration, timestamp
+from roverlink.runtime.convert.maps import mapping
+from roverlink.runtime.convert.well_known import duration, timestamp
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class FixHandler(Handler[fix_pb2.Fix, Fix]):

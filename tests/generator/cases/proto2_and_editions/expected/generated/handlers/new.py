@@ -7,8 +7,8 @@ from __future__ import annotations
 from generated.conversions import new2
 from generated.messages import New
 from generated.pb2 import new_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(New)
 

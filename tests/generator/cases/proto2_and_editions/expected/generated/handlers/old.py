@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Old
 from generated.pb2 import old_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class OldHandler(Handler[old_pb2.Old, Old]):

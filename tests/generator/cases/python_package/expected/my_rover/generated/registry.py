@@ -7,7 +7,7 @@ from __future__ import annotations
 from my_rover.generated.feeds import NoteHeightFeed
 from my_rover.generated.handlers import NoteHandler
 from my_rover.generated.pb2 import envelope_pb2
-from runtime.registry import Peer, Registry
+from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
     package="rover",

@@ -7,7 +7,7 @@ from __future__ import annotations
 from generated.conversions import point, vector
 from generated.messages import ImuSample, Kind
 from generated.pb2 import imu_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class ImuHandler(Handler[imu_pb2.Imu, ImuSample]):

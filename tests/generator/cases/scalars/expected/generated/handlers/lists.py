@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from generated.messages import Lists
 from generated.pb2 import scalars_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class ListsHandler(Handler[scalars_pb2.Lists, Lists]):

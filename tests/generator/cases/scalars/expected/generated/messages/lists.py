@@ -8,7 +8,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import (
+from roverlink.runtime.core.messages import (
     Bool,
     Float32,
     Float64,

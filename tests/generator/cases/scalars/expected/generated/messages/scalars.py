@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.messages import (
+from roverlink.runtime.core.messages import (
     Bool,
     Float32,
     Float64,

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from generated.interfaces import diagnostic_msgs
 from generated.pb2 import board_pb2
-from runtime.feed import UNSTAMPED, Counterparts, Feed
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core.feed import UNSTAMPED, Counterparts, Feed
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _HEALTH = Counterparts(
     "health",

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.interfaces import std_msgs
-from runtime.interfaces.geometry_msgs import Point, Pose, Quaternion
-from runtime.messages import Message
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces.geometry_msgs import Point, Pose, Quaternion
 
 __all__ = [
     "Point",

@@ -8,9 +8,9 @@ import math
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2 import board_pb2
-from runtime.feed import UNSTAMPED, Feed, single
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _DEG_TO_RAD = math.pi / 180
 

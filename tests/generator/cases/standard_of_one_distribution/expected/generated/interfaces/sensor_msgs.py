@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from generated.interfaces import std_msgs
-from runtime.messages import Float32, Int8, Message, UInt8, UInt16
+from roverlink.runtime.core.messages import Float32, Int8, Message, UInt8, UInt16
 
 __all__ = [
     "NavSatStatus",

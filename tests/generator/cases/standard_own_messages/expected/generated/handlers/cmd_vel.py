@@ -8,10 +8,10 @@ import math
 
 from generated.interfaces import geometry_msgs
 from generated.pb2 import board_pb2
-from runtime import cdr
-from runtime.feed import UNSTAMPED, Feed, single
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _DEG_TO_RAD = math.pi / 180
 _CDR = cdr.template(geometry_msgs.Twist(), ["linear.x", "angular.z"])

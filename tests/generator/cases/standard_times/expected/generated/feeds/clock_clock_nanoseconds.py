@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from generated.pb2 import board_pb2
-from runtime import cdr
-from runtime.feed import UNSTAMPED, Feed
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED, Feed
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _CDR = cdr.template(Time(nanosec=0), ["sec"])
 _UP_TO_SEC, _REST = _CDR.constants

@@ -8,8 +8,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.interfaces import Duration
-from runtime.messages import Float64, Message
+from roverlink.runtime.core.messages import Float64, Message
+from roverlink.runtime.interfaces import Duration
 
 __all__ = [
     "JointTrajectoryPoint",

@@ -8,10 +8,10 @@ import math
 
 from generated.interfaces import geometry_msgs, sensor_msgs, std_msgs
 from generated.pb2 import board_pb2
-from runtime import cdr
-from runtime.feed import UNSTAMPED, Feed, single
-from runtime.handler import Route
-from runtime.interfaces import Time
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.interfaces import Time
 
 _RPM_TO_RAD_PER_S = math.pi / 30.0
 _DEG_PER_S_TO_RAD_PER_S = math.pi / 180_000.0

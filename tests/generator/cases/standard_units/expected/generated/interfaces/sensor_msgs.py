@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from generated.interfaces import geometry_msgs, std_msgs
-from runtime.messages import Float64, Length, Message
+from roverlink.runtime.core.messages import Float64, Length, Message
 
 __all__ = [
     "FluidPressure",

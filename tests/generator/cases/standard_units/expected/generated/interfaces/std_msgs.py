@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from runtime.interfaces.std_msgs import Header
+from roverlink.runtime.interfaces.std_msgs import Header
 
 __all__ = [
     "Header",

@@ -9,8 +9,14 @@ from google.protobuf import wrappers_pb2
 from generated.conversions import any_, empty, field_mask
 from generated.messages import Bytes, Lists
 from generated.pb2 import moment_pb2
-from runtime.handler import Handler, Route
-from runtime.well_known import duration, json_list, json_struct, json_value, timestamp
+from roverlink.runtime.convert.well_known import (
+    duration,
+    json_list,
+    json_struct,
+    json_value,
+    timestamp,
+)
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class ListsHandler(Handler[moment_pb2.Lists, Lists]):

@@ -8,9 +8,9 @@ from google.protobuf import empty_pb2, wrappers_pb2
 
 from generated.messages import Moment
 from generated.pb2 import moment_pb2
-from runtime import cdr
-from runtime.handler import Handler, Route
-from runtime.well_known import duration, timestamp
+from roverlink.runtime.convert.well_known import duration, timestamp
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Handler, Route
 
 _CDR = cdr.fixed_layout(Moment)
 

@@ -9,8 +9,8 @@ from google.protobuf import field_mask_pb2
 from generated.conversions import any_
 from generated.messages import Settings
 from generated.pb2 import moment_pb2
-from runtime.handler import Handler, Route
-from runtime.well_known import json_list, json_struct, json_value
+from roverlink.runtime.convert.well_known import json_list, json_struct, json_value
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class SettingsHandler(Handler[moment_pb2.Settings, Settings]):

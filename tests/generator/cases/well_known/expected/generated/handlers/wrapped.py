@@ -8,7 +8,7 @@ from google.protobuf import wrappers_pb2
 
 from generated.messages import Wrapped
 from generated.pb2 import moment_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class WrappedHandler(Handler[moment_pb2.Wrapped, Wrapped]):

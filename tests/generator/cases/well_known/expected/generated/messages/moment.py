@@ -8,8 +8,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from runtime.interfaces import Duration, Time
-from runtime.messages import Bool, Float64, Message
+from roverlink.runtime.core.messages import Bool, Float64, Message
+from roverlink.runtime.interfaces import Duration, Time
 
 
 @dataclass(slots=True)

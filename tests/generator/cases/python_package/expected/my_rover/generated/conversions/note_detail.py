@@ -9,7 +9,13 @@ from google.protobuf import any_pb2
 from my_rover.generated.conversions import part
 from my_rover.generated.messages import NoteDetail
 from my_rover.generated.pb2 import note_pb2
-from runtime.any_of import check_empty, check_none, holds, packed, unpacked
+from roverlink.runtime.convert.any_of import (
+    check_empty,
+    check_none,
+    holds,
+    packed,
+    unpacked,
+)
 
 
 def to_ros(payload: any_pb2.Any) -> NoteDetail:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from my_rover.generated.conversions import note_detail, part
 from my_rover.generated.messages import Note
 from my_rover.generated.pb2 import note_pb2
-from runtime.handler import Handler, Route
+from roverlink.runtime.core.handler import Handler, Route
 
 
 class NoteHandler(Handler[note_pb2.Note, Note]):

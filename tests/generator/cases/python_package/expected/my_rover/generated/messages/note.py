@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from my_rover.generated.messages.note_detail import NoteDetail
 from my_rover.generated.messages.part import Part
-from runtime.messages import Float64, Message
+from roverlink.runtime.core.messages import Float64, Message
 
 
 @dataclass(slots=True)

@@ -1,0 +1,1 @@
+"""The IR, written as files."""

@@ -1,0 +1,23 @@
+"""envelope.proto, where the table owns it."""
+
+from __future__ import annotations
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import header, render
+
+
+def text(envelope: ir.Envelope, table: str) -> str:
+    """The envelope's .proto file: its imports, its oneof, and what is reserved."""
+    package, _, message = envelope.message.rpartition(".")
+    return render(
+        "envelope.proto.j2",
+        header=header(table, "//"),
+        package=package,
+        outermost="." if package else "",
+        message=message,
+        oneof=envelope.oneof,
+        imports=sorted({member.file for member in envelope.members}),
+        members=envelope.members,
+        retired=envelope.retired,
+        burned=envelope.burned,
+    )

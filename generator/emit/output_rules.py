@@ -1,0 +1,127 @@
+"""The rules of the phases that make files and write them."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Rule, Severity
+
+CANNOT_WRITE = Rule(
+    "OUT101",
+    "cannot-write",
+    """A generated file cannot be written or compared.
+
+A folder stands in its place, or the file system does not allow it. Files that were written before stay as they are.
+
+Bad::
+
+    generated/registry.py: fatal[OUT101] cannot be written: Permission denied
+
+Good::
+
+    $ chmod -R u+w generated
+""",
+    Severity.FATAL,
+)
+
+UNKNOWN_TARGET = Rule(
+    "OUT102",
+    "unknown-target",
+    """No installed package provides a target of this name.
+
+The name is misspelt, or the package that provides the target is not installed in this environment.
+
+Bad::
+
+    targets: [python, ros3]
+
+Good::
+
+    targets: [python, ros2]
+""",
+)
+
+TARGET_FAILED = Rule(
+    "OUT103",
+    "target-failed",
+    """A target that another package provides failed.
+
+The message is that package's own. The mistake is in the target, mostly an assumption about the table that does not
+hold.
+
+Bad::
+
+    mapping.yaml:9:11: error[OUT103] the target plots of rover-plots failed: KeyError: 'depth'
+
+Good::
+
+    $ pip install --upgrade rover-plots
+""",
+)
+
+FORBIDDEN_PATH = Rule(
+    "OUT104",
+    "forbidden-path",
+    """Two targets or templates make the same file, or one would write outside `generated/`.
+
+One file would replace the other, or a file that somebody wrote by hand.
+
+Bad::
+
+    # mapping.yaml
+    templates: [arm/reports, drive/reports]
+    # arm/reports/list.txt.j2
+    {{ bridge.table }}
+    # drive/reports/list.txt.j2
+    {{ bridge.table }}
+
+Good::
+
+    # mapping.yaml
+    templates: [arm/reports]
+    # arm/reports/list.txt.j2
+    {{ bridge.table }}
+""",
+)
+
+NO_TEMPLATES = Rule(
+    "OUT105",
+    "no-templates",
+    """A folder under `templates` does not exist, or contains no file that ends with `.j2`.
+
+Nothing would be rendered. The path is relative to the folder of mapping.yaml.
+
+Bad::
+
+    templates: [report]
+
+Good::
+
+    # mapping.yaml
+    templates: [report]
+    # report/list.txt.j2
+    {{ bridge.table }}
+""",
+)
+
+TEMPLATE_FAILED = Rule(
+    "OUT106",
+    "template-failed",
+    """A template cannot be parsed or rendered.
+
+It has a syntax error, or it uses an attribute that the bridge does not have. A misspelt attribute must not become an
+empty text in a generated file.
+
+Bad::
+
+    # mapping.yaml
+    templates: [report]
+    # report/list.txt.j2
+    {{ bridge.tabel }}
+
+Good::
+
+    # mapping.yaml
+    templates: [report]
+    # report/list.txt.j2
+    {{ bridge.table }}
+""",
+)

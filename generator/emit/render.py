@@ -1,0 +1,43 @@
+"""The templates, and the header that every generated file starts with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+Files = Iterator[tuple[str, str]]
+"""What a target makes: the path of each file, relative to the table, and its text."""
+
+REGENERATE = "Regenerate with: roverlink generate"
+
+
+def shipped(folder: str) -> Path:
+    """Return a folder that is installed together with the generator: ``templates`` or ``cpp``."""
+    return Path(__file__).parents[2] / folder
+
+
+@cache
+def environment(folder: Path) -> Environment:
+    """Jinja for the templates of a folder, as all of ours are written: a name that is not there is an error."""
+    return Environment(
+        loader=FileSystemLoader(folder),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+        autoescape=False,  # noqa: S701  # what is made is source text, not HTML
+    )
+
+
+def render(template: str, **view: Any) -> str:
+    """The text of a template."""
+    return environment(shipped("templates")).get_template(template).render(view)
+
+
+def header(origin: str, open: str = "#", close: str = "") -> str:
+    """The two lines that say where a file comes from, as comments of its language."""
+    return "\n".join(f"{open} {line}{close}" for line in (f"Generated from {origin}; do not edit.", f"{REGENERATE}"))

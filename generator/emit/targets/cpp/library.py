@@ -1,0 +1,60 @@
+"""The files that there are once: the registry, the copy of the C++ runtime library, and the CMake project."""
+
+from __future__ import annotations
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import Files, header, render, shipped
+from roverlink.generator.emit.targets.cpp import cpp_names, layout
+from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER, Pair, header_file
+from roverlink.generator.emit.targets.cpp.handlers import Handler, handlers_of
+
+_COPIED = ("CMakeLists.txt", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """Yield the registry, the header for rclcpp and the runtime library."""
+    handlers = handlers_of(bridge)
+    own = [f"{bridge.package}/{handler.file}.hpp" for handler in handlers]
+    yield header_file(
+        Pair(bridge.package, "registry", bridge.table),
+        "registry",
+        headers=layout.includes([*own, cpp_names.runtime_header("registry")]),
+        envelope=cpp_names.proto_class(bridge.envelope.message),
+        oneof=bridge.envelope.oneof,
+        inbound=_classes([one for one in handlers if one.route.inbound]),
+        outbound=_classes([one for one in handlers if not one.route.inbound]),
+    )
+    yield header_file(Pair(bridge.package, "rclcpp", bridge.table), "rclcpp")
+    # Projects add this folder to their own build and say where the protos are; colcon must not build it alone.
+    yield f"{FOLDER}/COLCON_IGNORE", header(bridge.table) + "\n"
+    yield from _runtime()
+
+
+def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
+    """Return the CMake project that compiles sources and protos."""
+    fields = [field for message in bridge.messages for field in message.fields]
+    packages = {field.type.package for field in fields} | {interface.package for interface in bridge.interfaces}
+    packages |= {bridge.package} if bridge.messages else set()
+    text = render(
+        "cpp/CMakeLists.txt.j2",
+        header=header(bridge.table),
+        package=bridge.package,
+        envelope=bridge.envelope.file,
+        packages=sorted(packages - {""}),
+        protos=sorted({f"{path.rpartition('_pb2')[0]}.proto" for path in bridge.modules}),
+        sources=sorted(sources),
+    )
+    return f"{FOLDER}/CMakeLists.txt", text
+
+
+def _classes(handlers: list[Handler]) -> str:
+    return ",".join(f"\n  {one.name}" for one in handlers)
+
+
+def _runtime() -> Files:
+    """Copy the runtime library: where the handlers are compiled, roverlink itself may not be installed."""
+    library = shipped("cpp")
+    for path in sorted(found for pattern in _COPIED for found in library.glob(pattern)):
+        name = path.relative_to(library).as_posix()
+        mark = header(f"roverlink's cpp/{name}", "//" if path.suffix in (".cpp", ".hpp") else "#")
+        yield f"{FOLDER}/roverlink/{name}", f"{mark}\n\n{path.read_text(encoding='utf-8')}"

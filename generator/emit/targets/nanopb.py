@@ -1,0 +1,24 @@
+"""Options files for nanopb, with the bounds of the table: so that firmware has the buffers that the table promises.
+
+`nanopb_generator --options-path generated/nanopb -I proto FILE.proto` reads them.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import Files, header
+from roverlink.generator.nanopb import as_options, options_file_of
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """A .options file for each .proto file that has fields with bounds."""
+    in_order = sorted(bridge.bounds, key=lambda bound: (bound.file, bound.message, bound.field))
+    for file, bounds in itertools.groupby(in_order, lambda bound: bound.file):
+        lines = [f"{bound.message}.{bound.field} {_options(bound)}" for bound in bounds]
+        yield f"generated/nanopb/{options_file_of(file)}", "\n".join([header(bridge.table), "", *lines, ""])
+
+
+def _options(bound: ir.FieldBound) -> str:
+    return " ".join(f"{name}:{value}" for name, value in as_options(bound).items())

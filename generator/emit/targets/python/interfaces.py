@@ -1,0 +1,184 @@
+"""The standard messages that the table names, and those in them: one module a package."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import Files, header, render
+from roverlink.generator.emit.targets.python import layout, spelling
+from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, InterfaceField, InterfaceType
+
+_TAKEN = frozenset({"Annotated", "Bound", "Byte", "Char", "Length"})
+_TIMES = "builtin_interfaces"
+"""The package whose messages `roverlink.runtime.interfaces` names itself."""
+OF_THE_RUNTIME = frozenset(
+    {
+        *(f"diagnostic_msgs/msg/{name}" for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Point", "Pose", "PoseWithCovariance", "PoseWithCovarianceStamped")),
+        *(f"geometry_msgs/msg/{name}" for name in ("Quaternion", "Transform", "TransformStamped", "Vector3")),
+        *(f"sensor_msgs/msg/{name}" for name in ("CameraInfo", "CompressedImage", "RegionOfInterest")),
+        "std_msgs/msg/Header",
+        "tf2_msgs/msg/TFMessage",
+    }
+)
+"""The messages whose classes stand in `roverlink.runtime.interfaces`; generated code takes them from there."""
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """The modules, and the package that holds them."""
+    if not bridge.interfaces:
+        return
+    for package, interfaces in itertools.groupby(bridge.interfaces, lambda interface: interface.package):
+        if package != _TIMES:
+            yield f"generated/interfaces/{package}.py", _module(bridge, package, list(interfaces))
+    docstring = '"""The messages of other ROS 2 packages that are used here, one module a package."""'
+    yield "generated/interfaces/__init__.py", f"{header(bridge.table)}\n{docstring}\n"
+
+
+def reference(name: str, within: str = "") -> str:
+    """How code names the class of a message: ``sensor_msgs.Imu``, or ``Imu`` in the module of its own package."""
+    package, _, local = name.partition("/msg/")
+    bare = package in (_TIMES, within)
+    return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
+
+
+def import_of(name: str, generated: str) -> tuple[str, str]:
+    """What `reference` needs: a module, and what is imported from it."""
+    package, _, local = name.partition("/msg/")
+    return ("roverlink.runtime.interfaces", local) if package == _TIMES else (f"{generated}.interfaces", package)
+
+
+def _class(local: str) -> str:
+    return f"{local}_" if local in _TAKEN else spelling.message_class(local)
+
+
+def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
+    ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
+    used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
+    imports: dict[str, set[str]] = {"roverlink.runtime.core.messages": {"Message"}} if ours else {}
+    for interface in interfaces:
+        if interface.name in OF_THE_RUNTIME:
+            imports.setdefault(f"roverlink.runtime.interfaces.{package}", set()).add(interface.local_name)
+    for name in used:
+        module, what = import_of(name, bridge.python_package)
+        if what != package:
+            imports.setdefault(module, set()).add(what)
+    for interface in ours:
+        imports["roverlink.runtime.core.messages"] |= {
+            name for field in interface.fields for name in _marks(field.type)
+        }
+    views = [_view(interface, package) for interface in ours]
+    lines = [line for view in views for line in view["fields"]]
+    return render(
+        "interfaces.py.j2",
+        header=header(bridge.table),
+        docstring=layout.docstring(f"Messages of the ROS 2 package {package}.", 0),
+        uses_dataclasses=any("dataclasses." in line for line in lines),
+        typing="Annotated, ClassVar" if any("Annotated[" in line for line in lines) else "ClassVar",
+        imports=layout.in_import_order(layout.import_from(module, names) for module, names in imports.items()),
+        names=sorted(_class(interface.local_name) for interface in interfaces),
+        messages=views,
+    )
+
+
+def _holders_last(interfaces: list[Interface]) -> Iterator[Interface]:
+    """Each after those that it holds."""
+    by_name = {interface.name: interface for interface in interfaces}
+    done: set[str] = set()
+
+    def visit(interface: Interface) -> Iterator[Interface]:
+        if interface.name in done:
+            return
+        done.add(interface.name)
+        for field in interface.fields:
+            if field.type.name in by_name:
+                yield from visit(by_name[field.type.name])
+        yield interface
+
+    for interface in interfaces:
+        yield from visit(interface)
+
+
+def _view(interface: Interface, package: str) -> dict[str, list[str]]:
+    name = _class(interface.local_name)
+    suppression = "" if name == interface.local_name else "  # noqa: N801  # the code here needs the name itself"
+    view: dict[str, object] = {
+        "class_line": f"class {name}(Message):{suppression}",
+        "docstring": layout.docstring(f"{interface.name}.", 4),
+        "type_line": layout.line(f'__msgtype__: ClassVar[str] = "{interface.name}"', 4),
+        "constants": [_constant(constant) for constant in interface.constants],
+        "fields": [_field(field, package) for field in interface.fields],
+    }
+    return view  # type: ignore[return-value]  # the template's
+
+
+def _constant(constant: InterfaceConstant) -> str:
+    type = "int" if "int" in constant.type or constant.type in ("byte", "char") else spelling_of_value(constant.value)
+    value = f'"{constant.value}"' if isinstance(constant.value, str) else repr(constant.value)
+    return layout.line(f"{constant.name}: ClassVar[{type}] = {value}", 4)
+
+
+def spelling_of_value(value: object) -> str:
+    """The type of a value, as an annotation."""
+    return type(value).__name__
+
+
+# --- fields -----------------------------------------------------------------------------------------------------
+
+
+def _marks(type: InterfaceType) -> Iterator[str]:
+    """What the annotation of a type needs from `roverlink.runtime.core.messages`."""
+    is_bytes = type.is_many and type.name == "uint8"
+    if not type.is_message and type.name != "string" and not is_bytes:
+        yield spelling.primitive(type.name)
+    if type.length is not None:
+        yield "Length"
+    if type.bound is not None or type.text_bound is not None:
+        yield "Bound"
+
+
+def _annotation(type: InterfaceType, package: str) -> str:
+    if type.is_message:
+        element = reference(type.name, package)
+    elif type.name == "string":
+        element = "str" if type.text_bound is None else f"Annotated[str, Bound({type.text_bound})]"
+    else:
+        element = spelling.primitive(type.name)
+    if not type.is_many:
+        return element
+    container = "bytes" if type.name == "uint8" else f"list[{element}]"
+    if type.length is not None:
+        return f"Annotated[{container}, Length({type.length})]"
+    return container if type.bound is None else f"Annotated[{container}, Bound({type.bound})]"
+
+
+def _field(field: InterfaceField, package: str) -> str:
+    head = f"{field.name}: {_annotation(field.type, package)} = "
+    default = _default(field)
+    if default:
+        return layout.line(f"{head}{default}", 4)
+    factory = layout.Group(f"{head}dataclasses.field(", [f"default_factory={_factory(field.type, package)}"], ")")
+    if len(factory.head) + 4 > layout.LINE_LENGTH:
+        return layout.line(factory.flat(), 4)
+    return layout.statement(factory, 4)
+
+
+def _default(field: InterfaceField) -> str:
+    """A default that every message can share; empty where each needs one of its own."""
+    type = field.type
+    if type.is_many and type.name == "uint8":
+        return 'b""' if type.length is None else f"bytes({type.length})"
+    if type.is_many or type.is_message:
+        return ""
+    return spelling.default(ir.RosType(type.name))
+
+
+def _factory(type: InterfaceType, package: str) -> str:
+    element = reference(type.name, package) if type.is_message else ""
+    if type.length is None:
+        return "list" if type.is_many else element
+    if element:
+        return f"lambda: [{element}() for _ in range({type.length})]"
+    return f"lambda: [{spelling.default(ir.RosType(type.name))}] * {type.length}"

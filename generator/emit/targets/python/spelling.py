@@ -1,0 +1,117 @@
+"""How Python spells the things of the IR: modules, classes, annotations."""
+
+from __future__ import annotations
+
+import builtins
+import keyword
+
+from roverlink.generator import ir
+from roverlink.generator.ir import ros_names
+
+_ANNOTATIONS = {
+    "bool": "Bool",
+    "int8": "Int8",
+    "uint8": "UInt8",
+    "int16": "Int16",
+    "uint16": "UInt16",
+    "int32": "Int32",
+    "uint32": "UInt32",
+    "int64": "Int64",
+    "uint64": "UInt64",
+    "float32": "Float32",
+    "float64": "Float64",
+}
+_DEFAULTS = {"bool": "False", "float32": "0.0", "float64": "0.0"}
+_TAKEN_CLASSES = frozenset(
+    {*_ANNOTATIONS.values(), "ClassVar", "Duration", "Handler", "Message", "Qos", "Route", "Time"}
+)
+RUNTIME_MODULES = frozenset(
+    {"cdr", "depth", "duration", "json_list", "json_struct", "json_value", "oneof", "timestamp"}
+)
+"""What generated code imports from the runtime as a module."""
+_TAKEN_MODULES = frozenset(
+    {
+        *dir(builtins),
+        *RUNTIME_MODULES,
+        *("check_empty", "check_none", "holds", "item", "key", "keywords", "mapping", "message", "packed"),
+        *("payload", "unpacked", "value"),
+    }
+)
+
+
+def handler_class(route: ir.Route) -> str:
+    """``ImuInfoHandler`` for the row ``imu_info``."""
+    return f"{ros_names.camel_case(route.name)}Handler"
+
+
+def module(name: str) -> str:
+    """The name of a module: lower case, and no keyword."""
+    lower = name.lower()
+    return f"{lower}_" if keyword.iskeyword(lower) else lower
+
+
+def message_class(message: str) -> str:
+    """The class of a ROS message: its name, with an underscore where generated code needs that for something else."""
+    taken = message in _TAKEN_CLASSES or message.endswith("Handler") or keyword.iskeyword(message)
+    return f"{message}_" if taken else message
+
+
+def message_module(message: str) -> str:
+    """The module of a ROS message's class."""
+    return module(ros_names.snake_case(message))
+
+
+def conversion_module(message: str) -> str:
+    """The module with the conversion of a nested message, by a name that means nothing else where it is used."""
+    name = message_module(message)
+    return f"{name}_" if name in _TAKEN_MODULES or name.endswith("_pb2") else name
+
+
+def proto_module(file: str) -> str:
+    """Return the name of the module with a .proto file's classes."""
+    return f"{file.removesuffix('.proto').rpartition('/')[2]}_pb2"
+
+
+def proto_package(generated: str, file: str) -> str:
+    """Return the package of that module; ``generated`` is the import name of the generated package."""
+    folder = file.rpartition("/")[0]
+    if folder == "google/protobuf":  # its modules come with protobuf
+        return "google.protobuf"
+    return ".".join([generated, "pb2", *filter(None, folder.split("/"))])
+
+
+def proto_class(conversion: ir.Conversion) -> str:
+    """A proto message's class, by its module: ``imu_sensor_pb2.SensorBoardIMUInfo``."""
+    return f"{proto_module(conversion.file)}.{conversion.local_name}"
+
+
+def class_of(type: ir.RosType) -> str:
+    """The class of a field that is a message; those of other packages have no other name."""
+    return type.name if type.package else message_class(type.name)
+
+
+def annotation(type: ir.RosType, message: str) -> str:
+    """A field's annotation in a message class; ``message`` is its own class where it is a message."""
+    element = message or _ANNOTATIONS.get(type.name, "str")
+    if not type.is_sequence:
+        return element
+    return "bytes" if type.name == "uint8" else f"list[{element}]"
+
+
+def imported_annotation(type: ir.RosType) -> str | None:
+    """What a field's annotation needs from `roverlink.runtime.core.messages`."""
+    if type.is_message or (type.is_sequence and type.name == "uint8"):
+        return None
+    return _ANNOTATIONS.get(type.name)
+
+
+def primitive(name: str) -> str:
+    """The annotation of a primitive."""
+    return {"byte": "Byte", "octet": "Byte", "char": "Char"}.get(name) or _ANNOTATIONS[name]
+
+
+def default(type: ir.RosType) -> str:
+    """The default, in a message class, of a field whose value is no list and no message."""
+    if type.is_sequence:
+        return 'b""'
+    return '""' if type.name == "string" else _DEFAULTS.get(type.name, "0")

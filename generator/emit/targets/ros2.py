@@ -1,0 +1,74 @@
+"""The ROS 2 interface package: its messages, what builds it, and how the bridge is launched."""
+
+from __future__ import annotations
+
+import itertools
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import Files, header, render
+from roverlink.generator.ir.msg_types import msg_type
+from roverlink.generator.node_parameters import node_parameters
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """The package's files."""
+    folder = f"generated/ros/{bridge.package}"
+    for message in bridge.messages:
+        yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
+    names = sorted(message.name for message in bridge.messages)
+    comment = header(bridge.table)
+    others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
+    yield f"{folder}/CMakeLists.txt", render(
+        "CMakeLists.txt.j2",
+        header=comment,
+        package=bridge.package,
+        messages=names,
+        others=others,
+        project="/".join([".."] * (2 + len(bridge.python_package.split(".")))),
+    )
+    name, _, address = bridge.maintainer.partition(" <")
+    xml = header(bridge.table, "<!--", " -->")
+    yield f"{folder}/package.xml", render(
+        "package.xml.j2",
+        header=xml,
+        package=bridge.package,
+        maintainer=name,
+        address=address.rstrip(">"),
+        others=others,
+        spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
+    )
+    yield f"{folder}/launch/{bridge.package}.launch.py", render("launch.py.j2", header=comment, package=bridge.package)
+    yield f"{folder}/scripts/{bridge.package}_node.py", render(
+        "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
+    )
+    yield f"{folder}/config/udp.yaml", render(
+        "udp.yaml.j2", header=comment, parameters=node_parameters(), peers=bridge.peers
+    )
+
+
+def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
+    return render(
+        "message.msg.j2",
+        header=header(f"{bridge.table} ({message.source})"),
+        comment=_comment(message.comment),
+        enums=[
+            (_heading(message, enum), [(constant, _comment(constant.comment)) for constant in constants])
+            for enum, constants in itertools.groupby(message.constants, lambda constant: constant.enum)
+        ],
+        fields=[(msg_type(field.type), field.name, _comment(field.comment)) for field in message.fields],
+    )
+
+
+def _heading(message: ir.RosMessage, enum: str) -> str:
+    """What stands above an enum's constants: which fields take them."""
+    return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
+
+
+def _comment(text: str) -> list[str]:
+    """The lines of a comment, so that they do no harm in C either.
+
+    rosidl decodes backslashes in them twice, and one that it cannot decode ends its build; and one at the end of a line
+    would make the next line of a header a comment.
+    """
+    lines = [f"{line}." if line.endswith("\\") else line for line in text.splitlines()]
+    return ["# " + line.replace("\\", "\\" * 4) if line else "#" for line in lines]

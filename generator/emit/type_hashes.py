@@ -1,0 +1,92 @@
+"""Type hashes: by them, ROS 2 from Iron on tells whether two nodes mean the same by the name of a type (REP-2016).
+
+A hash is SHA-256 over a JSON text that describes the type and every type inside: names and types of the fields in
+their order, and neither comments, constants nor defaults. rosidl computes it when it builds the interface package;
+here, for a bridge that needs no such build.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from roverlink.generator import ir
+
+_PREFIX = "RIHS01_"  # ROS interface hashing standard, version 1
+_NESTED = 1
+_TYPES = {
+    "int8": 2,
+    "uint8": 3,
+    "int16": 4,
+    "uint16": 5,
+    "int32": 6,
+    "uint32": 7,
+    "int64": 8,
+    "uint64": 9,
+    "float32": 10,
+    "float64": 11,
+    "bool": 15,
+    "string": 17,
+}
+"""The numbers that type_description_interfaces/msg/FieldType gives types."""
+_UNBOUNDED_SEQUENCE = 144
+"""What is added to them where a field holds any number of values."""
+_EMPTY = ir.RosField("structure_needs_at_least_one_member", ir.RosType("uint8"), "")
+"""What rosidl gives a message without fields, since C has no empty structs."""
+
+
+_SECONDS = (ir.RosField("sec", ir.RosType("int32"), ""), ir.RosField("nanosec", ir.RosType("uint32"), ""))
+_OF_OTHERS = {"builtin_interfaces/msg/Duration": _SECONDS, "builtin_interfaces/msg/Time": _SECONDS}
+"""The messages of other packages that fields can have."""
+
+
+def type_hashes(bridge: ir.Bridge) -> dict[str, str]:
+    """The hash of each message of the package, by its name."""
+    own = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
+    messages = {**_OF_OTHERS, **own}
+    return {
+        message.name: _hash(f"{bridge.package}/msg/{message.name}", messages, bridge.package)
+        for message in bridge.messages
+    }
+
+
+_Messages = Mapping[str, tuple[ir.RosField, ...]]
+
+
+def _hash(name: str, messages: _Messages, package: str) -> str:
+    inside: set[str] = set()
+    waiting = [name]
+    while waiting:
+        fields = messages[waiting.pop()]
+        found = {_full_name(field.type, package) for field in fields if field.type.is_message} - inside
+        inside |= found
+        waiting += found
+    text = json.dumps(
+        {
+            "type_description": _description(name, messages, package),
+            "referenced_type_descriptions": [_description(one, messages, package) for one in sorted(inside)],
+        }
+    )
+    return f"{_PREFIX}{hashlib.sha256(text.encode()).hexdigest()}"
+
+
+def _description(name: str, messages: _Messages, package: str) -> dict[str, Any]:
+    """A type without those inside; the order of the keys is a part of the standard."""
+    fields = messages[name] or (_EMPTY,)
+    return {"type_name": name, "fields": [{"name": one.name, "type": _type(one.type, package)} for one in fields]}
+
+
+def _type(type: ir.RosType, package: str) -> dict[str, Any]:
+    number = _NESTED if type.is_message else _TYPES[type.name]
+    return {
+        "type_id": number + (_UNBOUNDED_SEQUENCE if type.is_sequence else 0),
+        "capacity": 0,
+        "string_capacity": 0,
+        "nested_type_name": _full_name(type, package) if type.is_message else "",
+    }
+
+
+def _full_name(type: ir.RosType, package: str) -> str:
+    return f"{type.package or package}/msg/{type.name}"

@@ -1,5 +1,0 @@
-"""The rows' mappings to messages of ROS 2's common interfaces: checked both ways, and made into the IR."""
-
-from generator.feeds.resolving import Feeds
-
-__all__ = ["Feeds"]

@@ -1,0 +1,148 @@
+"""The baseline: an earlier state of a project or of .proto files, in a git ref, a folder or a descriptor set."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.message import DecodeError
+
+from roverlink.generator import lock
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, shown
+from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.lint.input_rules import NO_SUCH_STATE, UNREADABLE_STATE
+from roverlink.generator.lock import Entry
+from roverlink.generator.nanopb import Bounds, as_lines, read_bounds, table_bounds
+from roverlink.generator.protos.descriptors import schema_of
+from roverlink.generator.protos.files import read_protos
+from roverlink.generator.protos.protoc import compile_tree
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.table import Table, reader
+
+_TABLE = "mapping.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where a state has what, relative to its folder."""
+
+    root: str
+    """The proto root; empty for the folder itself."""
+    exclude: tuple[str, ...]
+    """Files that are left out, where the state has no table that says so itself."""
+    envelope_message: str
+    oneof: str
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """An earlier state of a project."""
+
+    name: str
+    """How findings call it."""
+    schema: Schema
+    entries: tuple[Entry, ...]
+    """The payloads of its envelope, and of its ledger and table where it has them."""
+    bounds: Bounds | None
+    commit_of: Callable[[Span], Commit | None]
+    """The commit from which a line of the state is; None where that is not known."""
+
+
+def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+    """The state that ``--against`` names, as far as it can be read; what cannot is a finding.
+
+    A folder or a file of that name comes before a git ref. Raises `DiagnosticsError` where there is nothing.
+    """
+    path = Path(spec)
+    if path.is_dir():
+        return _baseline_in(path.resolve(), spec.rstrip("/") or spec, layout, lambda _: None, findings)
+    if path.is_file():
+        return _descriptor_set(path, spec, layout)
+    return _at_ref(spec, project, layout, findings)
+
+
+def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
+    try:
+        compiled = FileDescriptorSet.FromString(path.read_bytes())
+    except (OSError, DecodeError) as error:
+        message = "is no descriptor set, as `protoc --descriptor_set_out` or `buf build` writes it"
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
+    if not compiled.file:
+        raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
+    schema = schema_of(compiled, spec)
+    return Baseline(spec, schema, tuple(_members(schema, layout)), None, lambda _: None)
+
+
+def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
+    repository = Repository(project)
+    try:
+        commit = repository.resolve(ref)
+    except GitError as error:
+        message = f"{ref!r} is no folder, no file, and no git ref"
+        help = str(error) or "git branch --all and git tag show which refs there are; a shallow clone has few"
+        raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
+    with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
+        try:
+            wanted = [file for file in repository.files(commit) if _is_wanted(file)]
+            for file, data in repository.contents(commit, wanted):
+                target = Path(folder, file)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(data)
+        except (GitError, OSError) as error:
+            raise DiagnosticsError([UNREADABLE_STATE.at(Span(ref), f"cannot be read: {error}")]) from error
+
+        def commit_of(span: Span) -> Commit | None:
+            file = span.file.removeprefix(f"{ref}:")
+            return repository.commit_of_line(file, span.line, commit) if span.line else None
+
+        return _baseline_in(Path(folder), f"{ref}:", layout, commit_of, findings)
+
+
+def _is_wanted(file: str) -> bool:
+    return file.endswith((".proto", ".options")) or file in (_TABLE, lock.NAME)
+
+
+def _baseline_in(
+    folder: Path,
+    name: str,
+    layout: Layout,
+    commit_of: Callable[[Span], Commit | None],
+    findings: list[Diagnostic],
+) -> Baseline:
+    """The state in a folder: a project, the folder of its protos, or any tree of them."""
+    own: list[Diagnostic] = []  # faults of the state's own, which nobody can mend there
+    table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
+    published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))
+    root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
+    shown_root = shown(name, root) if root else name
+    files = read_protos(folder / root, shown_root, findings)
+    if not files:
+        raise DiagnosticsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
+    excluded = table.proto.exclude if table else layout.exclude
+    schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
+    findings += [finding for finding in own if finding.severity is Severity.FATAL]
+    findings += [_of_state(error) for error in errors]
+    entries = (*published.entries, *_rows(table), *_members(schema, layout))
+    of_table = as_lines(table_bounds(table, schema, folder / root, [])) if table else {}
+    return Baseline(name, schema, entries, read_bounds(schema, folder / root, shown_root, [], of_table), commit_of)
+
+
+def _of_state(error: Diagnostic) -> Diagnostic:
+    """An error of protoc's in another state: it was not looked at, and nobody can mend it there."""
+    help = "name another state, or lint against a descriptor set"
+    return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)
+
+
+def _rows(table: Table | None) -> list[Entry]:
+    rows = table.rows if table else ()
+    return [Entry(r.number, r.name, r.proto, r.topic, False, False, r.at("number")) for r in rows]
+
+
+def _members(schema: Schema, layout: Layout) -> list[Entry]:
+    """The payloads in a state's envelope."""
+    envelope = schema.messages.get(layout.envelope_message)
+    fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
+    return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]

@@ -1,0 +1,22 @@
+"""A schema before and after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from roverlink.generator.nanopb import Bounds
+from roverlink.generator.protos.schema import Schema
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The protos as they were, and as they are."""
+
+    before: Schema
+    after: Schema
+    since: str
+    """How findings call the earlier state: a git ref, a folder, a file, the ledger."""
+    of_ledger: bool = False
+    """Whether the earlier state is the ledger: names, numbers and types of what can travel, and nothing else."""
+    bounds_before: Bounds | None = None
+    """nanopb's bounds as they were; None where they are not known."""

@@ -1,0 +1,127 @@
+"""Declarations as a .proto file has them, for messages that say what stood somewhere and what is to be written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.lint.breaking import default_values
+from roverlink.generator.lint.breaking.cardinality import is_map
+from roverlink.generator.lint.breaking.field_type_changes import kind
+from roverlink.generator.lint.breaking.pairing import FieldPair, MessagePair, written
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, Schema, Syntax
+
+_PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}
+
+
+def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None) -> str:
+    """A field as it is declared in a message, in a file of a syntax, with the number that is given."""
+    is_group = field.type == "group" and not syntax.is_edition
+    name = field.type_name.rpartition(".")[2] if is_group else field.name
+    type = "group" if is_group else type_of(field, schema, owner)
+    options = ", ".join(_options(field, schema, syntax))
+    options = f" [{options}]" if options else ""
+    end = " { ... }" if is_group else ";"
+    return f"{_label(field, schema, syntax)}{type} {name} = {number or field.number}{options}{end}"
+
+
+def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
+    """A field of a message as it was declared."""
+    before = pair.change.before
+    return declaration(field, before, pair.old.full_name, before.syntax_of(pair.old.file))
+
+
+def _label(field: ProtoField, schema: Schema, syntax: Syntax) -> str:
+    if is_map(field, schema):
+        return ""
+    if field.repeated:
+        return "repeated "
+    if field.oneof or syntax.is_edition:
+        return ""
+    if field.label == "required":
+        return "required "
+    return "optional " if field.optional or syntax.name == "proto2" else ""
+
+
+def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]:
+    if "default" in field.facets and syntax.name != "proto3":
+        yield f"default = {default_values.shown(field, schema)}"
+    if not syntax.is_edition:
+        return
+    holds_message = field.type in ("message", "group")
+    presence = "" if field.repeated or field.oneof else _PRESENCE[field.label]
+    if presence and presence != syntax.presence and (not holds_message or field.label == "required"):
+        yield f"features.field_presence = {presence}"
+    encoding = "DELIMITED" if kind(field) == "group" else "LENGTH_PREFIXED"
+    if holds_message and encoding != syntax.encoding and not is_map(field, schema):
+        yield f"features.message_encoding = {encoding}"
+
+
+def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
+    """A field's type as its message names it."""
+    entry = schema.messages.get(field.type_name)
+    if entry is not None and is_map(field, schema):
+        key, value = sorted(entry.fields, key=lambda one: one.number)
+        return f"map<{key.type}, {type_of(value, schema, owner)}>"
+    return from_within(owner, field.type_name) if field.type_name else field.type
+
+
+def type_place(field: ProtoField) -> Span:
+    """Where a field's type stands."""
+    return field.places.get("type") or field.at("type_name")
+
+
+def value_place(enum: ProtoEnum, number: int) -> Span:
+    """Where the first value of a number stands."""
+    return next((value.span for value in enum.values if value.number == number), enum.span)
+
+
+def retyping(pair: FieldPair) -> str:
+    """That a field has another type, and what happens to values between two sides of which each has one of them."""
+    old, new = pair.old, pair.new
+    old_type = type_text(old, pair.change.before, pair.owner)
+    new_type = type_text(new, pair.change.after, pair.owner)
+    if old.name != new.name and not pair.in_map_entry:
+        return f"number {new.number} was {old.name} ({old_type}) and is {new.name} ({new_type}) now"
+    what = f"{new.name} = {new.number}"
+    if pair.in_map_entry:
+        of_map = written(pair).new
+        what = f"the {new.name} of the map {of_map.name} = {of_map.number}"
+    comma = "," if kind(old) == "group" else ""
+    return f"{what} was {old_type}{comma} and is {new_type} now: {_misreading(kind(old), kind(new))}"
+
+
+def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
+    """A field's type in a sentence."""
+    if kind(field) == "group":
+        return f"{field.type_name}, delimited as a group"
+    return type_of(field, schema, "" if field.type_name and not is_map(field, schema) else owner)
+
+
+def from_within(owner: str, full_name: str) -> str:
+    """A full name as it is mostly written inside a message: without what both have in front."""
+    scope = owner
+    while scope:
+        if full_name.startswith(f"{scope}."):
+            return full_name.removeprefix(f"{scope}.")
+        scope = scope.rpartition(".")[0]
+    return full_name
+
+
+_WIRE_TYPES = {
+    **dict.fromkeys(("int32", "int64", "uint32", "uint64", "sint32", "sint64", "bool", "enum"), "varint"),
+    **dict.fromkeys(("fixed32", "sfixed32", "float"), "four bytes"),
+    **dict.fromkeys(("fixed64", "sfixed64", "double"), "eight bytes"),
+    **dict.fromkeys(("string", "bytes", "message"), "length and bytes"),
+    "group": "group",
+}
+
+
+def _misreading(old: str, new: str) -> str:
+    if _WIRE_TYPES.get(old) != _WIRE_TYPES.get(new):
+        return "what the one side sends, the other skips as unknown"
+    if "message" in (old, new) or old == new == "enum":
+        return "what the one side sends, the other reads with other meanings"
+    if new == "string":
+        return "a receiver refuses the whole message where the bytes are not UTF-8"
+    return "what the one side sends, the other reads as other values"

@@ -1,0 +1,82 @@
+"""What a field is read as where it is absent.
+
+Without a default of its own, that is zero, empty or false; of an enum, its first value. The default never travels: each
+side has the one that it was compiled with.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+
+from google.protobuf.text_encoding import CEscape, CUnescape
+
+from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.protos.schema import ProtoField, Schema
+
+Value = float | int | str | bytes
+
+
+def default(field: ProtoField, schema: Schema) -> Value:
+    """A singular field's value where it is absent."""
+    text = field.facets.get("default", "")
+    if field.type == "enum":
+        return _number(field, text, schema)
+    if field.type == "string":
+        return text
+    if field.type == "bytes":
+        return CUnescape(text)
+    if field.type in ("double", "float"):
+        value = float(text or 0)
+        return _as_float32(value) if field.type == "float" else value
+    return {"true": 1, "false": 0}[text] if field.type == "bool" and text else int(text or 0)
+
+
+def shown(field: ProtoField, schema: Schema) -> str:
+    """What a field is where it is absent, as a .proto file has it."""
+    text = field.facets.get("default", "")
+    if field.type == "enum" and not text:
+        enum = schema.enums.get(field.type_name)
+        return enum.values[0].name if enum and enum.values else "0"
+    if field.type == "string":
+        return f'"{CEscape(text.encode(), as_utf8=True)}"'
+    if field.type == "bytes":
+        return f'"{text}"'
+    return text or ("false" if field.type == "bool" else "0")
+
+
+def default_changed(pair: FieldPair) -> bool:
+    """Whether an absent field is read as something else than before."""
+    if pair.change.of_ledger or not (_may_have_default(pair.old) and _may_have_default(pair.new)):
+        return False
+    old, new = default(pair.old, pair.change.before), default(pair.new, pair.change.after)
+    if not old and not new:
+        return False
+    if isinstance(old, (str, bytes)) or isinstance(new, (str, bytes)):
+        return _encoded(old) is None or _encoded(old) != _encoded(new)
+    if "float" in (pair.old.type, pair.new.type) and {pair.old.type, pair.new.type} <= {"float", "double"}:
+        old, new = _as_float32(old), _as_float32(new)
+    return old != new and not (math.isnan(old) and math.isnan(new))
+
+
+def _may_have_default(field: ProtoField) -> bool:
+    return not field.repeated and field.type not in ("message", "group")
+
+
+def _number(field: ProtoField, name: str, schema: Schema) -> int:
+    enum = schema.enums.get(field.type_name)
+    values = enum.values if enum else ()
+    return next((value.number for value in values if not name or value.name == name), 0)
+
+
+def _encoded(value: Value) -> bytes | None:
+    """The bytes of a string; None for a number."""
+    return value.encode() if isinstance(value, str) else value if isinstance(value, bytes) else None
+
+
+def _as_float32(value: float) -> float:
+    """The nearest number that 32 bits hold."""
+    try:
+        return float(struct.unpack("<f", struct.pack("<f", value))[0])
+    except OverflowError:
+        return math.copysign(math.inf, value)

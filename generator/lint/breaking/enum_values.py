@@ -1,0 +1,39 @@
+"""What became of the names of an enum's numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.lint.breaking.change import Change
+from roverlink.generator.lint.breaking.pairing import EnumPair, enums, values_by_number
+from roverlink.generator.protos.schema import ProtoEnumValue
+
+
+def renamed_values(change: Change) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
+    """The numbers of which a name is gone: with those names, and with the values that they have now."""
+    for pair in enums(change):
+        after = values_by_number(pair.new)
+        for number, before in values_by_number(pair.old).items():
+            left = {value.name for value in after.get(number, [])}
+            gone = tuple(value.name for value in before if value.name not in left)
+            if gone and left:
+                yield pair, number, gone, after[number]
+
+
+def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
+    """The value before, of another number, whose name the number has now."""
+    names = {value.name for value in pair.new.values if value.number == number}
+    return next((value for value in pair.old.values if value.name in names and value.number != number), None)
+
+
+def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
+    """The value now, of another number, whose name the number had, if it kept none of the names that it had."""
+    names = {value.name for value in pair.old.values if value.number == number}
+    if any(value.name in names and value.number == number for value in pair.new.values):
+        return None
+    return next((value for value in pair.new.values if value.name in names), None)
+
+
+def stands_for_another(pair: EnumPair, number: int) -> bool:
+    """Whether a number and another one are taken for each other, and not only called something else."""
+    return bool(moved_here(pair, number) or moved_away(pair, number))

@@ -1,0 +1,103 @@
+"""What to write instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from roverlink.generator.lint.breaking.cardinality import is_map
+from roverlink.generator.lint.breaking.change import Change
+from roverlink.generator.lint.breaking.declaration_text import declaration
+from roverlink.generator.lint.breaking.field_type_changes import kind
+from roverlink.generator.lint.breaking.number_ranges import Range, covers, missing, spelled
+from roverlink.generator.lint.breaking.pairing import EnumPair, FieldPair, MessagePair, written
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Syntax
+
+
+def was(pair: FieldPair) -> str:
+    """How a field was declared."""
+    owner, old, _ = written(pair)
+    return declaration(old, pair.change.before, owner, pair.old_syntax)
+
+
+def back(pair: FieldPair) -> str:
+    """How to undo what became of a field."""
+    owner, old, _ = written(pair)
+    declared = declaration(old, pair.change.before, owner, pair.syntax)
+    return f"put back `{declared}`{_with_type(pair.change, old, kind(pair.new) == 'group')}"
+
+
+def _with_type(change: Change, old: ProtoField, declares_type: bool = False) -> str:
+    """What else has to be done so that a field can have its type again; a map and a group declare it themselves."""
+    now = change.after.messages.get(old.type_name)
+    if old.type == "group" or is_map(old, change.before):
+        in_the_way = now is not None and not now.map_entry and not declares_type
+        return f" in place of message {old.type_name.rpartition('.')[2]}" if in_the_way else ""
+    gone = old.type_name and now is None and old.type_name not in change.after.enums and not change.of_ledger
+    return " with its type" if gone else ""
+
+
+def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:
+    """The statements that reserve numbers and names, without what is reserved already, and names that are in use."""
+    left = [part for one in numbers for part in missing(one, new.reserved)]
+    free = [name for name in names if name not in new.reserved_names and name not in names_in_use(new)]
+    of_numbers = f"reserved {spelled(left)};" if left else ""
+    return " ".join(filter(None, (of_numbers, reserve_names(free, syntax) if free else "")))
+
+
+def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
+    """The statement that reserves names; in an edition, they are no strings."""
+    quote = "" if syntax.is_edition else '"'
+    return f"reserved {', '.join(f'{quote}{name}{quote}' for name in names)};"
+
+
+def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
+    """The names of a message's fields or of an enum's values, with their numbers."""
+    return {one.name: one.number for one in (new.fields if isinstance(new, ProtoMessage) else new.values)}
+
+
+def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
+    """What to write where a field was."""
+    put = put_back(pair, field)
+    if field.label == "required":
+        return put
+    return _or_reserve(pair, put, field.number, [field.name])
+
+
+def put_back(pair: MessagePair, field: ProtoField) -> str:
+    """How to put back a field that is gone."""
+    declared = declaration(field, pair.change.before, pair.old.full_name, pair.syntax)
+    return f"put back `{declared}`{_with_type(pair.change, field)}{_in_place_of(pair.new, field.number, [field.name])}"
+
+
+def value_back_or_reserve(pair: EnumPair, number: int, names: Sequence[str]) -> str:
+    """What to write where an enum's value was."""
+    return _or_reserve(pair, put_values_back(pair, number, names), number, names)
+
+
+def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
+    """How to put back values that are gone, with the option that this takes."""
+    numbers = [value.number for value in pair.new.values]
+    shared, allowed = len(names) + numbers.count(number) > 1, len(set(numbers)) < len(numbers)
+    option = "option allow_alias = true; " if shared and not allowed else ""
+    return f"put back `{option}{values(names, number)}`{_in_place_of(pair.new, number, names)}"
+
+
+def values(names: Iterable[str], number: int) -> str:
+    """An enum's values as they are declared."""
+    return " ".join(f"{name} = {number};" for name in names)
+
+
+def _or_reserve(pair: MessagePair | EnumPair, put: str, number: int, names: Sequence[str]) -> str:
+    statements = reserve(pair.new, pair.syntax, [(number, number)], names)
+    if covers(pair.new.reserved, number) or not set(names).isdisjoint(pair.new.reserved_names):
+        return f"write `{statements}` as well, or {put}"
+    return f"{put}, or write `{statements}`"
+
+
+def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str]) -> str:
+    """What has to go where something is put back: what has its name now, or what reserves it."""
+    used = names_in_use(new)
+    moved = [f"{name} = {used[name]}" for name in names if name in used]
+    held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]
+    found = moved + [f"what reserves {' and '.join(held)}"] * bool(held)
+    return f" in place of {', and '.join(found)}" if found else ""

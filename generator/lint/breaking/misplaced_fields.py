@@ -1,0 +1,42 @@
+"""The fields that are to have another number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.lint.breaking.cardinality import broken_by_cardinality, cardinalities, only_required
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
+from roverlink.generator.lint.breaking.number_ranges import covers, missing
+from roverlink.generator.lint.breaking.oneof_changes import broken_by_oneof
+from roverlink.generator.lint.breaking.pairing import FieldPair, MessagePair, fields_of_messages
+from roverlink.generator.lint.breaking.renames import Rename, rename
+from roverlink.generator.protos.schema import ProtoField
+
+
+def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
+    """The fields whose numbers belong to something else."""
+    freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
+    pairs = {one.new.number: one for one in fields_of_messages(pair)}
+    for field in sorted(pair.new.fields, key=lambda field: field.number):
+        one = pairs.get(field.number)
+        of_another = one is not None and (_is_another(one) or any(map(_is_another, _inside_of_map(one))))
+        if of_another or covers(freed, field.number):
+            yield field
+
+
+def _is_another(pair: FieldPair) -> bool:
+    cardinality = cardinalities(pair)
+    return (
+        broken_by_type(pair)
+        or (broken_by_cardinality(*cardinality) and not only_required(*cardinality))
+        or broken_by_oneof(pair)
+        or rename(pair) in (Rename.MEANING, Rename.UNIT)
+    )
+
+
+def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
+    """The key and the value of a map."""
+    change = pair.change
+    old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
+    if old and new and new.map_entry and old.full_name == new.full_name:
+        yield from fields_of_messages(MessagePair(change, old, new))

@@ -1,0 +1,51 @@
+"""The words of a name, and whether two names speak of the same thing."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable
+
+from roverlink.generator.lint.breaking.name_units import measure
+
+_WORD = re.compile(r"X\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_EMPTY = frozenset(
+    {"a", "an", "and", "the", "of", "to", "in", "on", "is", "has", "value", "data", "info", "new", "old"}
+)
+_SHORTEST_STEM = 3
+
+
+def words(name: str) -> list[str]:
+    """The words of a name in snake or in camel case, in lower case; an underscore always ends a word."""
+    return [word.lower() for part in name.split("_") for word in _words_of_part(part)]
+
+
+def _words_of_part(part: str) -> list[str]:
+    return [part] if re.fullmatch(r"[xX]\d+|[a-z]{1,3}[23]", part) else _WORD.findall(part)
+
+
+def share_a_word(old: Iterable[str], new: Iterable[str]) -> bool:
+    """Whether names have a word in common that says what they are about; units and numbers do not, nor does `the`.
+
+    `temp` and `temperature` are the same word, as are `label` and `labels`. What looks like a unit in the one name may
+    be what the other is about, as in `item_counts` and `counts`.
+    """
+    (old_subjects, old_words), (new_subjects, new_words) = _subjects(old), _subjects(new)
+    return _any_same(old_subjects, new_words) or _any_same(new_subjects, old_words)
+
+
+def _subjects(names: Iterable[str]) -> tuple[set[str], set[str]]:
+    """What names are about, and all of their words."""
+    split = [words(name) for name in names]
+    found = {word for name in split for word in measure(name).words}
+    telling = {word for word in found if not word.isdigit() and word not in _EMPTY}
+    return telling or found, {word for name in split for word in name}
+
+
+def _any_same(some: Iterable[str], others: Iterable[str]) -> bool:
+    return any(_same(one, other) for one, other in itertools.product(some, others))
+
+
+def _same(one: str, other: str) -> bool:
+    shorter, longer = sorted((one, other), key=len)
+    return one == other or (len(shorter) >= _SHORTEST_STEM and longer.startswith(shorter))

@@ -1,0 +1,42 @@
+"""Ranges of numbers, both ends included."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
+
+Range = tuple[int, int]
+
+_LARGEST = (LARGEST_FIELD_NUMBER, LARGEST_ENUM_NUMBER)
+
+
+def covers(ranges: Iterable[Range], number: int) -> bool:
+    """Whether a number is in one of the ranges."""
+    return any(first <= number <= last for first, last in ranges)
+
+
+def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
+    """The parts of a range that are in none of the others."""
+    start, end = wanted
+    for first, last in sorted(ranges):
+        if last < start:
+            continue
+        if first > end:
+            break
+        if first > start:
+            yield start, first - 1
+        start = last + 1
+    if start <= end:
+        yield start, end
+
+
+def spelled(ranges: Iterable[Range]) -> str:
+    """Ranges as a .proto file has them."""
+    return ", ".join(_spelled(*one) for one in ranges)
+
+
+def _spelled(first: int, last: int) -> str:
+    if first == last:
+        return str(first)
+    return f"{first} to {'max' if last in _LARGEST else last}"

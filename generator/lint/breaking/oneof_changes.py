@@ -1,0 +1,44 @@
+"""Whether bytes are misread if a field stands in another oneof.
+
+A receiver that sees two members of a oneof keeps the last and drops the other. So what counts on the wire is with which
+fields a field shares a oneof, among those that both sides know (protobuf.dev/programming-guides/proto3, "Updating A
+Message Type" and "Backwards-compatibility issues" of oneofs). The oneof's name never travels.
+"""
+
+from __future__ import annotations
+
+from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+
+
+def broken_by_oneof(pair: FieldPair) -> bool:
+    """Tell whether bytes are misread because a field is in the oneof that it is in now, or in none."""
+    if pair.messages is None or pair.old.oneof == pair.new.oneof:
+        return False
+    old, new = pair.messages.old, pair.messages.new
+    shared = {field.number for field in old.fields} & {field.number for field in new.fields}
+    return partners(old, pair.old) & shared != partners(new, pair.new) & shared
+
+
+def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
+    """The numbers of the other fields in a field's oneof."""
+    if not field.oneof:
+        return set()
+    return {one.number for one in message.fields if one.oneof == field.oneof} - {field.number}
+
+
+def moved_text(pair: FieldPair) -> str:
+    """From where to where a field moved."""
+    what = f"{pair.new.name} = {pair.new.number}"
+    if not pair.old.oneof:
+        return f"{what} is in the oneof {pair.new.oneof} now"
+    if not pair.new.oneof:
+        return f"{what} is no longer in the oneof {pair.old.oneof}"
+    return f"{what} was in the oneof {pair.old.oneof} and is in {pair.new.oneof} now"
+
+
+def moved_back(pair: FieldPair) -> str:
+    """How to undo that."""
+    if pair.old.oneof:
+        return f"put it back into `oneof {pair.old.oneof}`"
+    return f"take it out of the oneof {pair.new.oneof}"

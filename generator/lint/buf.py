@@ -1,0 +1,181 @@
+"""`buf breaking`, for what our own rules leave to it: changes of generated source code and of JSON.
+
+Buf is given descriptor sets of both states that protoc compiled, and its whole configuration. So it needs neither the
+network nor a buf.yaml, and any earlier state will do. Of its category FILE, which has every rule of the others or a
+stricter one, those findings are dropped that our rules for bytes and for the envelope have already made.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity, Span, shown
+from roverlink.generator.protos.schema import ProtoEnum, ProtoMessage, Schema
+
+NOT_INSTALLED = Rule(
+    "BUF101",
+    "buf-not-installed",
+    """`lint --with-buf` finds no buf to run.
+
+buf is looked for beside the running Python interpreter, then on the PATH. Nothing is linted, since a result without
+buf's part could be taken for a clean one.
+
+Bad::
+
+    $ roverlink lint --against origin/main --with-buf     # buf is not installed
+
+Good::
+
+    $ pip install buf-bin
+    $ roverlink lint --against origin/main --with-buf
+""",
+    Severity.FATAL,
+)
+
+FAILED = Rule(
+    "BUF102",
+    "buf-failed",
+    """buf cannot be run, or did not compare the two states.
+
+buf refuses some files that protoc accepts, such as message sets. What the lint finds itself is shown all the same.
+
+Bad::
+
+    $ roverlink lint --against origin/main --with-buf     # old.proto declares a message set
+
+Good::
+
+    $ roverlink lint --against origin/main     # without --with-buf
+""",
+    Severity.FATAL,
+)
+
+_OPTION = Span("--with-buf")
+_VIOLATIONS = 100  # the exit code of a comparison that found something
+_OURS = ("ENV", "WIR")
+_RULE = re.compile("[A-Z]+(_[A-Z0-9]+)+")
+_TYPE = re.compile(r'\b(?:message|enum) "([\w.]+)"', re.IGNORECASE)
+_NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
+
+
+def rule(id: str) -> Rule | None:
+    """Return a rule of buf's by its name; None if it has no such name."""
+    return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
+
+
+def executable() -> str | None:
+    """Find the buf beside the running Python interpreter (it is on PyPI as buf-bin), else the one on the PATH."""
+    return shutil.which("buf", path=str(Path(sys.executable).parent)) or shutil.which("buf")
+
+
+def require() -> None:
+    """Raise `DiagnosticsError` if buf is not installed."""
+    if executable() is None:
+        message = "there is no buf beside this Python interpreter or on the PATH; nothing was linted"
+        raise DiagnosticsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
+
+
+def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
+    """List what buf finds in a schema against an earlier one. Raises `DiagnosticsError` if buf fails.
+
+    The deletion of a map's entry is left out: nobody wrote the entry.
+    """
+    if not before.files or not after.files:
+        return []  # nothing compiled, which is a finding already
+    said = _run(before, after)
+    try:
+        found = [_finding(json.loads(line), before, after, shown_root) for line in said.splitlines()]
+    except (ValueError, LookupError, TypeError) as error:
+        raise _failure(f"its output is not a list of findings: {_first_line(said)}") from error
+    entries = {name for name, message in before.messages.items() if message.map_entry}
+    return [one for one in found if one.rule.id != "MESSAGE_NO_DELETE" or one.type not in entries]
+
+
+def _run(before: Schema, after: Schema) -> str:
+    # What does not compile is no part of the state, and buf would take it for deleted.
+    ignored = sorted({"google/protobuf", *before.uncompiled, *after.uncompiled})
+    config = json.dumps({"version": "v2", "breaking": {"use": ["FILE"], "ignore": ignored}})
+    command = [executable() or "buf", "breaking", "after.binpb", "--against", "before.binpb"]
+    with tempfile.TemporaryDirectory(prefix="roverlink-buf-") as folder:
+        for name, schema in (("before", before), ("after", after)):
+            Path(folder, f"{name}.binpb").write_bytes(schema.descriptors.SerializeToString())
+        try:
+            done = subprocess.run(  # noqa: S603  # the buf that the user installed
+                [*command, "--config", config, "--against-config", '{"version": "v2"}', "--error-format", "json"],
+                cwd=folder,
+                env={**os.environ, "BUF_CACHE_DIR": folder, "BUF_CONFIG_DIR": folder},
+                capture_output=True,
+                text=True,
+                encoding="utf-8",
+                errors="replace",
+                check=False,
+            )
+        except OSError as error:
+            raise _failure(f"it cannot be run: {error}") from error
+    if done.returncode not in (0, _VIOLATIONS) or (done.returncode and not done.stdout):
+        raise _failure(_first_line(done.stderr) or _first_line(done.stdout) or f"exit code {done.returncode}")
+    return done.stdout
+
+
+def _first_line(text: str) -> str:
+    return next(filter(None, map(str.strip, text.splitlines())), "")
+
+
+def _failure(why: str) -> DiagnosticsError:
+    help = f"if this buf is old or broken: {sys.executable} -m pip install --upgrade buf-bin"
+    return DiagnosticsError([FAILED.at(_OPTION, f"{executable()} did not compare the two states: {why}", help)])
+
+
+def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
+    """Read a line of buf's; a deleted file has no place. Raises any of several errors if it is none."""
+    id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
+    broken = rule(id)
+    if broken is None:
+        raise ValueError(id)
+    span = Span(shown_root or ".")
+    if path:
+        span = Span(shown(shown_root, path), int(str(said["start_line"])), int(str(said["start_column"])))
+    number = _NUMBER.search(message)
+    return broken.at(
+        span,
+        message,
+        f"https://buf.build/docs/breaking/rules/#{id.lower()} says what that breaks",
+        type=_full_name(message, path, span, before, after),
+        number=int(number[1]) if number else None,
+    )
+
+
+def _full_name(message: str, path: str, span: Span, before: Schema, after: Schema) -> str:
+    """Return the full name of the message or enum that a finding is about; empty for none.
+
+    Buf names it in full, without its package, or, if it is nested, by its last name alone. Of several with one last
+    name, it is the last that starts before the place.
+    """
+    name = _TYPE.search(message)
+    if name is None:
+        return ""
+    for schema in (after, before):
+        types: dict[str, ProtoMessage | ProtoEnum] = {**schema.messages, **schema.enums}
+        if name[1] in types:
+            return name[1]
+        found = [one for one in types.values() if one.file == path and one.full_name.endswith(f".{name[1]}")]
+        if found:
+            return max(found, key=lambda one: (one.span <= span, one.span)).full_name
+    return ""
+
+
+def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the findings of buf's that are not about a field, value or reserved range of which ours say more."""
+    told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
+    for one in theirs:
+        of_range = one.rule.id.startswith("RESERVED_") and (one.type, None) in told  # ours may be about several ranges
+        if one.number is None or not (of_range or (one.type, one.number) in told):
+            yield one

@@ -1,0 +1,132 @@
+"""Which commit of the protos each consumer is pinned to: git submodules, CMake's FetchContent, or a plain list."""
+
+from __future__ import annotations
+
+import configparser
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.git import GitError, Repository
+from roverlink.generator.lint.input_rules import UNREADABLE_PINS
+
+_CMAKE = ("CMakeLists.txt", ".cmake")
+_SET = re.compile(r"\bset\s*\(\s*(?P<name>\w+)\s+\"?(?P<value>[^\s\")]+)", re.IGNORECASE)
+_VARIABLE = re.compile(r"\$\{(\w+)\}")
+_COMMENT = re.compile(r"(\"(?:\\.|[^\"\\])*\")|#[^\n]*")
+_DECLARE = re.compile(r"\b(?:FetchContent_Declare|ExternalProject_Add)\s*\((?P<body>[^()]*)\)", re.IGNORECASE)
+_LIST_LINE = re.compile(r"(?P<name>\S+)[ \t:=]+(?P<commit>\S+)\s*(#.*)?")
+_SUBMODULE = "160000"  # the mode of a submodule in a tree
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A consumer, and the commit that it takes the protos from."""
+
+    consumer: str
+    commit: str
+    """As it is written: a commit, a tag or a branch."""
+    span: Span
+    source: str
+    """The file or the repository that was to be read."""
+    listed: bool = False
+    """Whether a plain list says that it is the protos'; of other sources, the address may."""
+    address: str = ""
+    """Of the repository that it is a commit of, as far as it is written."""
+
+
+def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin, ...]:
+    """The pins in files and in repositories; one without any is a finding."""
+    pins: list[Pin] = []
+    for source in sources:
+        read = len(findings)
+        found = list(_pins_of(source, findings))
+        if not found and len(findings) == read:
+            message = "no pin was found: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
+            findings.append(UNREADABLE_PINS.at(Span(str(source)), message))
+        pins += found
+    return tuple(pins)
+
+
+def _pins_of(source: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
+    if not source.is_dir():
+        yield from _pins_in_file(source, findings)
+        return
+    name = source.resolve().name
+    yield from _submodules(source, name)
+    paths = sorted(path for path in source.rglob("*") if path.name.endswith(_CMAKE) and path.is_file())
+    yield from _cmake_pins({path: _text(path, findings) for path in paths}, source, name)
+
+
+def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
+    text = _text(path, findings)
+    if path.name.endswith(_CMAKE):
+        yield from _cmake_pins({path: text}, path, path.resolve().parent.name)
+        return
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            match = _LIST_LINE.fullmatch(line.strip())
+            if match:
+                yield Pin(match["name"], match["commit"], Span(str(path), number, 1), str(path), listed=True)
+            else:
+                findings.append(UNREADABLE_PINS.at(Span(str(path), number, 1), f"no `name commit`: {line.strip()!r}"))
+
+
+def _text(path: Path, findings: list[Diagnostic]) -> str:
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}"))
+        return ""
+    if "\0" in text:
+        findings.append(UNREADABLE_PINS.at(Span(str(path)), "is binary, and no list of pins"))
+        return ""
+    return text
+
+
+def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Iterator[Pin]:
+    """The GIT_TAG of each declaration; comments do not count, and variables are what `set` made them."""
+    bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
+    variables = {match["name"]: match["value"] for text in bare.values() for match in _SET.finditer(text)}
+    for path, text in bare.items():
+        for declared in _DECLARE.finditer(text):
+            words = declared["body"].split()
+            if tag := _word_after("GIT_TAG", words, variables):
+                line = text.count("\n", 0, text.index("GIT_TAG", declared.start())) + 1
+                address = _word_after("GIT_REPOSITORY", words, variables)
+                yield Pin(f"{consumer}/{words[0]}", tag, Span(str(path), line, 1), str(source), address=address)
+
+
+def _word_after(keyword: str, words: list[str], variables: Mapping[str, str]) -> str:
+    """The argument of a keyword, with the values of the variables that are known; empty where there is none."""
+    if keyword not in words[:-1]:
+        return ""
+    word = words[words.index(keyword) + 1].strip('"')
+    return _VARIABLE.sub(lambda match: variables.get(match[1], match[0]), word)
+
+
+def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
+    repository = Repository(folder)
+    try:
+        listed = repository.entries("HEAD")
+    except GitError:
+        return
+    addresses = _addresses(folder)
+    for mode, object_id, path in listed:
+        if mode == _SUBMODULE:
+            span = Span(str(folder / ".gitmodules"))
+            yield Pin(f"{consumer}/{path}", object_id, span, str(folder), address=addresses.get(path, ""))
+
+
+def _addresses(folder: Path) -> dict[str, str]:
+    """The address of each submodule by its path, as far as .gitmodules has them."""
+    modules = configparser.ConfigParser(strict=False, interpolation=None)
+    try:
+        # Its lines are indented, which to Python would be a value that goes on.
+        text = (folder / ".gitmodules").read_text(encoding="utf-8", errors="replace")
+        modules.read_string("\n".join(line.strip() for line in text.splitlines()))
+    except (OSError, configparser.Error):
+        return {}
+    return {section["path"]: section.get("url", "") for section in modules.values() if "path" in section}

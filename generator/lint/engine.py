@@ -1,0 +1,188 @@
+"""The lint of a project, or of a tree of .proto files that has no table: everything is read, and every rule asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from roverlink.generator import lock
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, in_order
+from roverlink.generator.git import Commit, GitError, Repository
+from roverlink.generator.lint import bare_tree, buf
+from roverlink.generator.lint.baseline import Baseline, Layout, open_baseline
+from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.consumer_pins import read_pins
+from roverlink.generator.lint.context import Past, Subject, since_last_generate
+from roverlink.generator.lint.history import read_history
+from roverlink.generator.lint.input_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
+from roverlink.generator.lint.pinned_numbers import read_pinned
+from roverlink.generator.lint.rules import lint
+from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
+from roverlink.generator.protos.files import index_declarations, read_protos
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.protoc import compile_tree
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.resolve.routes import locate
+from roverlink.generator.table import Table, reader
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is looked at beside the present."""
+
+    against: str | None = None
+    """Another state: a folder, a descriptor set, or a git ref."""
+    with_buf: bool = False
+    """Whether buf compares the two states as well."""
+    history: bool = False
+    """Whether every number's past is judged."""
+    branches: bool = False
+    """Whether open branches are compared with each other."""
+    pins: tuple[Path, ...] = ()
+    """Files and repositories that say which commit a consumer is pinned to."""
+    envelope: bool = False
+    """Whether there is nothing to say without an envelope."""
+    report: Callable[[int, int], None] | None = None
+    """Told how much of the history is read, and of how much."""
+
+    @property
+    def of_the_past(self) -> bool:
+        """Whether git's history has to be read."""
+        return self.history or self.branches or bool(self.pins)
+
+    @property
+    def of_the_envelope(self) -> bool:
+        """Whether it has to be known which message the envelope is."""
+        return self.envelope or self.branches or bool(self.pins)
+
+
+@dataclass(frozen=True, slots=True)
+class Linted:
+    """What a lint found, and how to show more of it."""
+
+    findings: tuple[Diagnostic, ...]
+    folder: Path
+    """The folder from which the files of findings are named."""
+    commit_of: Callable[[Span], Commit | None]
+    """The commit from which a line is; None where it is not committed, or not known."""
+    subject: Subject
+    """What the rules looked at."""
+
+    @property
+    def limits(self) -> list[Diagnostic]:
+        """The findings that say what could not be looked at, or not all of it."""
+        partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
+        return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
+
+
+def lint_project(table_path: Path, question: Question) -> Linted:
+    """Lint the project of a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    project = table_path.resolve().parent
+    findings: list[Diagnostic] = []
+    table = reader.read(table_path, findings, table_path.name)
+    published = lock.read(project / lock.NAME, findings)
+    return _lint(project, table, published, question, findings)
+
+
+def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
+    """Lint a folder of .proto files, without a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    findings: list[Diagnostic] = []
+    return _lint(root.resolve(), bare_tree.table_of_tree(envelope), lock.Ledger(), question, findings)
+
+
+def _lint(
+    project: Path, table: Table, published: lock.Ledger, question: Question, findings: list[Diagnostic]
+) -> Linted:
+    if question.with_buf:
+        buf.require()
+    root, shown_root = project / table.proto.root, table.proto.root
+    if not root.is_dir():
+        message = f"there is no folder {table.proto.root or project}; nothing was looked at"
+        raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
+    if question.of_the_envelope:
+        bare_tree.must_have_envelope(table, findings)
+    past = _past(root, table.envelope.message, question, findings) if question.of_the_past else None
+    found_before = len(findings)
+    declared = read_protos(root, shown_root, findings)
+    if not declared and len(findings) == found_before and not (past and past.history.messages):
+        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
+    kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
+    left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
+    schema, errors = compile_tree(root, list(kept), shown_root)
+    findings += errors
+    if table.proto.root:
+        locate(table, index_declarations(declared, table.proto.exclude), findings)
+    table = bare_tree.with_members(table, schema, findings, past.history.messages if past else ())
+    of_table = as_lines(table_bounds(table, schema, root, findings))
+    layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
+    baseline = _baseline(question, project, layout, findings)
+    subject = Subject(
+        table=table,
+        schema=schema,
+        ledger=published,
+        files=kept,
+        excluded_files=left_out,
+        changes=_changes(schema, baseline, published),
+        earlier_entries=baseline.entries if baseline else (),
+        bounds=read_bounds(schema, root, table.proto.root, findings, of_table),
+        past=past,
+    )
+    theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
+    findings += lint(subject, theirs)
+    return Linted(tuple(in_order(findings)), project, _blame(project, baseline), subject)
+
+
+def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
+    """The past, as far as it is asked for. Raises `DiagnosticsError` where there is no repository."""
+    try:
+        history = read_history(root, question.report)
+    except GitError as error:
+        message = "the history cannot be read"
+        raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
+    if history.shallow:
+        message = f"this is a shallow clone: its history goes back {history.depth} commits, and no further"
+        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
+    for path in history.unread:
+        findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or not there"))
+    pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
+    return Past(history, question.history, question.branches, tuple(pins))
+
+
+def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
+    """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
+    try:
+        return open_baseline(question.against, project, layout, findings) if question.against else None
+    except DiagnosticsError as error:
+        findings += [finding for finding in error.findings if finding not in findings]
+        return None
+
+
+def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagnostic]) -> list[Diagnostic]:
+    """List what buf finds; if buf fails, the rest is linted all the same."""
+    try:
+        return buf.breaking(before, after, shown_root)
+    except DiagnosticsError as error:
+        findings += error.findings
+        return []
+
+
+def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) -> tuple[Change, ...]:
+    changes = [Change(baseline.schema, schema, baseline.name, bounds_before=baseline.bounds)] if baseline else []
+    return (*changes, *since_last_generate(published, schema))
+
+
+def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
+    """Asks git for the commit of a line, in this state or in the other one."""
+    repository = Repository(project)
+
+    def commit_of(span: Span) -> Commit | None:
+        if not span.line:
+            return None
+        if baseline is not None and span.file.startswith(baseline.name):
+            return baseline.commit_of(span)
+        if not (project / span.file).is_file():  # a file of an earlier commit, which has the commit in its name
+            return None
+        return repository.commit_of_line(span.file, span.line)
+
+    return commit_of

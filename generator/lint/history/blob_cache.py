@@ -1,0 +1,120 @@
+"""A cache of what the blobs of a repository say about numbers, kept between runs in the user's cache folder.
+
+The id of a blob stands for its text, so an entry is right as long as the code that read it is the same. Each repository
+has one file: a checksum, then JSON. The checksum covers the code, too: what another version of the program wrote, what
+is cut short and what was damaged is read again. The files can be deleted at any time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import inspect
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes
+from roverlink.generator.protos import parser, schema
+from roverlink.generator.protos.schema import Fact
+
+_LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a million
+
+
+class BlobCache:
+    """The cache of one repository."""
+
+    def __init__(self, repository: Path) -> None:
+        name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
+        self._file = _folder() / f"{name}.json"
+
+    def load(self) -> dict[str, NumberedTypes]:
+        """Return what is known, by the ids of blobs; nothing where the cache cannot be read or is not ours."""
+        try:
+            said, _, body = self._file.read_bytes().partition(b"\n")
+            os.utime(self._file)
+        except OSError:
+            return {}
+        return dict(_decoded(body)) if said == _checksum(body) else {}
+
+    def save(self, known: Mapping[str, NumberedTypes]) -> None:
+        """Replace the cache; where that is not possible, there is none."""
+        body = _encoded(known)
+        if len(body) > _LARGEST:
+            return
+        with contextlib.suppress(OSError):
+            folder = self._file.parent
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            descriptor, temporary = tempfile.mkstemp(dir=folder)
+            try:
+                with open(descriptor, "wb") as file:
+                    file.write(_checksum(body) + b"\n" + body)
+                os.replace(temporary, self._file)
+            except OSError:
+                os.unlink(temporary)
+                raise
+            _remove_oldest(folder)
+
+
+def _folder() -> Path:
+    """Return the folder of the cache; by the specification of XDG, a relative path does not count."""
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return (given if given.is_absolute() else Path(os.path.expanduser("~"), ".cache")) / "roverlink" / "history"
+
+
+def _remove_oldest(folder: Path) -> None:
+    """Remove the files that were used least lately until the rest is small enough."""
+    about = {path: path.stat() for path in folder.iterdir()}
+    size = 0
+    for path in sorted(about, key=lambda path: about[path].st_mtime, reverse=True):
+        size += about[path].st_size
+        if size > _LARGEST:
+            path.unlink()
+
+
+def _checksum(body: bytes) -> bytes:
+    return hashlib.sha256(_version() + body).hexdigest().encode()
+
+
+@cache
+def _version() -> bytes:
+    """Return a checksum of the code that an entry depends on: the parser, its model, and this package."""
+    checksum = hashlib.sha256(sys.version.encode())
+    for module in (parser, schema, sys.modules[__package__]):
+        path = Path(inspect.getfile(module))
+        for file in sorted(path.parent.glob("*.py")) if path.name == "__init__.py" else [path]:
+            checksum.update(file.read_bytes())
+    return checksum.digest()
+
+
+def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
+    """Return the cache as JSON: each distinct fact once, and where in which blob it stands."""
+    index: dict[Fact, int] = {}
+    blobs = {
+        blob: [
+            (
+                name,
+                type.line,
+                type.broken,
+                type.enum,
+                [(index.setdefault(f, len(index)), n) for f, n in type.facts.items()],
+            )
+            for name, type in types.items()
+        ]
+        for blob, types in known.items()
+    }
+    return json.dumps({"facts": list(index), "blobs": blobs}, separators=(",", ":")).encode()
+
+
+def _decoded(body: bytes) -> Iterator[tuple[str, NumberedTypes]]:
+    content = json.loads(body)
+    facts = [Fact(*fact) for fact in content["facts"]]
+    for blob, types in content["blobs"].items():
+        yield blob, {
+            name: NumberedType({facts[index]: number for index, number in lines}, line, broken, enum)
+            for name, line, broken, enum, lines in types
+        }

@@ -1,0 +1,112 @@
+"""What each branch says today, and where branches gave one number to different things."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+from roverlink.generator.lint.history.commits import Ref
+from roverlink.generator.lint.history.lineage import Span
+from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.same_meaning import differ
+from roverlink.generator.lint.history.usage_model import Allocation, Collision
+from roverlink.generator.protos.schema import Fact
+
+_LOCAL, _REMOTE = "refs/heads/", "refs/remotes/"
+_DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (_LOCAL, f"{_REMOTE}origin/"))
+
+
+def branches(refs: Sequence[Ref]) -> dict[str, str]:
+    """The commits of the branches, here and on remotes; and that of HEAD where it is on none of them."""
+    return {
+        ref.name: ref.commit
+        for ref in refs
+        if not ref.target and (ref.name == "HEAD" or ref.name.startswith((_LOCAL, _REMOTE)))
+    }
+
+
+def default_branch(refs: Sequence[Ref], wanted: str | None) -> str | None:
+    """The branch that others go into: the one that is ``wanted``, in full or in short, or else what git calls so."""
+    names = branches(refs)
+    if wanted is not None:
+        return next((name for name in (wanted, _LOCAL + wanted, _REMOTE + wanted) if name in names), None)
+    heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
+    told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
+    return next((name for name in (*told, *_DEFAULTS) if name in names), None)
+
+
+def branch_name(ref: str) -> str:
+    """Return a branch's name as people say it, that of a remote's with the remote."""
+    return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
+
+
+class Branches:
+    """The branches of a repository, of one message."""
+
+    def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
+        self._record, self._owners, self._nodes = record, owners, nodes
+
+    def tips(self) -> dict[str, dict[int, tuple[str, str]]]:
+        """What each branch has by each number: type and name."""
+        return {
+            ref: {fact.number: (fact.type, fact.name) for fact in sorted(self._facts(node), reverse=True)}
+            for ref, node in self._nodes.items()
+        }
+
+    def collisions(self, default: str | None) -> list[Collision]:
+        """Numbers that branches have given to different things since they parted.
+
+        A branch that the default one has taken in is not open any more. What one branch has as well here as on a
+        remote, and what one has that another was built upon, is one line of work.
+        """
+        graph = self._record.graph
+        trunk = self._nodes.get(default, 0) if default else 0
+        open_refs = [ref for ref, node in self._nodes.items() if ref == default or not graph.precedes(node, trunk)]
+        found: dict[int, dict[Fact, set[str]]] = {}
+        for one, other in combinations(open_refs, 2):
+            if _short(one) != _short(other):
+                for number, fact, rival in self._between(self._nodes[one], self._nodes[other]):
+                    uses = found.setdefault(number, {})
+                    uses.setdefault(fact, set()).add(one)
+                    uses.setdefault(rival, set()).add(other)
+        return [
+            Collision(number, tuple(self._allocation(fact, sorted(refs)) for fact, refs in sorted(uses.items())))
+            for number, uses in sorted(found.items())
+        ]
+
+    def _between(self, one: int, other: int) -> Iterator[tuple[int, Fact, Fact]]:
+        """The numbers that two tips have given to different things since they parted."""
+        graph = self._record.graph
+        known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
+        ours, theirs = self._facts(one) - known, self._facts(other) - known
+        old = {fact.number for fact in known}  # of those, one payload may have been renamed on both sides
+        for fact in sorted(ours - theirs):
+            for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
+                new = fact.number not in old and fact.name != rival.name
+                if new or differ((fact.type, fact.name), (rival.type, rival.name)):
+                    yield fact.number, fact, rival
+
+    def _facts(self, node: int) -> set[Fact]:
+        return {
+            fact
+            for owner in self._owners
+            for declaration in self._record.declared(owner, node).values()
+            for fact in declaration.facts
+            if not fact.claimed
+        }
+
+    def _allocation(self, fact: Fact, refs: Sequence[str]) -> Allocation:
+        span = next(span for ref in refs for span in self._spans(fact, self._nodes[ref]))
+        came = self._record.graph[span.came].revision.commit
+        return Allocation(tuple(refs), fact.type, fact.name, came, span.path, span.line)
+
+    def _spans(self, fact: Fact, node: int) -> Iterator[Span]:
+        """The spans by which a fact is alive at a tip, the latest first."""
+        for owner in self._owners:
+            spans = self._record.past.tips[node].alive.get(owner, {}).get(fact, frozenset())
+            yield from (self._record.past.spans[owner][index] for index in sorted(spans, reverse=True))
+
+
+def _short(ref: str) -> str:
+    """A branch's name without whether it is here or on a remote."""
+    return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

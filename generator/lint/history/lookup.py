@@ -1,0 +1,144 @@
+"""What was found of the past, and questions about one message or enum at one node of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+
+from roverlink.generator.lint.history.commit_graph import Graph
+from roverlink.generator.lint.history.lineage import Declared, Past, Span
+from roverlink.generator.lint.history.usage_model import Confidence, Content
+from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.schema import Fact
+
+
+class Record:
+    """The past, by names and nodes."""
+
+    def __init__(self, graph: Graph, past: Past) -> None:
+        self.graph, self.past = graph, past
+        self._last_changes: dict[str, Sequence[int]] = {}
+        self._contents: dict[tuple[str, int], Content] = {}
+
+    @cached_property
+    def _by_simple_name(self) -> dict[str, list[str]]:
+        names: dict[str, list[str]] = {}
+        for name in sorted(self.past.changes):
+            names.setdefault(name.rpartition(".")[2], []).append(name)
+        return names
+
+    # --- names ------------------------------------------------------------------------------------------------------
+
+    def owners(self, name: str) -> list[str]:
+        """The messages and enums that are meant by a name, full or not: one, or one that changed its package.
+
+        A name of several that stood beside each other is that of the one with no package, if any, and else of all.
+        """
+        found = self.of_simple_name(name)
+        if name not in found:
+            return [other for other in found if other.endswith(f".{name}")]
+        return [name, *(other for other in found if other != name and not self._beside(name, other))]
+
+    def _beside(self, one: str, other: str) -> bool:
+        """Whether two messages were ever declared in one state."""
+        nodes = {*self.past.changes[one], *self.past.changes[other]}
+        return any(self.declared(one, node) and self.declared(other, node) for node in nodes)
+
+    def resolve(self, type: str, owner: str, node: int) -> str | None:
+        """Full name of the message or enum that a message means by a type; None for none that is declared there.
+
+        Where none is found by protobuf's rules, the package may be what does not compile: the last part decides then.
+        """
+        if not type or type in SCALARS or type.startswith("map<"):
+            return None
+        scope = "" if type.startswith(".") else owner
+        while True:
+            candidate = f"{scope}.{type}".lstrip(".")
+            if self.declared(candidate, node):
+                return candidate
+            if not scope:
+                break
+            scope = scope.rpartition(".")[0]
+        return next((other for other in self.of_simple_name(type) if self.declared(other, node)), None)
+
+    def of_simple_name(self, name: str) -> Sequence[str]:
+        """The messages and enums that share the last part of a name, whichever package they were in."""
+        return self._by_simple_name.get(name.rpartition(".")[2], ())
+
+    # --- states -----------------------------------------------------------------------------------------------------
+
+    def declared(self, owner: str, node: int) -> Declared:
+        """What a message or enum is at a node, by file; empty where there is none."""
+        changes = self.past.changes.get(owner)
+        return changes.get(self._last_change(owner, node), {}) if changes else {}
+
+    def _last_change(self, owner: str, node: int) -> int:
+        """The node from which a message is what it is at another one."""
+        if owner not in self._last_changes:
+            changes, last = self.past.changes[owner], [Graph.BEGINNING]
+            for each in self.graph.nodes:
+                last.append(each.index if each.index in changes else last[each.parents[0]])
+            self._last_changes[owner] = last
+        return self._last_changes[owner][node]
+
+    def content(self, owner: str | None, node: int) -> Content | None:
+        """What a message or enum is at a node; None where it is not known."""
+        if owner is None or not self.declared(owner, node):
+            return None
+        key = owner, self._last_change(owner, node)
+        if key not in self._contents:
+            self._contents[key] = self._content(*key)
+        return self._contents[key]
+
+    def _content(self, owner: str, node: int) -> Content:
+        declared = self.past.changes[owner][node]
+        facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
+        path, first = next(iter(declared.items()))
+        broken = any(declaration.broken for declaration in declared.values())
+        commit = self.graph[node].revision.commit
+        return Content(owner, commit, tuple(sorted(facts)), path, first.line, broken, first.enum)
+
+    def content_of_type(self, type: str, owner: str, node: int) -> Content | None:
+        """What a message means by a type at a node.
+
+        Where that is not declared, whoever renamed a message may have changed its users in a commit of its own: then
+        it is what was declared last before, or else first behind.
+        """
+        if name := self.resolve(type, owner, node):
+            return self.content(name, node)
+        versions = [
+            (index, name)
+            for name in self.of_simple_name(type)
+            for index, declared in self.past.changes[name].items()
+            if declared
+        ]
+        before = max((each for each in versions if self.graph.precedes(each[0], node)), default=None)
+        found = before or min((each for each in versions if self.graph.precedes(node, each[0])), default=None)
+        content = self.content(found[1], found[0]) if found else None
+        return replace(content, there=False) if content else None
+
+    def has(self, owner: str, fact: Fact, node: int) -> bool:
+        """Whether a message says something at a node."""
+        return any(fact in declaration.facts for declaration in self.declared(owner, node).values())
+
+    def before(self, owner: str, fact: Fact, node: int) -> int:
+        """The parent of a node at which a message still said what it does not any more."""
+        parents = self.graph[node].parents
+        return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
+
+    # --- facts ------------------------------------------------------------------------------------------------------
+
+    def spans(self, owner: str) -> Iterator[tuple[int, Span]]:
+        """The spans of all facts of a message, with their indices."""
+        return enumerate(self.past.spans.get(owner, []))
+
+    def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
+        """How sound the states are from which each fact was read."""
+        sound, broken = set[Fact](), set[Fact]()
+        for owner in owners:
+            for declared in self.past.changes.get(owner, {}).values():
+                for declaration in declared.values():
+                    (broken if declaration.broken else sound).update(declaration.facts)
+        doubted = {fact: Confidence.LIKELY if fact in sound else Confidence.DOUBTFUL for fact in broken}
+        return {**dict.fromkeys(sound, Confidence.CERTAIN), **doubted}

@@ -1,0 +1,165 @@
+"""The history of a repository's .proto files, and what can be asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from itertools import groupby
+from pathlib import Path
+
+from roverlink.generator.git import Commit
+from roverlink.generator.lint.history.blob_cache import BlobCache
+from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
+from roverlink.generator.lint.history.commit_graph import Graph, depth
+from roverlink.generator.lint.history.commits import PastRepository, Ref, Revision
+from roverlink.generator.lint.history.lineage import sweep
+from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.numbered_types import NumberedTypes, numbered_types
+from roverlink.generator.lint.history.reuses import Reuses
+from roverlink.generator.lint.history.usage_model import Collision, Content, Reuse, Usage
+from roverlink.generator.lint.history.usages import TracedUsage, usages
+from roverlink.generator.protos.parser import parse
+
+_SOME = 64  # states between two reports of progress
+
+
+def read_history(repository: Path, report: Callable[[int, int], None] | None = None) -> History:
+    """Read the past of all .proto files below a folder of a repository: of all refs, and of both sides of each merge.
+
+    ``report`` is told how many states of files are read, and of how many. Raises `GitError` where git says no.
+    """
+    git = PastRepository(repository)
+    refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
+    types, unread = _types(git, revisions, report or _nobody)
+    return History(revisions, refs, boundary, types, unread)
+
+
+class History:
+    """All that the .proto files of a repository ever said about numbers.
+
+    Messages and enums are asked for by name, with their package or without: also for one that changed its package
+    there is one history. It is none of the file's: those may be renamed and moved.
+    """
+
+    def __init__(
+        self,
+        revisions: Sequence[Revision],
+        refs: Sequence[Ref],
+        boundary: frozenset[str],
+        types: Mapping[str, NumberedTypes],
+        unread: frozenset[str],
+    ) -> None:
+        graph = Graph(revisions)
+        self._refs, self._boundary = refs, boundary
+        self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
+        past = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
+        self._record = Record(graph, past)
+        self._traced = cache(self._find_traced)
+        self.reuses = cache(self._find_reuses)
+        """The numbers of a message or enum, by name, that had more than one meaning: each pair of its uses.
+
+        Mere renames are among them.
+        """
+        self.commits = len(revisions)
+        """How many commits there are."""
+        self.shallow = bool(boundary)
+        """Whether this is a part of the history only: what came before is not known."""
+        self.depth = depth(revisions, [ref.commit for ref in refs])
+        """How many commits it goes back."""
+        self.unread = tuple(sorted(_paths(revisions, unread)))
+        """Files of which some state was not looked at: it is not there, too large, or binary."""
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Full names of all messages that there ever were."""
+        return tuple(sorted(name for name, enum in self._kinds() if not enum))
+
+    @property
+    def enums(self) -> tuple[str, ...]:
+        """Full names of all enums that there ever were."""
+        return tuple(sorted(name for name, enum in self._kinds() if enum))
+
+    def names(self, name: str) -> tuple[str, ...]:
+        """The full names that a message or enum has had: several where it changed its package."""
+        return tuple(self._record.owners(name))
+
+    def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number that a message or enum ever used, with its usages, the earliest first."""
+        return _by_number(traced.usage for traced in self._traced(name, False))
+
+    def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
+        """Return every number of fields or values that were ever commented out, with the usages in those comments."""
+        return _by_number(traced.usage for traced in self._traced(name, True))
+
+    def content(self, name: str, commit: Commit) -> Content | None:
+        """The fields of a message, or the values of an enum, at a commit; None where it is not declared there."""
+        node = self._record.graph.node_of(commit.id)
+        found = (self._record.content(owner, node) for owner in self._record.owners(name))
+        return next((content for content in found if content is not None), None)
+
+    def tips(self, name: str) -> dict[str, dict[int, tuple[str, str]]]:
+        """What each branch, here and on remotes, has by each number of a message today: type and name."""
+        return self._branches(name).tips()
+
+    def collisions(self, name: str, default: str | None = None) -> tuple[Collision, ...]:
+        """Numbers of a message that branches have given to different things, since they left each other.
+
+        ``default`` is the branch that they will be merged into; if it is not given, git is believed.
+        """
+        return tuple(self._branches(name).collisions(self.default_branch(default)))
+
+    def default_branch(self, wanted: str | None = None) -> str | None:
+        """Full name of the branch that others are merged into; None where there is none of the name wanted."""
+        return default_branch(self._refs, wanted)
+
+    def _branches(self, name: str) -> Branches:
+        return Branches(self._record, self._record.owners(name), self._nodes)
+
+    def _find_reuses(self, name: str) -> tuple[Reuse, ...]:
+        return tuple(Reuses(self._record, self._record.owners(name), self._traced(name, False)).all())
+
+    def _find_traced(self, name: str, claimed: bool) -> list[TracedUsage]:
+        return usages(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
+
+    def _kinds(self) -> set[tuple[str, bool]]:
+        return {
+            (name, declaration.enum)
+            for name, changes in self._record.past.changes.items()
+            for declared in changes.values()
+            for declaration in declared.values()
+        }
+
+
+def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
+    return {number: tuple(group) for number, group in groupby(found, key=lambda usage: usage.number)}
+
+
+def _types(
+    git: PastRepository, revisions: Sequence[Revision], report: Callable[[int, int], None]
+) -> tuple[dict[str, NumberedTypes], frozenset[str]]:
+    """Return what each state of each file declares, by blobs; and the blobs that could not be looked at."""
+    blobs = list(dict.fromkeys(edit.new for revision in revisions for edit in revision.edits if edit.new))
+    blob_cache = BlobCache(git.folder)
+    known = blob_cache.load()
+    types = {blob: known[blob] for blob in blobs if blob in known}
+    new, unread = [blob for blob in blobs if blob not in known], set[str]()
+    for done, (blob, data) in enumerate(git.blobs(new), len(types)):
+        if data is None or b"\0" in data:
+            unread.add(blob)
+        else:
+            types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
+        if done % _SOME == 0:
+            report(done, len(blobs))
+    report(len(blobs), len(blobs))
+    if len(unread) < len(new):
+        blob_cache.save(types)
+    return types, frozenset(unread)
+
+
+def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:
+    return {edit.path for revision in revisions for edit in revision.edits if edit.new in blobs}
+
+
+def _nobody(done: int, total: int) -> None:
+    """Tell nobody."""
+    del done, total

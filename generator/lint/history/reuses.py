@@ -1,0 +1,193 @@
+"""Numbers of one message or enum that had more than one meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, groupby
+
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
+from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.same_meaning import (
+    ValueNames,
+    alike,
+    is_telling,
+    nearly_the_same,
+    replaced,
+    simple,
+    survivors,
+)
+from roverlink.generator.lint.history.usage_model import Confidence, Content, Kind, Relation, Reuse
+from roverlink.generator.lint.history.usage_relations import Relations
+from roverlink.generator.lint.history.usages import TracedUsage
+from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.schema import Fact
+
+_MOST = 16  # uses of one number that each further one is compared with: the latest
+
+
+class Reuses:
+    """Compares the usages of each number."""
+
+    def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
+        self._record, self._traced = record, traced
+        self._owner = owners[0] if owners else ""
+        self._relations = Relations(record, owners)
+        self._survivors: dict[tuple[str, str, str, str], int] = {}
+        self._values = ValueNames(self._owner, [one.usage.name for one in traced])
+
+    def all(self) -> Iterator[Reuse]:
+        """All of them, by number."""
+        for _, group in groupby(self._traced, key=lambda one: one.usage.number):
+            uses = list(group)
+            if len(uses) > 1:
+                yield from self._between(uses)
+            for use in uses:
+                yield from self._within(use)
+
+    # --- usages that differ -----------------------------------------------------------------------------------------
+
+    def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
+        """What differs between the uses of a number; what became another by mere renames, step by step, does not."""
+        meaning = list(range(len(uses)))
+        found: list[tuple[int, int, Reuse]] = []
+        for one, other in combinations(range(len(uses)), 2):
+            if other - one > _MOST:
+                continue
+            reuse = self._compare(uses[one], uses[other])
+            if reuse is None or not reuse.real:
+                old, new = meaning[other], meaning[one]
+                meaning = [new if each == old else each for each in meaning]
+            if reuse is not None:
+                found.append((one, other, reuse))
+        return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
+
+    def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
+        """What the later use makes of the earlier one's number; None where that is the same."""
+        old, new = earlier.usage.fact, later.usage.fact
+        before, after = self._relations.nodes(earlier, later)
+        if not (old.type or new.type):
+            alias = self._relations.together(old, new)
+            kind = None if alias or self._values.share_a_word(old.name, new.name) else Kind.MEANING
+            return self._reuse(kind, earlier, later, None, None)
+        contents = self._content(earlier, before), self._content(later, after)
+        if old.type in SCALARS and new.type in SCALARS:
+            wire = broken_by_kind(old.type, new.type)
+            return self._reuse(Kind.RETYPED if wire else _by_name(old, new), earlier, later, *contents)
+        if old.type in SCALARS or new.type in SCALARS:
+            return self._reuse(self._scalar_or_not(old, new, contents), earlier, later, *contents)
+        return self._reuse(self._by_content(earlier, later, before, after, contents), earlier, later, *contents)
+
+    def _scalar_or_not(self, old: Fact, new: Fact, contents: tuple[Content | None, Content | None]) -> Kind | None:
+        """A scalar in the place of a message or enum, or the other way round: an enum is an integer to the wire."""
+        content = contents[0] or contents[1]
+        enum = content is not None and content.enum
+        kinds = [fact.type if fact.type in SCALARS else "enum" if enum else "message" for fact in (old, new)]
+        return Kind.RETYPED if broken_by_kind(kinds[0], kinds[1]) else _by_name(old, new)
+
+    def _by_content(
+        self,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        before: int,
+        after: int,
+        contents: tuple[Content | None, Content | None],
+    ) -> Kind | None:
+        """A message or an enum in the place of another one."""
+        old, new = earlier.usage.fact, later.usage.fact
+        one, other = contents
+        if one and other and one.enum != other.enum:
+            return Kind.RETYPED
+        if old.type == new.type or (one and other and one.type == other.type):
+            same_payload = bool(old.oneof and new.oneof)  # a oneof's member is what its type is
+            return (Kind.RENAMED if old.name != new.name else None) if same_payload else _by_name(old, new)
+        if "map<" in (old.type[:4], new.type[:4]) or "group" in (old.type, new.type):
+            return Kind.RETYPED
+        if self._is_renamed(earlier, later, before, after, contents):
+            return Kind.RENAMED
+        return Kind.RETYPED if one and one.enum else Kind.REUSED
+
+    def _is_renamed(
+        self,
+        earlier: TracedUsage,
+        later: TracedUsage,
+        before: int,
+        after: int,
+        contents: tuple[Content | None, Content | None],
+    ) -> bool:
+        """Whether one type is the other under a new name.
+
+        Two types that stood beside each other are two, however alike, unless the member kept its name. A number that
+        lay idle in between, or a message that is too small to tell, need a name that speaks of the same thing.
+        """
+        old, new = earlier.usage.fact, later.usage.fact
+        one, other = contents
+        if one is None or other is None:
+            return old.name == new.name and alike(simple(old.type), simple(new.type))
+        if not nearly_the_same(one, other, self._surviving(one, other)):
+            return False
+        if self._record.declared(one.type, after) and self._record.declared(other.type, before):
+            return old.name == new.name
+        at_a_stroke = self._relations.hands_over(earlier, later)
+        return (at_a_stroke and is_telling(one, other)) or alike(old.name, new.name)
+
+    # --- one usage, other contents ----------------------------------------------------------------------------------
+
+    def _within(self, use: TracedUsage) -> Iterator[Reuse]:
+        """Where what the type of a member stands for was replaced, and the name was kept."""
+        versions: list[tuple[int, Content]] = []
+        for node in self._relations.nodes_of_content(use):
+            new = self._content(use, node)
+            if new is None or not new.facts or new.enum:
+                continue
+            past = [old for earlier, old in versions if self._record.graph.precedes(earlier, node)]
+            versions.append((node, new))
+            known = any(old.facts == new.facts for old in past)
+            if past and not known and replaced(past[-1], new, self._surviving(past[-1], new)):
+                yield from filter(None, [self._reuse(Kind.REPLACED, use, use, past[-1], new)])
+
+    # --- what is said of both ---------------------------------------------------------------------------------------
+
+    def _content(self, use: TracedUsage, node: int) -> Content | None:
+        return self._record.content_of_type(use.usage.type, use.stretches[0].owner, node)
+
+    def _surviving(self, old: Content, new: Content) -> int:
+        """How many of the old fields are left: a question that each further use of a number asks again."""
+        key = (old.type, old.commit.id, new.type, new.commit.id)
+        if key not in self._survivors:
+            self._survivors[key] = survivors(old, new)
+        return self._survivors[key]
+
+    def _reuse(
+        self, kind: Kind | None, earlier: TracedUsage, later: TracedUsage, old: Content | None, new: Content | None
+    ) -> Reuse | None:
+        if kind is None:
+            return None
+        relation = self._relations.relation(earlier, later)
+        at_once = relation is Relation.TOGETHER or self._relations.overlap(earlier, later)
+        return Reuse(
+            owner=self._owner,
+            number=later.usage.number,
+            kind=kind,
+            earlier=earlier.usage,
+            later=later.usage,
+            relation=relation,
+            at_once=at_once and earlier is not later,
+            old=old,
+            new=new,
+            survivors=self._surviving(old, new) if old and new else 0,
+            confidence=max(_confidence(earlier, old), _confidence(later, new)),
+        )
+
+
+def _by_name(old: Fact, new: Fact) -> Kind | None:
+    if old.name == new.name:
+        return None
+    return Kind.RENAMED if alike(old.name, new.name) else Kind.MEANING
+
+
+def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
+    """How far a use is to be trusted, for which it counts what is known of its type."""
+    type = use.usage.type
+    sound = content is not None and content.there and not content.broken
+    known = sound or not type or type in SCALARS or type.startswith("map<")
+    return use.usage.confidence if known else max(use.usage.confidence, Confidence.LIKELY)

@@ -1,0 +1,101 @@
+"""Whether two fields, two enum values, or the contents of two messages are the same thing."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
+from roverlink.generator.lint.breaking.name_words import share_a_word, words
+from roverlink.generator.lint.history.usage_model import Content
+from roverlink.generator.protos.parser import SCALARS
+from roverlink.generator.protos.schema import Fact
+
+_FEWEST = 3  # of so few fields that each may have changed by itself
+_TELLING = 2  # of a single field, half of all messages consist
+_ENUM_LIKE = frozenset({"int32", "int64", "uint32", "uint64"})
+
+
+def same_field(old: Fact, new: Fact) -> bool:
+    """Whether a number stands for the same: bytes of the one can be read as the other, and the names speak of one."""
+    if (old.label == "repeated") != (new.label == "repeated"):
+        return False
+    return _types_agree(old, new) and alike(old.name, new.name)
+
+
+@lru_cache(maxsize=1 << 16)
+def alike(old: str, new: str) -> bool:
+    """Whether two names speak of the same thing. A history asks that of the same names over and over."""
+    return old == new or share_a_word([old], [new])
+
+
+def _types_agree(old: Fact, new: Fact) -> bool:
+    """Whether types are one as far as they can be told from what is written."""
+    scalars = [fact.type in SCALARS for fact in (old, new)]
+    if all(scalars):
+        return not broken_by_kind(old.type, new.type)
+    if any(scalars):  # the other may be an enum
+        return old.name == new.name and (old.type if scalars[0] else new.type) in _ENUM_LIKE
+    return old.name == new.name or simple(old.type) == simple(new.type)
+
+
+def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
+    """Whether type and name of two uses are of different payloads; or, of what is no message, of different names."""
+    types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
+    if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one may be written with its package
+        return True
+    return (not one[0] or one[0] in SCALARS) and one[1] != other[1]
+
+
+def simple(type: str) -> str:
+    """A type's name without its package."""
+    return type.rpartition(".")[2]
+
+
+def survivors(old: Content, new: Content) -> int:
+    """How many fields or values of an old content are in a new one."""
+    after: dict[int, list[Fact]] = {}
+    for fact in new.facts:
+        after.setdefault(fact.number, []).append(fact)
+    return sum(any(_survives(one, other) for other in after.get(one.number, ())) for one in old.facts)
+
+
+def _survives(old: Fact, new: Fact) -> bool:
+    return same_field(old, new) if old.type and new.type else old[1:3] == new[1:3]
+
+
+def nearly_the_same(old: Content, new: Content, left: int) -> bool:
+    """Whether the fields that are left are two thirds, seen from the one that has fewer."""
+    return left * 3 >= 2 * min(len(old.facts), len(new.facts))
+
+
+def is_telling(old: Content, new: Content) -> bool:
+    """Whether there is enough in both for them not to be alike by chance."""
+    return min(len(old.facts), len(new.facts)) >= _TELLING
+
+
+def replaced(old: Content, new: Content, left: int) -> bool:
+    """Whether fewer than a third of the old fields are left, and others are in the places of some."""
+    numbers = {fact.number for fact in new.facts}
+    gone = [fact for fact in old.facts if fact.number not in numbers]
+    return len(old.facts) >= _FEWEST and left * 3 < len(old.facts) and left + len(gone) < len(old.facts)
+
+
+class ValueNames:
+    """The names of an enum's values, less the words that say which enum they belong to."""
+
+    def __init__(self, owner: str, names: Collection[str]) -> None:
+        of_owner = frozenset(words(simple(owner)))
+        counts: dict[str, int] = {}
+        for name in set(names):
+            for word in set(words(name)):
+                counts[word] = counts.get(word, 0) + 1
+        many = len(set(names))
+        self._common = of_owner | {word for word, count in counts.items() if many > _FEWEST and count * 2 > many}
+
+    def share_a_word(self, old: str, new: str) -> bool:
+        """Whether two names have a word in common that not most of the others have, too."""
+        return alike(self._own(old), self._own(new))
+
+    def _own(self, name: str) -> str:
+        return "_".join(word for word in words(name) if word not in self._common) or name

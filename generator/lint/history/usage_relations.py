@@ -1,0 +1,98 @@
+"""Relations between the usages of one number in history."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import combinations
+
+from roverlink.generator.lint.history.lineage import Declared
+from roverlink.generator.lint.history.lookup import Record
+from roverlink.generator.lint.history.usage_model import Relation
+from roverlink.generator.lint.history.usages import Stretch, TracedUsage
+from roverlink.generator.protos.schema import Fact
+
+
+class Relations:
+    """Asks the graph, of one message or enum."""
+
+    def __init__(self, record: Record, owners: Sequence[str]) -> None:
+        self._record, self._graph = record, record.graph
+        self._times = cache(self._find_times)
+        self._together: set[frozenset[Fact]] = set()
+        for owner in owners:
+            for declared in record.past.changes.get(owner, {}).values():
+                self._note_together(declared)
+
+    def _note_together(self, declared: Declared) -> None:
+        facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
+        if len({fact.number for fact in facts}) == len(facts):
+            return
+        uses: dict[int, list[Fact]] = {}
+        for fact in facts:
+            uses.setdefault(fact.number, []).append(fact)
+        self._together.update(frozenset(pair) for same in uses.values() for pair in combinations(same, 2))
+
+    def together(self, one: Fact, other: Fact) -> bool:
+        """Whether one state says both."""
+        return frozenset((one, other)) in self._together
+
+    def relation(self, earlier: TracedUsage, later: TracedUsage) -> Relation:
+        """How two uses stand to each other."""
+        if self.together(earlier.usage.fact, later.usage.fact):
+            return Relation.TOGETHER
+        return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES
+
+    def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
+        """Whether one commit took the earlier use away and put the later one into its place."""
+        return any(went == stretch.span.came for _, went, stretch in self._handovers(earlier, later))
+
+    def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
+        """Where the earlier use was seen last, and where the later one came; if possible, on one line of history."""
+        handovers = self._handovers(earlier, later)
+        if handovers:
+            stretch, went, heir = max(handovers, key=lambda each: (each[1], -each[2].span.came))
+            return self._record.before(stretch.owner, stretch.span.fact, went), heir.span.came
+        stretch = earlier.stretches[-1]
+        ended = max(stretch.span.went, default=None)
+        last = stretch.span.came if ended is None else self._record.before(stretch.owner, stretch.span.fact, ended)
+        return last, later.stretches[0].span.came
+
+    def nodes_of_content(self, use: TracedUsage) -> list[int]:
+        """Where what a field's type stands for may have become another: where it changed, and where the field came."""
+        nodes = set()
+        for stretch in use.stretches:
+            type = self._record.resolve(use.usage.type, stretch.owner, stretch.span.came)
+            for name in [type] if type else self._record.of_simple_name(use.usage.type):
+                changes = self._record.past.changes[name]
+                nodes |= {node for node in changes if self._record.has(stretch.owner, stretch.span.fact, node)}
+            nodes.add(stretch.span.came)
+        return sorted(nodes)
+
+    def overlap(self, one: TracedUsage, other: TracedUsage) -> bool:
+        """Whether there was a time at which both were in use somewhere."""
+        return any(
+            max(came, other_came) < min(went, other_went)
+            for came, went in self._times(one)
+            for other_came, other_went in self._times(other)
+        )
+
+    def _find_times(self, use: TracedUsage) -> list[tuple[float, float]]:
+        """When each stretch came and went."""
+        return [self._time(stretch) for stretch in use.stretches]
+
+    def _time(self, stretch: Stretch) -> tuple[float, float]:
+        span = stretch.span
+        ends = [self._graph[node].revision.time for node in (*span.went, *span.faded)]
+        lasts = stretch.live_at or not ends
+        return self._graph[span.came].revision.time, float("inf") if lasts else max(ends)
+
+    def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
+        """Stretches of the earlier use, where each went, and those of the later one that came there or behind it."""
+        return [
+            (stretch, went, heir)
+            for stretch in earlier.stretches
+            for went in stretch.span.went
+            for heir in later.stretches
+            if self._graph.precedes(went, heir.span.came)
+        ]

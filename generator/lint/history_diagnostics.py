@@ -1,0 +1,141 @@
+"""Diagnostics about history: the numbers, their places today, and the commits of their usages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence, Set
+from itertools import groupby
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
+from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+
+_RELATIONS = {
+    Relation.SUCCESSION: "one after the other on one branch",
+    Relation.BRANCHES: "on different branches",
+    Relation.TOGETHER: "in one and the same state",
+}
+_CONFIDENCES = {
+    Confidence.CERTAIN: "",
+    Confidence.LIKELY: "; some of it was read from files with errors",
+    Confidence.DOUBTFUL: "; all of it was read from files with errors",
+}
+
+
+def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
+    """The numbers of messages and enums that had several meanings of some kinds, and were not accepted."""
+    past = subject.past
+    if past is None or not past.of_numbers:
+        return
+    for owner in (*past.history.messages, *past.history.enums):
+        names = past.history.names(owner)
+        if any(_stands_for(name, owner, subject, past.history) for name in names):
+            continue
+        accepted = [subject.ledger.burned_in(name) for name in names]
+        found = [reuse for reuse in past.history.reuses(owner) if reuse.kind in kinds]
+        for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
+            reuses = list(group)
+            known = {use for burned in accepted if number in burned for use in burned[number].uses}
+            uses = {(usage.type, usage.name) for reuse in reuses for usage in (reuse.earlier, reuse.later)}
+            if not uses <= known:
+                yield owner, number, reuses
+
+
+def _stands_for(name: str, owner: str, subject: Subject, history: History) -> bool:
+    """Whether what is found of a message under one of its names is found under another: today's, if there is one."""
+    today = [(_declared(subject, each) is not None, each) for each in (owner, name)]
+    return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
+
+
+def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
+    """Return the usages that are concerned, the earliest first."""
+    concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
+    return [usage for usage in history.numbers(owner)[number] if usage in concerned]
+
+
+def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
+    """A finding about one number, with everything that it stood for. There must be a past."""
+    assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
+    usages = _usages(subject.past.history, owner, number, reuses)
+    return rule.at(
+        place_of(subject, owner, number),
+        f"number {number} of {owner} stood for {_told(usages, reuses)}; {_today(subject, owner, number)}"
+        f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
+        _help(subject, owner, number),
+        [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
+        type=owner,
+        number=number,
+        uses=[Use(usage.type, usage.name, usage.came, usage.went) for usage in usages],
+    )
+
+
+def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
+    """What the number stood for, and how that came."""
+    last = reuses[-1]
+    told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
+    if len(usages) == 1 and last.old:
+        return f"{told}, whose contents were replaced: {last.survivors} of {len(last.old.facts)} fields are left"
+    at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
+    return f"{told}, {_RELATIONS[last.relation]}{at_once}"
+
+
+def place_of(subject: Subject, owner: str, number: int) -> Span:
+    """Where a number of a message or an enum stands today; else the whole of it; else the envelope."""
+    declared = _declared(subject, owner)
+    if declared is None:
+        return subject.table.envelope.span
+    part = _parts(declared).get(number)
+    return part.at("number") if part else declared.span
+
+
+def stands_today(subject: Subject, owner: str, number: int) -> tuple[str, str] | None:
+    """Type and name of what a number of a message or an enum stands for today; None where it is free."""
+    declared = _declared(subject, owner)
+    part = _parts(declared).get(number) if declared else None
+    return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
+
+
+def _declared(subject: Subject, owner: str) -> ProtoMessage | ProtoEnum | None:
+    schema = subject.schema
+    return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
+
+
+def _parts(declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
+    """The fields or the values by number."""
+    if isinstance(declared, ProtoMessage):
+        return {field.number: field for field in declared.fields}
+    return {value.number: value for value in declared.values}
+
+
+def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
+    return any(first <= number <= last for first, last in declared.reserved)
+
+
+def _today(subject: Subject, owner: str, number: int) -> str:
+    declared = _declared(subject, owner)
+    if declared is None:
+        return f"today there is no {owner}"
+    if part := _parts(declared).get(number):
+        return f"today it is {part.name}"
+    return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
+
+
+def _help(subject: Subject, owner: str, number: int) -> str:
+    accept = "`roverlink lint --history --accept` takes note of it, so that only what is new is found"
+    declared = _declared(subject, owner)
+    if declared is None or _is_reserved(declared, number):
+        return accept
+    if number in _parts(declared):
+        return f"make sure that nothing old is left that means the other thing by it; {accept}"
+    return f"write `reserved {number};` into {owner}; {accept}"
+
+
+def _called(usage: Usage) -> str:
+    return f"{usage.type} {usage.name}".strip()
+
+
+def _usage(usage: Usage) -> str:
+    end = (
+        f"went with {usage.went}" if usage.went else f"is on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
+    )
+    return f"{_called(usage)} came with {usage.came}, {end}"

@@ -1,0 +1,88 @@
+"""The rules: pure functions from what is known to findings. One file a rule; none knows another.
+
+Each module has `RULE` and `check`, and its docstring is the rule's documentation. A module that is put into this folder
+is a rule of the lint; nothing else has to know it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import pkgutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import Protocol, cast
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, independent
+from roverlink.generator.lint.buf import unstated
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import Lowered
+
+_OF_THE_ENVELOPE = "ENV"
+_OF_CHANGES = "WIR"
+
+
+class RuleModule(Protocol):
+    """What a module of this folder has."""
+
+    RULE: Rule
+
+    def check(self, subject: Subject) -> Iterator[Diagnostic]:
+        """What the rule finds."""
+
+
+@cache
+def modules() -> Mapping[str, RuleModule]:
+    """The rules by their ids."""
+    names = [found.name for found in pkgutil.walk_packages(__path__, f"{__name__}.") if not found.ispkg]
+    loaded = [cast(RuleModule, importlib.import_module(name)) for name in names]
+    return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
+
+
+def lint(subject: Subject, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
+    """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
+    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
+    said = [*_without_repetitions(found, subject.table.envelope.message), *unstated(of_buf, found)]
+    counted = (_as_the_table_says(finding, subject) for finding in said)
+    return independent(finding for finding in counted if finding is not None)
+
+
+def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
+    """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
+    found = list(found)
+    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
+    told = {*payloads, None} if payloads else payloads  # None: reserved numbers, which are those of such payloads
+    for one in found:
+        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
+            yield one
+
+
+def _as_the_table_says(finding: Diagnostic, subject: Subject) -> Diagnostic | None:
+    """The finding with its severity lowered where the table lowers it; None where it turns it off."""
+    if finding.severity is Severity.FATAL:
+        return finding
+    severity: Severity = finding.severity
+    for lowered in _lowerings(finding, subject):
+        if lowered.severity == "off":
+            return None
+        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
+    return dataclasses.replace(finding, severity=severity)
+
+
+def _lowerings(finding: Diagnostic, subject: Subject) -> Iterator[Lowered]:
+    table, id = subject.table, finding.rule.id
+    yield from (lowered for lowered in table.lint if lowered.rule == id)
+    for row in table.rows:
+        of_row = [lowered for lowered in row.lint if lowered.rule == id]
+        if of_row and _is_about(finding, row.number, row.proto, subject):
+            yield from of_row
+
+
+def _is_about(finding: Diagnostic, number: int, proto: str, subject: Subject) -> bool:
+    """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
+    if finding.type in ("", subject.table.envelope.message):
+        return finding.number == number
+    if subject.schema is None:
+        return finding.type == proto
+    messages, enums = subject.schema.reachable(proto)
+    return finding.type in messages or finding.type in enums

@@ -1,0 +1,36 @@
+"""A payload takes a number that stood for several others in the past.
+
+Such a number was burned by `roverlink lint --history --accept`: nobody knows which boards and recordings mean what by
+it.
+
+Bad::
+
+    # mapping.lock, burned: `PBEnvelope 18: Foo foo | Bar bar`
+    - {number: 18, name: baz, proto: Baz, topic: baz, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 22, name: baz, proto: Baz, topic: baz, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("ENV110", "burned-number-taken", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows with a burned number, but for the payload that had it when that was accepted."""
+    envelope = subject.table.envelope.message
+    burned = subject.ledger.burned_in(envelope)
+    for row in subject.table.rows:
+        one = burned.get(row.number)
+        if one is not None and (one.now is None or one.now[0] != row.proto):
+            told = " and for ".join(dict.fromkeys(type for type, _ in one.uses))
+            help = f"give {row.name} the number {subject.next_number()}"
+            message = f"field {row.number} stood for {told} in the past and is given to nothing any more"
+            yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

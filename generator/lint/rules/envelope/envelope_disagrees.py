@@ -1,0 +1,206 @@
+"""The envelope's file and the table disagree.
+
+The bridge speaks by the table, the boards by the envelope's file: where the two differ, one payload is read as another,
+and nobody notices. A file that the table owns (`owner: mapping`) is stale then, or was edited; one that another
+repository owns (`owner: proto`) says what is on the wire.
+
+Bad::
+
+    # mapping.yaml
+    messages:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+
+    # envelope.proto
+    oneof payload {
+      SensorBoardGPSInfo gps_info = 13;
+    }
+
+Good::
+
+    # envelope.proto
+    oneof payload {
+      SensorBoardGPSInfo gps_info = 12;
+    }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.protos.parser import resolve_type
+from roverlink.generator.protos.schema import ProtoMessage
+from roverlink.generator.table import Row, Table
+
+RULE = Rule("ENV105", "envelope-disagrees", __doc__)
+_GENERATE = "run `roverlink generate`"
+
+
+@dataclass(frozen=True, slots=True)
+class _Member:
+    """A field of the envelope, whoever read it."""
+
+    number: int
+    name: str
+    type: str
+    oneof: str
+    span: Span
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.number} ({self.type})"
+
+
+@dataclass(frozen=True, slots=True)
+class _Cures:
+    """What to do about it, which depends on who owns the file."""
+
+    missing: str
+    differs: str
+    no_row: str
+    retired: str
+
+
+_OF_OWNER = {
+    "mapping": _Cures(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
+    "proto": _Cures(
+        missing="correct the number, or add the member where the envelope is kept",
+        differs="",
+        no_row="add a row for it under `messages`",
+        retired="remove it where the envelope is kept",
+    ),
+}
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows and members of the oneof that are not each other's; what is retired and not reserved."""
+    if subject.table.envelope.owner == "proto":
+        yield from _check_of_another_owner(subject)
+    elif subject.files:  # else it was not read from the disk
+        yield from _check_written_file(subject)
+
+
+def _check_of_another_owner(subject: Subject) -> Iterator[Diagnostic]:
+    table, schema, name = subject.table, subject.schema, subject.table.envelope.message
+    if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
+        return
+    envelope = schema.messages.get(name)
+    if envelope is not None:
+        yield from _compare(subject, _compiled_members(envelope))
+    elif table.whole and not any(subject.declared(name)):  # else its file does not compile, and protoc says why
+        yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
+
+
+def _check_written_file(subject: Subject) -> Iterator[Diagnostic]:
+    table, name = subject.table, subject.table.envelope.message
+    path = table.envelope.file
+    if not path or not name:
+        return
+    if path not in subject.files:
+        message = f"there is no {path} below {table.proto.root}"
+        yield RULE.at(table.envelope.at("file"), message, _GENERATE, type=name)
+        return
+    envelope = next((found for file, found in subject.declared(name) if file == path), None)
+    if envelope is None:
+        yield RULE.at(table.envelope.at("message"), f"{path} declares no message {name}", _GENERATE, type=name)
+        return
+    members = _written_members(envelope, subject)
+    yield from _compare(subject, members)
+    yield from _unreserved(envelope, {member.number for member in members}, table)
+
+
+def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
+    """The messages among the members: a number or a text in another's oneof can have no row."""
+    messages = [field for field in envelope.fields if field.type == "message"]
+    return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
+
+
+def _written_members(envelope: ProtoMessage, subject: Subject) -> list[_Member]:
+    path = subject.table.envelope.file
+    declared = {message.full_name for file in subject.files.values() for message in file.messages}
+    return [
+        _Member(
+            field.number,
+            field.name,
+            resolve_type(field.type, envelope.full_name, declared) or field.type.removeprefix("."),
+            field.oneof,
+            subject.place(path, field.span.line, field.span.column),
+        )
+        for field in envelope.fields
+    ]
+
+
+def _compare(subject: Subject, members: list[_Member]) -> Iterator[Diagnostic]:
+    """Rows against members; each difference once."""
+    table = subject.table
+    name, oneof = table.envelope.message, table.envelope.oneof
+    cures = _OF_OWNER[table.envelope.owner]
+    payloads = {member.number: member for member in members if member.oneof == oneof}
+    if not payloads and table.rows:
+        help = _GENERATE if table.envelope.owner == "mapping" else ""
+        yield RULE.at(table.envelope.at("oneof"), f"{name} has no oneof {oneof}", help, type=name)
+        return
+    # A payload that stands beside the oneof is a fault of its own, which another rule finds.
+    beside = {(member.number, member.type) for member in members if member.oneof != oneof}
+    rows = [row for row in table.rows if (row.number, row.proto) not in beside]
+    for row in rows:
+        yield from _compare_row(row, payloads, table, cures)
+    strayed = [row for row in rows if row.number not in payloads]
+    for member in payloads.values():
+        if not any(_is_moved(row, member, table) for row in strayed):
+            yield from _without_row(member, subject, cures)
+
+
+def _is_moved(row: Row, member: _Member, table: Table) -> bool:
+    """Whether a member is the row's, under a number that no row has."""
+    return member.name == row.name and member.number not in table.numbers
+
+
+def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
+    envelope, member = table.envelope.message, payloads.get(row.number)
+    rests_on = [row.at("number"), row.at("proto")]
+    if member is None:
+        message = f"the envelope has no member {row.number}, which {row.name} names"
+        also = []
+        for moved in (other for other in payloads.values() if _is_moved(row, other, table)):
+            message = f"member {row.name} has the number {moved.number}, not {row.number}"
+            also = [(moved.span, "the member")]
+        yield RULE.at(
+            row.at("number"), message, cures.missing, also, type=envelope, number=row.number, rests_on=rests_on
+        )
+        return
+    also = [(member.span, "the member")]
+    if member.type != row.proto:
+        message = f"member {row.number} carries {member.type}, not {row.proto}"
+        yield RULE.at(
+            row.at("proto"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on
+        )
+    if member.name != row.name:
+        message = f"member {row.number} is called {member.name}, not {row.name}"
+        rests_on.append(row.at("name"))
+        yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
+
+
+def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[Diagnostic]:
+    table, number = subject.table, member.number
+    envelope = table.envelope.message
+    if number in {row.number for row in table.retired}:
+        message = f"{member} is retired in {table.file}"
+        yield RULE.at(member.span, message, cures.retired, type=envelope, number=number)
+    elif table.whole and number not in table.numbers:
+        message = f"{member} has no row in {table.file}"
+        rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
+        rests_on += [entry.span for entry in subject.published if entry.number == number]
+        yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
+
+
+def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:
+    """What is retired in the table, and free in the file."""
+    for row in table.retired:
+        of_number = any(first <= row.number <= last for first, last in envelope.reserved)
+        free = [f"the number {row.number}"] if not of_number else []
+        free += [f"the name {row.name}"] if row.name not in envelope.reserved_names else []
+        if free and row.number not in used:
+            message = f"{row.name} is retired, but {table.envelope.file} does not reserve {' and '.join(free)}"
+            yield RULE.at(row.at("number"), message, _GENERATE, type=table.envelope.message, number=row.number)

@@ -1,0 +1,37 @@
+"""A field number that protobuf keeps for itself.
+
+The numbers from 19000 to 19999 belong to protobuf's implementation; protoc refuses them.
+
+Bad::
+
+    - {number: 19000, name: imu_info, proto: SensorBoardIMUInfo, topic: imu_data, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 22, name: imu_info, proto: SensorBoardIMUInfo, topic: imu_data, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import IMPLEMENTATION_NUMBERS
+
+RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows with such a number."""
+    envelope = subject.table.envelope.message
+    message = f"is one of protobuf's own, {IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1}"
+    for row in subject.table.rows:
+        if row.number in IMPLEMENTATION_NUMBERS:
+            yield RULE.at(
+                row.at("number"),
+                f"field {row.number} {message}",
+                "take a smaller number",
+                type=envelope,
+                number=row.number,
+            )

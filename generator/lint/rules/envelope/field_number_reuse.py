@@ -1,0 +1,63 @@
+"""A published field number is given to another payload.
+
+An old board and a new rover would decode each other's bytes as something else, without any error. The ledger knows
+every number that was ever published, and so does the state that `--against` names. A number is retired for the payload
+that had it, for no other.
+
+Bad::
+
+    # mapping.lock says `12: gps_info SensorBoardGPSInfo`
+    messages:
+      - {number: 12, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 22, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+    retired:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lock import Entry
+from roverlink.generator.table import RetiredRow, Row
+
+RULE = Rule("ENV102", "field-number-reuse", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows, and retired ones, whose number was published for another message."""
+    # One payload may be known from several places, the ledger first; it is one fact.
+    published = {(entry.number, entry.proto): entry for entry in reversed(subject.published)}
+    envelope = subject.table.envelope.message
+    for row in subject.table.rows:
+        for entry in _others(row, published.values()):
+            help = f"give {row.name} the number {subject.next_number()}; {entry.name} stays, or goes to `retired`"
+            yield _finding(row, entry, help, envelope)
+    for retired in subject.table.retired:
+        for entry in _others(retired, published.values()):
+            help = f"retire {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
+            yield _finding(retired, entry, help, envelope)
+
+
+def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
+    """What else the number was published for."""
+    entries = [entry for entry in published if entry.number == row.number]
+    for_this = any(entry.proto == row.proto for entry in entries)
+    for entry in entries:
+        # Of two branches that took one number, the table says after the merge which keeps it.
+        settled = entry.contested and for_this
+        if entry.proto != row.proto and not settled:
+            yield entry
+
+
+def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
+    message = f"field {row.number} was published for {entry.name} ({entry.proto}), not for {row.proto}"
+    also = [(entry.span, "published here")]
+    rests_on = [row.at("number"), row.at("proto")]
+    return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

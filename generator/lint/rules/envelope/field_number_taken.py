@@ -1,0 +1,67 @@
+"""A field number of the envelope is given twice.
+
+Two payloads with one number cannot be told apart on the wire. A retired number counts as taken for ever: boards that
+still send the old payload are out there.
+
+Bad::
+
+    messages:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 12, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import RetiredRow, Row
+
+RULE = Rule("ENV101", "field-number-taken", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows, retired ones first, whose number an earlier one has."""
+    table = subject.table
+    holders: dict[int, RetiredRow] = {}
+
+    def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
+        return RULE.at(row.at("number"), message, help, [also], type=table.envelope.message, number=row.number)
+
+    for retired in table.retired:
+        first = holders.setdefault(retired.number, retired)
+        if first is not retired:
+            message = f"field {retired.number} is retired twice"
+            yield at(retired, message, "keep one of them", (first.at("number"), "first retired here"))
+    rows = _owners(subject)
+    published = {(entry.proto, entry.name): entry.number for entry in subject.published}
+    next_number = subject.next_number()
+    for row in table.rows:
+        old = published.get((row.proto, row.name))
+        help = f"the next number never used is {next_number}"
+        if old is not None and old not in table.numbers:
+            help = f"give {row.name} its published number {old} back"
+        if row.number in holders:
+            gone = holders[row.number]
+            message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"
+            yield at(row, message, help, (gone.at("number"), "retired here"))
+        elif rows[row.number] is not row:
+            taken = rows[row.number]
+            message = f"field {row.number} is already taken by {taken.name} ({taken.proto})"
+            yield at(row, message, help, (taken.at("number"), "first used here"))
+
+
+def _owners(subject: Subject) -> dict[int, Row]:
+    """Find the row that each number belongs to: the one it was published for, or else the first."""
+    owners: dict[int, Row] = {}
+    published = {(entry.number, entry.proto) for entry in subject.published}
+    for row in sorted(subject.table.rows, key=lambda row: (row.number, row.proto) not in published):
+        owners.setdefault(row.number, row)
+    return owners

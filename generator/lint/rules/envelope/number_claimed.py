@@ -1,0 +1,47 @@
+"""A payload takes a number that a comment in the envelope names for another.
+
+A member that is commented out mostly was in use once, or is on somebody's branch; either way there may be boards that
+send it. Who commented it out knows; ask before taking its number.
+
+Bad::
+
+    oneof payload {
+      // SensorBoardTimeout timeout = 30;
+      SensorBoardWind wind = 30;
+    }
+
+Good::
+
+    oneof payload {
+      // SensorBoardTimeout timeout = 30;
+      SensorBoardWind wind = 31;
+    }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.protos.schema import ProtoField
+from roverlink.generator.table import Row
+
+RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows with a number that the envelope's comments have for another payload."""
+    envelope = subject.table.envelope.message
+    claims = list(subject.envelope_claims())
+    for row in subject.table.rows:
+        for claim, span in claims:
+            if claim.number == row.number and not _is_same_payload(claim, row):
+                message = f"field {row.number} of {row.name} stands in a comment for {claim.name} ({claim.type})"
+                help = f"give {row.name} the number {subject.next_number()}, or delete a comment that never was in use"
+                also = [(span, "in this comment")]
+                yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
+
+
+def _is_same_payload(claim: ProtoField, row: Row) -> bool:
+    return claim.name == row.name or claim.type.rpartition(".")[2] == row.proto.rpartition(".")[2]

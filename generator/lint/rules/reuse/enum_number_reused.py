@@ -1,0 +1,59 @@
+"""A number that an enum had for another value once is used again.
+
+The value was deleted long ago, and with it what reserved its number. The ledger knows every number that was ever
+published: a board with the old value may still be out there, and is understood as saying the new one.
+
+Bad::
+
+    enum Mode { IDLE = 0; DRIVE = 1; }   // once
+    enum Mode { IDLE = 0; }              // later
+    enum Mode { IDLE = 0; ARM = 1; }     // now
+
+Good::
+
+    enum Mode { reserved 1; reserved "DRIVE"; IDLE = 0; ARM = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import values_by_number
+from roverlink.generator.lint.breaking.fixits import reserve
+from roverlink.generator.lint.breaking.fixits import values as declared
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import next_enum_number
+from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, Schema
+
+RULE = Rule("WIR112", "enum-number-reuse", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
+    if subject.schema is None:
+        return
+    for name, gone in subject.ledger.gone_values.items():
+        enum, offered = subject.schema.enums.get(name), set[int]()
+        published = {(one.number, one.name) for one in subject.ledger.values(name)}
+        for number, values in values_by_number(enum).items() if enum else ():
+            reused = [one for one in gone if one.number == number]
+            if enum and reused and not any((number, value.name) in published for value in values):
+                free = next_enum_number(subject, name, offered)
+                offered |= {free} if free else set()
+                yield from (_finding(subject.schema, enum, values, one, free) for one in reused)
+
+
+def _finding(
+    schema: Schema, enum: ProtoEnum, values: list[ProtoEnumValue], old: ProtoEnumValue, free: int | None
+) -> Diagnostic:
+    names, was = [value.name for value in values], old.name
+    freed = reserve(enum, schema.syntax_of(enum.file), [(old.number, old.number)], [was])
+    return RULE.at(
+        values[0].at("number"),
+        f"number {values[0].number} of {enum.full_name} was {was} once, and is given to {names[0]}",
+        f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"find another place for {names[0]}",
+        [(old.span, "published here")],
+        type=enum.full_name,
+        number=values[0].number,
+    )

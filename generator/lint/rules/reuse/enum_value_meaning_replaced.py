@@ -1,0 +1,71 @@
+"""A number of an enum stands for what another number stood for.
+
+Values were swapped or shifted. Boards that were not flashed go on sending the old numbers, and each is understood as
+another value that exists, so that nothing looks wrong.
+
+Bad::
+
+    enum Mode { IDLE = 0; DRIVE = 1; ARM = 2; }   // before
+    enum Mode { IDLE = 0; ARM = 1; DRIVE = 2; }   // after
+
+Good::
+
+    enum Mode { IDLE = 0; DRIVE = 1; ARM = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earlier
+from roverlink.generator.lint.breaking.declaration_text import value_place
+from roverlink.generator.lint.breaking.enum_values import moved_away, moved_here, renamed_values, stands_for_another
+from roverlink.generator.lint.breaking.fixits import values as declared
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import new_numbers
+from roverlink.generator.protos.schema import ProtoEnumValue
+
+RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Values whose name belonged to another number, or whose number had a name that another one has now."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    for pair, number, gone, values in renamed_values(change):
+        if stands_for_another(pair, number):
+            help = _help(subject, pair, number, gone, values)
+            for value in values:
+                yield RULE.at(
+                    value.at("number"),
+                    _message(pair, number, gone, value),
+                    help,
+                    earlier(change, value_place(pair.old, number), f"it was {', '.join(gone)} here"),
+                    type=pair.new.full_name,
+                    number=number,
+                )
+
+
+def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
+    moved = moved_here(pair, number)
+    if moved is not None:
+        return f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number}"
+    message = f"{number} was {', '.join(gone)} and is {value.name} now"
+    away = moved_away(pair, number)
+    return f"{message}, while {away.name} is {away.number}" if away else message
+
+
+def _help(subject: Subject, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+    before = {value.name: value.number for value in pair.old.values}
+    moved = [declared([value.name], before[value.name]) for value in values if before.get(value.name, number) != number]
+    back = f"put back `{' '.join([declared(gone, number), *moved])}`"
+    new, numbers = [value.name for value in values if value.name not in before], new_numbers(subject, pair)
+    if not new:
+        return back
+    if not numbers.keys() >= set(new):
+        return f"{back}, and give {', '.join(new)} a number of its own"
+    given = " ".join(declared([name], numbers[name]) for name in new)
+    return f"{back}, and give {', '.join(new)} a new number: `{given}`"

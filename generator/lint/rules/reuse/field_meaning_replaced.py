@@ -1,0 +1,54 @@
+"""A number is given to a field that means something else.
+
+Its type can read the old bytes, so that nothing looks wrong: the old value is simply taken for the new thing. A field
+that only got a better name has a word in common with the old one, or keeps it as its `json_name`.
+
+Bad::
+
+    message Motor { float voltage = 1; }       // before
+    message Motor { float temperature = 1; }   // after
+
+Good::
+
+    message Motor { reserved 1; reserved "voltage"; float temperature = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.breaking.fixits import was
+from roverlink.generator.lint.breaking.renames import Rename, names_another_field, rename
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+
+RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields whose new name has nothing of the old one, or was another field's."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(subject, change)
+    for pair in fields(change):
+        # What a payload means is its type, which has rules of its own.
+        if rename(pair) is Rename.MEANING and pair.owner != subject.table.envelope.message:
+            yield RULE.at(
+                pair.new.at("name"),
+                _message(pair),
+                back_or_renumber(numbers, pair),
+                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _message(pair: FieldPair) -> str:
+    message = f"number {pair.new.number} was {pair.old.name} and is {pair.new.name} now"
+    if names_another_field(pair):
+        return f"{message}, which had another number: the old values are read as those"
+    return f"{message}: the old value is read as the new thing"

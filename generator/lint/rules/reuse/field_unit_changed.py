@@ -1,0 +1,57 @@
+"""A field's name has another unit, scale or reference.
+
+The number and the type are the same, so that nothing looks wrong: an old sender's millimetres are read as metres, its
+hundredths of a degree as degrees, a difference as a position.
+
+Bad::
+
+    message Arm { int32 reach_mm = 1; }   // before
+    message Arm { int32 reach_m = 1; }    // after
+
+Good::
+
+    message Arm { reserved 1; reserved "reach_mm"; int32 reach_m = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.breaking.fixits import was
+from roverlink.generator.lint.breaking.name_units import factor
+from roverlink.generator.lint.breaking.renames import Rename, measures, rename
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+
+RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields whose names before and after speak of one thing in two units."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(subject, change)
+    for pair in fields(change):
+        if rename(pair) is Rename.UNIT:
+            yield RULE.at(
+                pair.new.at("name"),
+                _message(pair),
+                back_or_renumber(numbers, pair),
+                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _message(pair: FieldPair) -> str:
+    old, new = measures(pair)
+    message = f"{pair.old.name} = {pair.old.number} is {pair.new.name} now: {old.shown} is read as {new.shown}"
+    times = factor(old, new)
+    if times is None or times == 1:
+        return message
+    size = f"{times:.6g} times too large" if times > 1 else f"{1 / times:.6g} times too small"
+    return f"{message}, {size}"

@@ -1,0 +1,58 @@
+"""A message has other contents than the message that had its name.
+
+Most of its numbers stand for something else, with other names and other types. The name was kept, so that every board
+and every row of the table takes the one for the other.
+
+Bad::
+
+    message Status { float voltage = 1; float current = 2; int32 load = 3; }   // before
+    message Status { string text = 1; bool busy = 2; Mode mode = 3; }          // after
+
+Good::
+
+    message PowerStatus { float voltage = 1; float current = 2; int32 load = 3; }
+    message TaskStatus { string text = 1; bool busy = 2; Mode mode = 3; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, fields_of_messages, messages
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
+from roverlink.generator.lint.breaking.renames import Rename, rename
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("WIR113", "message-content-replaced", __doc__)
+_FEWEST = 3  # of so few fields that each may have changed by itself
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair in messages(change):
+        before = len(pair.old.fields)
+        replaced, left = _counts(pair)
+        if before >= _FEWEST and left * 3 < before <= replaced * 2:
+            yield RULE.at(
+                pair.new.at("name"),
+                f"{pair.new.full_name} is another message: of {before} fields {replaced} were replaced, {left} left",
+                "give the new message a name of its own, and leave the old one as it was",
+                earlier(change, pair.old.at("name"), "the old one is here"),
+                type=pair.new.full_name,
+            )
+
+
+def _counts(pair: MessagePair) -> tuple[int, int]:
+    """How many numbers stand for something else, and how many for what they did."""
+    same = 0
+    pairs = list(fields_of_messages(pair))
+    for one in pairs:
+        retyped = broken_by_type(one)
+        renamed = one.old.name != one.new.name
+        same += not (renamed if retyped else rename(one) is Rename.MEANING)
+    return len(pairs) - same, same

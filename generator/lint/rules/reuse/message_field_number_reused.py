@@ -1,0 +1,69 @@
+"""A number that a message had for another field once is used again.
+
+The field was deleted long ago, and with it what reserved its number. The ledger knows every number that was ever
+published: a board with the old field may still be out there, and its bytes are read as the new one.
+
+Bad::
+
+    message Imu { float x = 1; float y = 2; }      // once
+    message Imu { float x = 1; }                   // later
+    message Imu { float x = 1; int32 state = 2; }  // now
+
+Good::
+
+    message Imu { float x = 1; reserved 2; reserved "y"; int32 state = 3; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking.declaration_text import declaration
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
+from roverlink.generator.lint.breaking.fixits import reserve
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import next_field_number
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+
+RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
+    if subject.schema is None:
+        return
+    for name, gone in subject.ledger.gone_fields.items():
+        message, offered = subject.schema.messages.get(name), set[int]()
+        for field in message.fields if message else ():
+            reused = [one for one in gone if one.number == field.number]
+            if message and reused and not any(_is_the_same(one, field) for one in subject.ledger.fields(name)):
+                free = next_field_number(subject, name, offered)
+                offered |= {free} if free else set()
+                yield from (_finding(subject.schema, message, field, one, free) for one in reused)
+
+
+def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
+    """Whether a published field is this very one, if with a type that reads the same bytes."""
+    if (old.number, old.name) != (new.number, new.name):
+        return False
+    return old.wire_type == new.wire_type or not broken_by_kind(old.wire_type, new.wire_type)
+
+
+def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: ProtoField, free: int | None) -> Diagnostic:
+    was = f"{old.name} ({old.wire_type})"
+    return RULE.at(
+        field.at("number"),
+        f"number {field.number} of {message.full_name} was {was} once, and is given to {field.name}",
+        _help(schema, message, field, old.name, free) if free else f"find another place for {field.name}",
+        [(old.span, "published here")],
+        type=message.full_name,
+        number=field.number,
+    )
+
+
+def _help(schema: Schema, message: ProtoMessage, field: ProtoField, was: str, free: int) -> str:
+    syntax = schema.syntax_of(message.file)
+    moved = declaration(field, schema, message.full_name, syntax, free)
+    freed = reserve(message, syntax, [(field.number, field.number)], [was])
+    return f"write `{moved} {freed}`: {free} is free"

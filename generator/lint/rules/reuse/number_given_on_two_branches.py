@@ -1,0 +1,47 @@
+"""Open branches have given one number of the envelope to different payloads.
+
+Whichever is merged second takes the number from the first, and boards that were tried out with it are misread. Before
+the merge, it costs one line to take another number.
+
+Bad::
+
+    Wind wind = 22;     // on the branch wind-sensor
+    Water water = 22;   // on the branch water-sensor
+
+Good::
+
+    Wind wind = 22;     // on the branch wind-sensor
+    Water water = 23;   // on the branch water-sensor
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.history import Allocation, branch_name
+from roverlink.generator.lint.history_diagnostics import place_of
+
+RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers that branches have given away since they parted."""
+    past, envelope = subject.past, subject.table.envelope.message
+    if past is None or not past.of_branches:
+        return
+    for collision in past.history.collisions(envelope):
+        number, given = collision.number, collision.allocations
+        message = f"number {number} of {envelope} is {' and '.join(map(_said, given))}"
+        help = f"keep it for one of them; the next number that no branch has is {subject.next_number()}"
+        also = [
+            (Span(f"{branch_name(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
+            for one in given
+        ]
+        uses = [Use(one.type, one.name, one.came, None) for one in given]
+        yield RULE.at(place_of(subject, envelope, number), message, help, also, type=envelope, number=number, uses=uses)
+
+
+def _said(allocation: Allocation) -> str:
+    return f"{allocation.type} {allocation.name} on {' and '.join(branch_name(ref) for ref in allocation.refs)}"

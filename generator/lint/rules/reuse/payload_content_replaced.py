@@ -1,0 +1,30 @@
+"""The content of a payload was replaced under the same name in the course of history.
+
+The envelope looks as if nothing had happened, but the bytes of the old payload are read as the fields of the new one.
+
+Bad::
+
+    message Status { float voltage = 1; float current = 2; float power = 3; }            // until May
+    message Status { uint32 mode = 1; string text = 2; bool ready = 3; float age = 4; }  // since then
+
+Good::
+
+    message StatusReport { uint32 mode = 1; string text = 2; bool ready = 3; float age = 4; }  // under a new number
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.history import Kind
+from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
+
+RULE = Rule("HIS103", "payload-content-replaced", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers of the envelope whose payload kept its name and lost its fields."""
+    for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.REPLACED})):
+        yield reported(RULE, subject, owner, number, reuses)

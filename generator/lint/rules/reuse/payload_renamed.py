@@ -1,0 +1,32 @@
+"""A payload of the envelope was renamed in the course of history, and its content stayed.
+
+Bytes do not carry names, so that nothing is misread. But whoever searches the history for a name has to know the other.
+
+Bad::
+
+    Imu imu = 13;       // until May
+    ImuInfo imu = 13;   // since then, with the same fields
+
+Good::
+
+    Imu imu = 13;
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.history import Kind
+from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
+
+RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers of the envelope whose payload has another name than once, and nothing worse."""
+    worse = {(owner, number) for owner, number, _ in reuses_by_number(subject, frozenset(Kind) - {Kind.RENAMED})}
+    for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.RENAMED})):
+        if owner == subject.table.envelope.message and (owner, number) not in worse:
+            yield reported(RULE, subject, owner, number, reuses)

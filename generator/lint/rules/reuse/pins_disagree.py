@@ -1,0 +1,41 @@
+"""Consumers of the protos are pinned to commits in which one number of the envelope is of different payloads.
+
+The rover, the boards and the basestation each build the protos from a commit of their own. Where those disagree about a
+number, one decodes what the other never sent, without any error.
+
+Bad::
+
+    rover        4f1c2ab   # PBEnvelope: Gps gps = 12
+    basestation  9d03e77   # PBEnvelope: Wind wind = 12
+
+Good::
+
+    rover        9d03e77
+    basestation  9d03e77
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("PIN102", "pins-disagree", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Each pair of consumers whose commits disagree, with the numbers about which they do."""
+    past, envelope = subject.past, subject.table.envelope.message
+    if past is None:
+        return
+    for one, other in combinations(past.pinned, 2):
+        for number in one.disagreements(other):
+            message = (
+                f"number {number} of {envelope} is {' '.join(other.numbers[number])} to {other.pin.consumer} "
+                f"and {' '.join(one.numbers[number])} to {one.pin.consumer}"
+            )
+            also = [(one.pin.span, f"{one.pin.consumer} is pinned to {one.commit}")]
+            help = f"pin both to one commit; {other.pin.consumer} is at {other.commit}"
+            yield RULE.at(other.pin.span, message, help, also, type=envelope, number=number)

@@ -1,0 +1,115 @@
+"""A field takes less than before.
+
+Whoever was built before sends as much as was allowed then. nanopb does not cut such a value short: it refuses the whole
+message, and the board goes on without it. A length or a count that became fixed refuses whatever is shorter, too.
+
+Bad::
+
+    # note.options, where it said `Note.text max_length:20` before
+    Note.text max_length:16
+
+Good::
+
+    # note.options
+    Note.text max_length:24
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.nanopb import FieldBounds
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+
+RULE = Rule("FIX103", "bound-shrank", __doc__)
+_BITS = {"int32": 32, "sint32": 32, "uint32": 32, "int64": 64, "sint64": 64, "uint64": 64}
+
+
+class _Bounded(NamedTuple):
+    """A field with its bounds."""
+
+    field: ProtoField
+    given: FieldBounds
+
+    @property
+    def capacity(self) -> int | None:
+        """The bytes of a text or of `bytes`, without the zero byte that C adds to a text."""
+        if self.field.type != "string":
+            return self.given.max_size
+        if self.given.max_length is not None:
+            return self.given.max_length
+        return None if self.given.max_size is None else self.given.max_size - 1
+
+    @property
+    def bits(self) -> int | None:
+        """Those of an integer."""
+        return self.given.int_size or _BITS.get(self.field.type)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields that are there now and in the earlier state, with tighter bounds now."""
+    if subject.schema is None or subject.bounds is None:
+        return
+    for change in subject.changes:
+        if change.bounds_before is None:
+            continue
+        for message in subject.schema.messages.values():
+            before = change.before.messages.get(message.full_name)
+            earlier = {field.number: field for field in before.fields} if before else {}
+            for field in message.fields:
+                if old := earlier.get(field.number):
+                    now = _Bounded(field, subject.bounds.of_field(message.full_name, field.name))
+                    yield from _check(
+                        message, now, _Bounded(old, change.bounds_before.of_field(message.full_name, old.name))
+                    )
+
+
+def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[Diagnostic]:
+    for option, text in (*_shrunk_size(now, before), *_shrunk_count(now, before), *_shrunk_integer(now, before)):
+        yield RULE.at(
+            now.given.said.get(option, now.field.span),
+            f"{message.full_name}.{now.field.name} takes {text} before",
+            f"put {option} back, or take a new field with a new number",
+            [(before.given.said.get(option, before.field.span), "as it was")],
+            type=message.full_name,
+            number=now.field.number,
+        )
+
+
+_Shrunk = tuple[str, str]  # the option, and what the field takes
+
+
+def _shrunk_size(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
+    size, earlier = now.capacity, before.capacity
+    if now.given.fixed_length and size is not None and (size != earlier or not before.given.fixed_length):
+        yield "fixed_length", f"exactly {size} bytes now; it took {_at_most(earlier, before.given.fixed_length)}"
+    elif _is_less(size, earlier):
+        option = "max_length" if now.given.max_length is not None else "max_size"
+        yield option, f"{size} bytes at most now; it took {earlier}"
+
+
+def _shrunk_count(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
+    count, earlier = now.given.max_count, before.given.max_count
+    if now.given.fixed_count and count is not None and (count != earlier or not before.given.fixed_count):
+        yield "fixed_count", f"exactly {count} values now; it took {_at_most(earlier, before.given.fixed_count)}"
+    elif _is_less(count, earlier):
+        yield "max_count", f"{count} values at most now; it took {earlier}"
+
+
+def _shrunk_integer(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
+    if now.given.int_size and _is_less(now.bits, before.bits):
+        yield "int_size", f"{now.bits} bits now; it took {before.bits}"
+
+
+def _at_most(bound: int | None, fixed: bool) -> str:
+    if bound is None:
+        return "any number"
+    return str(bound) if fixed else f"up to {bound}"
+
+
+def _is_less(now: int | None, before: int | None) -> bool:
+    """Whether a bound is tighter; a new one where there was none is how boards come to have bounds."""
+    return now is not None and before is not None and now < before

@@ -1,0 +1,57 @@
+"""A payload of a microcontroller has a field without a bound.
+
+A peer with `max_size` has fixed buffers. How long a text may be, or how many values a repeated field may have, must be
+said beside the .proto file then, in nanopb's options; a field without that has no buffer, and nobody can say whether an
+envelope fits.
+
+Bad::
+
+    // note.proto
+    message Note {
+      string text = 1;
+    }
+
+Good::
+
+    # note.options
+    Note.text max_length:20
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.nanopb import Unbounded, largest_size
+from roverlink.generator.table import PeerSettings, Row
+
+RULE = Rule("FIX101", "field-unbounded", __doc__)
+_HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Payloads that go to or come from a peer with a largest size; each once, at its first such field."""
+    schema, bounds = subject.schema, subject.bounds
+    if schema is None or bounds is None:
+        return
+    for proto, (row, peer) in _limited(subject).items():
+        found = largest_size(schema, bounds, proto) if proto in schema.messages else 0
+        if isinstance(found, Unbounded):
+            first, _, _ = found.path.partition(".")
+            number = next((field.number for field in schema.messages[proto].fields if field.name == first), None)
+            field = f"{proto}.{found.path}" if found.path else proto
+            message = f"{field} has no largest size: {found.reason}"
+            also = [(row.at("proto"), f"{peer.name} takes {peer.max_size} bytes at most")]
+            yield RULE.at(found.span, message, _HELP, also, type=proto, number=number)
+
+
+def _limited(subject: Subject) -> dict[str, tuple[Row, PeerSettings]]:
+    """The payloads that a peer with a largest size sends or is sent, each with its first row."""
+    peers = subject.table.peers_by_name()
+    found: dict[str, tuple[Row, PeerSettings]] = {}
+    for row in subject.table.rows:
+        for name in (row.peer, *row.forward):
+            if name in peers and peers[name].max_size is not None:
+                found.setdefault(row.proto, (row, peers[name]))
+    return found

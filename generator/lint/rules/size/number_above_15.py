@@ -1,0 +1,54 @@
+"""A microcontroller sends fields with numbers above 15.
+
+Number and type of a field share one byte up to 15, and take two from 16 on. In a message that a board sends many times
+a second, over a slow link, that is a byte for every such field, every time. Numbers cannot be changed later: it counts
+when a message is new.
+
+Bad::
+
+    message Sample {
+      float x = 16;
+    }
+
+Good::
+
+    message Sample {
+      float x = 1;
+    }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.protos.schema import ProtoMessage
+
+RULE = Rule("FIX104", "number-above-15", __doc__, Severity.HINT)
+_LAST_SHORT = 15
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Messages inside what a peer with a largest size sends; each once, at its first such field."""
+    table, schema = subject.table, subject.schema
+    limited = {peer.name for peer in table.peers if peer.max_size is not None}
+    sent = [row.proto for row in table.rows if row.inbound and row.peer in limited]
+    if schema is None or not sent:
+        return
+    for name in sorted(schema.reachable(*sent)[0]):
+        yield from _check(schema.messages[name])
+
+
+def _check(message: ProtoMessage) -> Iterator[Diagnostic]:
+    long = sorted((field for field in message.fields if field.number > _LAST_SHORT), key=lambda field: field.number)
+    if not long:
+        return
+    used = {field.number for field in message.fields}
+    used |= {number for first, last in message.reserved for number in range(first, min(last, _LAST_SHORT) + 1)}
+    free = [number for number in range(1, _LAST_SHORT + 1) if number not in used]
+    named = [f"{field.name} = {field.number}" for field in long[:3]] + ["..."] * (len(long) > 3)
+    text = f"a number above {_LAST_SHORT} takes a byte more each time: {', '.join(named)}"
+    unused = f"in a new message, take {free[0]}" if free else "in a new message, give them to what is sent least"
+    help = f"{unused}; a published number stays as it is"
+    yield RULE.at(long[0].at("number"), text, help, type=message.full_name, number=long[0].number)

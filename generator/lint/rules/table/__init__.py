@@ -1,0 +1,1 @@
+"""Rules about rows, names and topics of the table."""

@@ -1,0 +1,60 @@
+"""A setting under `lint` lowers nothing.
+
+It names a rule that there is not, or a severity that is not lower than the rule's own. Whoever wrote it believes that
+something is allowed which is not, or that something is still watched which is not.
+
+Bad::
+
+    lint:
+      ENV601: {severity: warning, reason: the sequence number of the old firmware}  # there is no such rule
+      TAB107: {severity: warning, reason: we rename topics now and then}  # it is a warning anyway
+
+Good::
+
+    lint:
+      ENV106: {severity: warning, reason: the sequence number of the old firmware}
+      TAB107: {severity: hint, reason: we rename topics now and then}
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from functools import cache
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint import buf
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import Lowered
+
+RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Settings of the table and of its rows that change no finding's severity."""
+    table = subject.table
+    for lowered in table.lint:
+        yield from _check(lowered, "", None)
+    for row in table.rows:
+        for lowered in row.lint:
+            yield from _check(lowered, table.envelope.message, row.number)
+
+
+def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnostic]:
+    rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
+    if rule is None:
+        message = f"there is no rule {lowered.rule} that a table could lower"
+        yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)
+    elif rule.severity is Severity.FATAL:
+        message = f"{rule.id} ({rule.name}) is fatal, which cannot be lowered"
+        yield RULE.at(lowered.span, message, "remove this setting", type=type, number=number)
+    elif lowered.severity != "off" and Severity(lowered.severity).rank <= rule.severity.rank:
+        message = f"{rule.id} ({rule.name}) is a {rule.severity.value} anyway; {lowered.severity} is no lower"
+        yield RULE.at(lowered.at("severity"), message, "remove this setting", type=type, number=number)
+
+
+@cache
+def _rules() -> Mapping[str, Rule]:
+    """The rules by id. Their list imports this module, so it can be asked only after that."""
+    listed = importlib.import_module("roverlink.generator.lint.rules")
+    return {id: module.RULE for id, module in listed.modules().items()}

@@ -1,0 +1,56 @@
+"""A name in the envelope is given twice.
+
+Two members of one oneof cannot share a name, nor can two handlers: names that differ only in capitals or underscores
+would become the same class. A retired name is taken for ever, as its number is; and the oneof has a name too.
+
+Bad::
+
+    messages:
+      - {number: 12, name: gps, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: gps, proto: SensorBoardGPSStatus, topic: gps_status, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 12, name: gps, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+      - {number: 22, name: gps_status, proto: SensorBoardGPSStatus, topic: gps_status, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.ir.ros_names import distinct
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import RetiredRow, Row
+
+RULE = Rule("TAB101", "name-taken", __doc__)
+_HELP = "choose another name"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
+    table = subject.table
+    retired: dict[str, RetiredRow] = {}
+
+    def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:
+        return RULE.at(row.at("name"), message, help, [also], type=table.envelope.message, number=row.number)
+
+    for gone in table.retired:
+        first = retired.setdefault(gone.name, gone)
+        if first is not gone:
+            message = f"the name {gone.name} is retired twice"
+            yield at(gone, message, (first.at("name"), "first retired here"), "correct one of them")
+    seen: dict[str, Row] = {}
+    for row in table.rows:
+        earlier = seen.setdefault(distinct(row.name), row)
+        if earlier is not row:
+            message = f"the name {row.name} is already taken by field {earlier.number} ({earlier.proto})"
+            yield at(row, message, (earlier.at("name"), "first used here"))
+        elif row.name in retired:
+            gone = retired[row.name]
+            message = f"the name {row.name} was that of field {gone.number} ({gone.proto}) and is retired"
+            yield at(row, message, (gone.at("name"), "retired here"))
+        elif row.name == table.envelope.oneof:
+            yield at(row, f"the name {row.name} is that of the oneof", (table.envelope.at("oneof"), "named here"))

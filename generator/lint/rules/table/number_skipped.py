@@ -1,0 +1,49 @@
+"""A new row leaves numbers out.
+
+A number that is skipped is free for ever and looks as if it had been used once; each reader has to find out which. And
+a number above 15 costs a byte more in every datagram.
+
+Bad::
+
+    # the largest number that was ever used is 21
+    messages:
+      - {number: 30, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+
+Good::
+
+    messages:
+      - {number: 22, name: wind, proto: SensorBoardWind, topic: wind, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """New rows with a larger number than they need, where something was published before."""
+    published = {entry.number for entry in subject.published}
+    if not published:
+        return
+    table = subject.table
+    # A payload whose published number is gone from the table is not new; another rule tells how to put that back.
+    moved = {entry.proto for entry in subject.published if entry.number not in table.numbers}
+    new = {row.number: row for row in reversed(table.rows) if row.number not in published and row.proto not in moved}
+    # Only what lies above every old number is known to have never been used.
+    old = published | (table.numbers - new.keys())
+    smallest = max(old)
+    for number in sorted(number for number in new if number > max(old)):
+        smallest = subject.free_number(smallest + 1, besides=new.keys())
+        if number > smallest:
+            row = new[number]
+            message = f"field {number} skips numbers that were never used; the next one is {smallest}"
+            help = f"give {row.name} the number {smallest}, while nobody uses {number} yet"
+            rests_on = [row.at("number"), row.at("proto")]
+            yield RULE.at(
+                row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on
+            )

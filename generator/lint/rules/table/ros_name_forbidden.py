@@ -1,0 +1,49 @@
+"""A name that ROS 2 forbids.
+
+Packages are lower case with single underscores, messages are CamelCase without underscores, topics are names separated
+by slashes. rosidl and rcl refuse anything else, long after the table was written.
+
+Bad::
+
+    - {number: 12, name: gps, proto: GPS_Info, topic: gps//data, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 12, name: gps, proto: GPS_Info, ros: GPSInfo, topic: gps/data, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.ir import ros_names
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import Row
+
+RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """The package, and the messages and topics of the rows."""
+    table = subject.table
+    if table.ros.package and not ros_names.is_package_name(table.ros.package):
+        help = "lower case letters, digits and single underscores, for example rover_msgs"
+        yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)
+    for row in filter(_reaches_ros, table.rows):
+        if row.feed is None and not ros_names.is_message_name(row.ros):
+            nearest = ros_names.camel_case(row.ros)
+            example = nearest if ros_names.is_message_name(nearest) else "ImuInfo"
+            help = f"letters and digits, starting with a capital: {example}"
+            message = f"ROS forbids the message name {row.ros!r}"
+            yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
+        for topic, span in ((row.topic, row.at("topic")), *((feed.topic, feed.at("topic")) for feed in row.also)):
+            if not ros_names.is_topic_name(topic):
+                help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
+                message = f"ROS forbids the topic name {topic!r}"
+                yield RULE.at(span, message, help, type=table.envelope.message, number=row.number)
+
+
+def _reaches_ros(row: Row) -> bool:
+    """Whether it is more than a member of an envelope without a table."""
+    return bool(row.topic)

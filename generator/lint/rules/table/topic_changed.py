@@ -1,0 +1,39 @@
+"""A published row has another topic than before.
+
+Whoever subscribes or publishes under the old name is told nothing: a topic that nobody uses any more is just silent.
+The ledger takes the new topic with the next generate, so that this is said once.
+
+Bad::
+
+    # mapping.lock says `12: gps_info SensorBoardGPSInfo on gps_data`
+    - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps, direction: hardware_to_ros}
+
+Good::
+
+    - {number: 12, name: gps_info, proto: SensorBoardGPSInfo, topic: gps_data, direction: hardware_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Rows that were published with the same number and message, and with another topic."""
+    envelope = subject.table.envelope.message
+    for row in subject.table.rows:
+        before: dict[str, Span] = {}
+        for entry in subject.published:
+            if (entry.number, entry.proto) == (row.number, row.proto) and entry.topic not in ("", row.topic):
+                before.setdefault(entry.topic, entry.span)
+        if row.topic and before:
+            message = f"{row.name} goes over the topic {row.topic}; it was published on {' and on '.join(before)}"
+            help = "put the old topic back, or tell whoever uses it"
+            also = [(span, f"{topic} here") for topic, span in before.items()]
+            rests_on = [row.at("number"), row.at("topic")]
+            yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -1,0 +1,66 @@
+"""A row speaks of a peer that the table does not have, or forwards where it cannot.
+
+`direction` and `forward` name machines under `peers`; the datagrams of any other would go nowhere. A row forwarding to
+the peer from which it comes would send every datagram back.
+
+Bad::
+
+    peers:
+      hardware: {}
+    messages:
+      - {number: 16, name: mode, proto: ControlMode, topic: mode, direction: basestation_to_ros}
+
+Good::
+
+    peers:
+      hardware: {}
+      basestation: {}
+    messages:
+      - {number: 16, name: mode, proto: ControlMode, topic: mode, direction: basestation_to_ros}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span, nearest
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.table import Row
+
+RULE = Rule("TAB103", "unknown-peer", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Directions and forwards without a peer."""
+    table = subject.table
+    if not table.whole:
+        return  # the peer may be among what could not be read
+    peers = {peer.name for peer in table.peers}
+    for row in table.rows:
+        for key, message, help, also in (*_unknown(row, peers), *_misdirected(row)):
+            yield RULE.at(row.at(key), message, help, also, type=table.envelope.message, number=row.number)
+
+
+_Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the key of the row, what is wrong, the cure, other places
+
+
+def _unknown(row: Row, peers: set[str]) -> Iterator[_Fault]:
+    known = sorted(peers)
+    if row.direction and row.peer not in peers:
+        directions = [direction for peer in known for direction in (f"{peer}_to_ros", f"ros_to_{peer}")]
+        message = f"unknown direction {row.direction!r} (known: {', '.join(directions) or 'none'})"
+        yield "direction", message, nearest(row.peer, peers, f"name the peer {row.peer} under `peers`"), []
+    for target in row.forward:
+        if target not in peers:
+            message = f"unknown peer {target!r} (known: {', '.join(known) or 'none'})"
+            yield f"forward.{target}", message, nearest(target, peers, f"name the peer {target} under `peers`"), []
+
+
+def _misdirected(row: Row) -> Iterator[_Fault]:
+    if row.forward and not row.inbound:
+        message = f"the direction of {row.name} is {row.direction}, but `forward` is for datagrams from a peer"
+        help = f"write `direction: {row.peer}_to_ros`, or remove `forward`"
+        yield "direction", message, help, [(row.at("forward"), "forwarded here")]
+    elif row.peer in row.forward:
+        message = f"{row.name} comes from {row.peer} and would be sent back to it"
+        yield f"forward.{row.peer}", message, "forward to another peer", []

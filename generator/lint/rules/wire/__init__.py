@@ -1,0 +1,1 @@
+"""Rules about changes that make two versions misread each other's bytes."""

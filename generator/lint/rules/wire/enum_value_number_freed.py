@@ -1,0 +1,52 @@
+"""The number of a deleted enum value is not reserved.
+
+It looks free. Whoever takes it next gives it another name, and boards that still send the old value are understood as
+saying the new one.
+
+Bad::
+
+    enum Mode { IDLE = 0; DRIVE = 1; }   // before
+    enum Mode { IDLE = 0; }              // after
+
+Good::
+
+    enum Mode { reserved 1; reserved "DRIVE"; IDLE = 0; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earlier, gone_values
+from roverlink.generator.lint.breaking.declaration_text import value_place
+from roverlink.generator.lint.breaking.fixits import value_back_or_reserve
+from roverlink.generator.lint.breaking.number_ranges import covers
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers that were a value's, and are neither a value's nor reserved."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair, number, names in gone_values(change):
+        if not covers(pair.new.reserved, number):
+            yield RULE.at(
+                pair.new.span,
+                _message(pair, number, names),
+                value_back_or_reserve(pair, number, names),
+                earlier(change, value_place(pair.old, number), "it was here"),
+                type=pair.new.full_name,
+                number=number,
+            )
+
+
+def _message(pair: EnumPair, number: int, names: tuple[str, ...]) -> str:
+    moved = {value.name: value.number for value in pair.new.values if value.name in names}
+    for name, now in moved.items():
+        return f"{name} moved from number {number} to {now}, and {number} is not reserved"
+    return f"`{', '.join(names)} = {number};` is gone from {pair.new.full_name}, and its number is not reserved"

@@ -1,0 +1,54 @@
+"""A field holds many values now where it held one, or one where it held many.
+
+A list of numbers is packed into one value, which is no number; of several values a singular field keeps the last.
+
+Bad::
+
+    message Arm { float joint = 1; }            // before
+    message Arm { repeated float joint = 1; }   // after
+
+Good::
+
+    message Arm { reserved 1; reserved "joint"; repeated float joints = 2; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.breaking.cardinality import broken_by_cardinality, cardinalities, only_required, shown
+from roverlink.generator.lint.breaking.fixits import was
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+
+RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
+_WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(subject, change)
+    for pair in fields(change):
+        old, new = cardinalities(pair)
+        if broken_by_cardinality(old, new) and not only_required(old, new):
+            yield RULE.at(
+                pair.new.span,
+                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}",
+                back_or_renumber(numbers, pair),
+                earlier(change, pair.old.span, f"it was `{was(pair)}` here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _consequence(pair: FieldPair) -> str:
+    lost = "who expects one value keeps the last of several"
+    if {pair.old.type, pair.new.type} <= _WITHOUT_PACKED_LISTS:
+        return lost
+    return f"{lost}, and none of a packed list"

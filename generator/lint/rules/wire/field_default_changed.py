@@ -1,0 +1,75 @@
+"""An absent field is read as something else than before.
+
+A default never travels: the sender leaves the field out, and each side fills in the value that it was compiled with.
+The two then go on with different values for the same message.
+
+Bad::
+
+    message Pid { optional float gain = 1 [default = 1.5]; }   // before
+    message Pid { optional float gain = 1 [default = 2]; }     // after
+
+Good::
+
+    message Pid { optional float gain = 1 [default = 1.5]; }   // and send 2 where 2 is meant
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.breaking.declaration_text import declaration
+from roverlink.generator.lint.breaking.default_values import default, default_changed, shown
+from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
+from roverlink.generator.lint.breaking.fixits import back
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("WIR108", "field-default-changed", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields with another default, unless their type is already said to be another."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair in fields(change):
+        if default_changed(pair) and not broken_by_type(pair):
+            old, new = shown(pair.old, change.before), shown(pair.new, change.after)
+            yield RULE.at(
+                pair.new.at("default"),
+                f"{pair.new.name} = {pair.new.number} was {old} where it is absent, and is {new} now",
+                f"{_cure(pair)}, and send {new} where that is meant",
+                earlier(change, pair.old.at("default"), f"it was {old} here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )
+
+
+def _cure(pair: FieldPair) -> str:
+    if (pair.old.type, pair.old.type_name) != (pair.new.type, pair.new.type_name):
+        return back(pair)
+    if "default" in pair.new.facets and "default" not in pair.old.facets:
+        return "take the default out again"
+    value = _old_value(pair)
+    declared = _with_default(pair, value) if value and pair.syntax.name != "proto3" else ""
+    if "default" in pair.old.facets:
+        return f"put back `{declared}`" if declared else back(pair)
+    first = f"put {value or shown(pair.old, pair.change.before)} first in {pair.new.type_name} again"
+    return f"write `{declared}`, or {first}" if declared else first
+
+
+def _old_value(pair: FieldPair) -> str:
+    """What the default was, as it is called now; empty for a value of an enum that is gone."""
+    if pair.new.type != "enum":
+        return pair.old.facets["default"]
+    number = default(pair.old, pair.change.before)
+    values = pair.change.after.enums[pair.new.type_name].values
+    return next((value.name for value in values if value.number == number), "")
+
+
+def _with_default(pair: FieldPair, value: str) -> str:
+    field = dataclasses.replace(pair.new, facets={**pair.new.facets, "default": value})
+    return declaration(field, pair.change.after, pair.owner, pair.syntax)

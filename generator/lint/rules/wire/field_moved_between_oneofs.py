@@ -1,0 +1,45 @@
+"""A field shares a oneof with other fields than before.
+
+Of the members of a oneof a receiver keeps the last that it reads. Where one side sends two fields and the other knows
+them as members of one oneof, all but one are lost.
+
+Bad::
+
+    message Order { int32 stop = 1; int32 go = 2; }             // before
+    message Order { oneof what { int32 stop = 1; int32 go = 2; } }   // after
+
+Good::
+
+    message Order { int32 stop = 1; int32 go = 2; oneof what { int32 halt = 3; int32 run = 4; } }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, each_once, earlier, fields
+from roverlink.generator.lint.breaking.oneof_changes import broken_by_oneof, moved_back, moved_text
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+
+RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Fields whose company in a oneof is another."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(subject, change)
+    for pair in fields(change):
+        if broken_by_oneof(pair):
+            yield RULE.at(
+                pair.new.span,
+                f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",
+                back_or_renumber(numbers, pair, moved_back(pair)),
+                earlier(change, pair.old.span, "it was here"),
+                type=pair.owner,
+                number=pair.new.number,
+            )

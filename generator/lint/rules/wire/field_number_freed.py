@@ -1,0 +1,53 @@
+"""The number of a deleted field is not reserved.
+
+It looks free. Whoever takes it next gives it another meaning, and bytes of boards that still send the old field are
+read as the new one.
+
+Bad::
+
+    message Imu { float x = 1; float y = 2; }   // before
+    message Imu { float x = 1; }                // after
+
+Good::
+
+    message Imu { float x = 1; reserved 2; reserved "y"; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, gone_fields
+from roverlink.generator.lint.breaking.declaration_text import declaration_of_old
+from roverlink.generator.lint.breaking.fixits import names_in_use, put_back_or_reserve
+from roverlink.generator.lint.breaking.number_ranges import covers
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.protos.schema import ProtoField
+
+RULE = Rule("WIR102", "field-number-freed", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers that were a field's, and are neither a field's nor reserved."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair, field in gone_fields(change):
+        if not covers(pair.new.reserved, field.number):
+            yield RULE.at(
+                pair.new.span,
+                _message(pair, field),
+                put_back_or_reserve(pair, field),
+                earlier(change, field.span, f"it was `{declaration_of_old(pair, field)}` here"),
+                type=pair.new.full_name,
+                number=field.number,
+            )
+
+
+def _message(pair: MessagePair, field: ProtoField) -> str:
+    moved = names_in_use(pair.new).get(field.name)
+    if moved is not None:
+        return f"{field.name} moved from number {field.number} to {moved}, and {field.number} is not reserved"
+    return f"{field.name} = {field.number} is gone from {pair.new.full_name}, and its number is not reserved"

@@ -1,0 +1,43 @@
+"""A message is framed as a message set now and was not before, or the other way round.
+
+The option `message_set_wire_format` wraps each extension in a group with its number inside. Neither form can read the
+other.
+
+Bad::
+
+    message Extras { extensions 4 to max; }   // before
+    message Extras { option message_set_wire_format = true; extensions 4 to max; }   // after
+
+Good::
+
+    message Extras { extensions 4 to max; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, each_once, earlier, messages
+from roverlink.generator.lint.context import Subject
+
+RULE = Rule("WIR109", "message-set-format-changed", __doc__)
+_OPTION = "message_set_wire_format"
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Messages whose option `message_set_wire_format` is another."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair in messages(change):
+        old, new = (message.facets.get(_OPTION, "false") for message in (pair.old, pair.new))
+        if old != new and not change.of_ledger:
+            yield RULE.at(
+                pair.new.span,
+                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither form can read the other",
+                f"put back `option {_OPTION} = true;`" if old == "true" else f"remove `option {_OPTION} = true;`",
+                earlier(change, pair.old.span, f"it was {old} here"),
+                type=pair.new.full_name,
+            )

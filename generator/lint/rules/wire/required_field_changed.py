@@ -1,0 +1,88 @@
+"""A field is required now and was not before, or is not any more, or went although it was.
+
+Whoever knows a field as required refuses every message without it, the whole of it. Both sides would have to change at
+the same moment.
+
+Bad::
+
+    message Id { optional int32 board = 1; }   // before
+    message Id { required int32 board = 1; }   // after
+
+Good::
+
+    message Id { optional int32 board = 1; }
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, messages
+from roverlink.generator.lint.breaking.declaration_text import declaration, declaration_of_old
+from roverlink.generator.lint.breaking.fixits import put_back
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+
+RULE = Rule("WIR104", "required-field-changed", __doc__)
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Numbers that are required on one side alone, and hold no list on the other."""
+    return each_once(subject.changes, _findings)
+
+
+def _findings(change: Change) -> Iterator[Diagnostic]:
+    for pair in messages(change):
+        before, after = _fields(pair.old), _fields(pair.new)
+        for number in sorted(before.keys() | after.keys()):
+            old, new = before.get(number), after.get(number)
+            if (old and old.repeated) or (new and new.repeated):
+                continue
+            if old and _required(old) and not (new and _required(new)):
+                yield _not_any_more(pair, old, new)
+            if new and _required(new) and not (old and _required(old)):
+                yield _added(pair, old, new)
+
+
+def _fields(message: ProtoMessage) -> dict[int, ProtoField]:
+    return {field.number: field for field in message.fields}
+
+
+def _required(field: ProtoField) -> bool:
+    return field.label == "required"
+
+
+def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Diagnostic:
+    became, help = f"is gone from {pair.new.full_name}", put_back(pair, old)
+    if new is not None:
+        declared = declaration(old, pair.change.before, pair.old.full_name, pair.syntax)
+        became, help = "is not any more", f"put back `{declared}`"
+    return RULE.at(
+        new.span if new else pair.new.span,
+        f"{old.name} = {old.number} was required and {became}: older receivers refuse messages without it",
+        help,
+        earlier(pair.change, old.span, f"it was `{declaration_of_old(pair, old)}` here"),
+        type=pair.new.full_name,
+        number=old.number,
+    )
+
+
+def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Diagnostic:
+    became, place, known = "is new and required", pair.old.span, "the message was here, without it"
+    if old is not None:
+        became, place, known = (
+            "is required now, and was not",
+            old.span,
+            f"it was `{declaration_of_old(pair, old)}` here",
+        )
+    optional = dataclasses.replace(new, label="optional")
+    return RULE.at(
+        new.span,
+        f"{new.name} = {new.number} {became}: messages of older senders are refused",
+        f"write `{declaration(optional, pair.change.after, pair.new.full_name, pair.syntax)}`",
+        earlier(pair.change, place, known),
+        type=pair.new.full_name,
+        number=new.number,
+    )

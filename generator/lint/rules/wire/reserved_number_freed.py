@@ -1,0 +1,110 @@
+"""Numbers that were reserved are not any more.
+
+They were reserved because something had them once. Whoever takes one of them gives it another meaning, and bytes of
+boards that still send the old thing are read as the new one.
+
+Bad::
+
+    message Imu { reserved 2; float x = 1; }   // before
+    message Imu { float x = 1; float y = 2; }   // after
+
+Good::
+
+    message Imu { reserved 2; float x = 1; float y = 3; }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.lint.breaking import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
+from roverlink.generator.lint.breaking.declaration_text import declaration
+from roverlink.generator.lint.breaking.number_ranges import Range, covers, missing, spelled
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.free_numbers import NewNumbers, next_enum_number
+
+RULE = Rule("WIR106", "reserved-number-freed", __doc__)
+
+
+@dataclass(frozen=True, slots=True)
+class _User:
+    """What a number that was reserved is used for."""
+
+    name: str
+    number: int
+    span: Span
+    moved: str
+    """How it is to be declared, with another number; empty where there is none left."""
+
+
+def check(subject: Subject) -> Iterator[Diagnostic]:
+    """Reserved ranges of messages and enums of which something is not reserved any more."""
+    return each_once(subject.changes, lambda change: _findings(subject, change))
+
+
+def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(subject, change)
+    for pair in messages(change):
+        for place, freed in _freed(pair):
+            yield _finding(pair, place, freed, _fields(pair, numbers, freed))
+    for of_enum in enums(change):
+        for place, freed in _freed(of_enum):
+            yield _finding(of_enum, place, freed, _values(of_enum, subject, freed))
+
+
+def _freed(pair: MessagePair | EnumPair) -> Iterator[tuple[Span, list[Range]]]:
+    """What is not reserved any more of each range, with the range's place."""
+    for was in dict.fromkeys(pair.old.reserved):
+        if freed := list(missing(was, pair.new.reserved)):
+            yield pair.old.at(f"reserved {was[0]} to {was[1]}"), freed
+
+
+def _fields(pair: MessagePair, numbers: NewNumbers, freed: list[Range]) -> list[_User]:
+    users, name = [], pair.new.full_name
+    for field in sorted(pair.new.fields, key=lambda field: field.number):
+        if covers(freed, field.number):
+            number = numbers.of(name, field.number)
+            moved = declaration(field, pair.change.after, name, pair.syntax, number) if number else ""
+            users.append(_User(field.name, field.number, field.at("number"), moved))
+    return users
+
+
+def _values(pair: EnumPair, subject: Subject, freed: list[Range]) -> list[_User]:
+    users, offered = [], dict[int, int | None]()
+    for value in sorted(pair.new.values, key=lambda value: value.number):
+        if covers(freed, value.number):
+            if value.number not in offered:
+                offered[value.number] = next_enum_number(subject, pair.new.full_name, filter(None, offered.values()))
+            number = offered[value.number]
+            users.append(
+                _User(value.name, value.number, value.at("number"), f"{value.name} = {number};" if number else "")
+            )
+    return users
+
+
+def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Diagnostic:
+    return RULE.at(
+        pair.new.span,
+        f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",
+        _help(f"reserved {spelled(freed)};", users),
+        [*earlier(pair.change, place, "reserved here"), *((user.span, "used here") for user in users)],
+        type=pair.new.full_name,
+        number=freed[0][0] if freed[0][0] == freed[-1][1] else None,
+    )
+
+
+def _use(users: list[_User]) -> str:
+    shown = ", ".join(f"{user.name} = {user.number}" for user in users)
+    return f", and uses it for {shown}" if users else ""
+
+
+def _help(reserved: str, users: list[_User]) -> str:
+    if not users:
+        return f"put back `{reserved}`"
+    names = ", ".join(user.name for user in users)
+    if not all(user.moved for user in users):
+        return f"find another place for {names}, and put back what was reserved"
+    declared = " ".join(user.moved for user in users)
+    return f"give {names} a new number, and put back what was reserved: `{declared} {reserved}`"

@@ -1,0 +1,74 @@
+"""The rules of the ledger's file."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Rule, Severity
+
+UNREADABLE_LEDGER = Rule(
+    "LED101",
+    "unreadable-ledger",
+    """mapping.lock cannot be read.
+
+Without the ledger nobody knows which numbers were published, and a number could be used again.
+
+Bad::
+
+    mapping.lock: fatal[LED101] cannot be read: Is a directory
+
+Good::
+
+    $ git checkout mapping.lock
+""",
+    Severity.FATAL,
+)
+
+BROKEN_LEDGER = Rule(
+    "LED102",
+    "broken-ledger",
+    """A line of mapping.lock is not an entry.
+
+The file was edited by hand or merged badly. Only `roverlink generate` writes it.
+
+Bad::
+
+    mapping.lock:8:3: error[LED102] not a line of the ledger: 'two: b B'
+
+Good::
+
+    $ git checkout mapping.lock
+""",
+)
+
+EDITED_LEDGER = Rule(
+    "LED103",
+    "edited-ledger",
+    """mapping.lock is not what `generate` wrote: its content does not match its checksum.
+
+A number that is removed from the ledger looks free, although boards that send it are in use.
+
+Bad::
+
+    mapping.lock: error[LED103] this is not what generate wrote: it was edited, or a part of it is missing
+
+Good::
+
+    $ git checkout mapping.lock
+""",
+)
+
+DELETED_LEDGER = Rule(
+    "LED104",
+    "deleted-ledger",
+    """mapping.lock is missing, and git's last commit has it.
+
+A new ledger would know only the numbers of today.
+
+Bad::
+
+    mapping.lock: error[LED104] was deleted
+
+Good::
+
+    $ git checkout mapping.lock
+""",
+)

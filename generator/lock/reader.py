@@ -1,0 +1,226 @@
+"""The ledger's text to what it says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Set
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.git import Repository
+from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
+from roverlink.generator.lock.ledger_rules import BROKEN_LEDGER, DELETED_LEDGER, EDITED_LEDGER, UNREADABLE_LEDGER
+from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
+
+_CONFLICT_END = ">>>>>>>"
+_CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
+_RESTORE = "restore the file from version control; it is only written by `roverlink generate`"
+_TYPE = r"[A-Za-z_][\w.]*"
+_ENTRY = re.compile(
+    rf"  (?P<number>[0-9]{{1,9}}): (?P<name>\w+) (?P<proto>{_TYPE})(?: on (?P<topic>\S+))?(?P<end> retired| gone)?"
+)
+_OWNER = re.compile(rf"  (?P<kind>message|enum) (?P<name>{_TYPE}):")
+_FIELD = re.compile(
+    rf"    (?P<number>[0-9]{{1,9}}) (?P<name>\w+) (?:(?P<label>optional|required|repeated) )?(?P<type>{_TYPE})"
+    r"(?: in (?P<oneof>\w+))?(?P<gone> gone)?"
+)
+_VALUE = re.compile(r"    (?P<number>-?[0-9]{1,10}) (?P<name>\w+)(?P<gone> gone)?")
+_RESERVED = re.compile(r'    reserved (?:(?P<first>-?[0-9]{1,10})(?: to (?P<last>-?[0-9]{1,10}))?|"(?P<name>[^"]+)")')
+_CHECKSUM = re.compile(r"checksum: (?P<digest>[0-9a-f]+)")
+_BURNED = re.compile(rf"  (?P<owner>{_TYPE}) (?P<number>-?[0-9]{{1,10}}): (?P<uses>\S.*)")
+_NOW = " now"
+_OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
+
+
+def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
+    """The ledger on disk, as far as it can be read; empty where there is none yet.
+
+    It is a finding where it cannot be read, where a line is none of the ledger's, where it is not as generate wrote it,
+    and where it was deleted, though not in git.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        if Repository(path.parent).has("HEAD", path.name):
+            message = "was deleted: with it, every number that was ever published would be free again"
+            findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
+        return Ledger()
+    except OSError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))
+        return Ledger()
+    except UnicodeError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8: {error}"))
+        return Ledger()
+    reader = _Reader()
+    for index, line in enumerate(text.splitlines(), 1):
+        reader.line(line, Span(name, index, len(line) - len(line.lstrip()) + 1))
+    if not reader.broken and not reader.merged and checksum(text.rpartition("checksum:")[0]) != reader.checksum:
+        message = "this is not what generate wrote: it was edited, or a part of it is missing"
+        reader.broken.append(EDITED_LEDGER.at(Span(name), message, _RESTORE))
+    findings += reader.broken
+    return reader.ledger()
+
+
+@dataclass(slots=True)
+class _Type:
+    """A message or an enum while it is read."""
+
+    of_message: bool
+    span: Span
+    numbers: list[tuple[re.Match[str], Span]] = field(default_factory=list)
+    reserved: list[tuple[int, int]] = field(default_factory=list)
+    reserved_names: list[str] = field(default_factory=list)
+    places: dict[str, Span] = field(default_factory=dict)
+
+    def add(self, match: re.Match[str], span: Span) -> None:
+        """Take what a line below it says."""
+        if match.re is not _RESERVED:
+            self.numbers.append((match, span))
+        elif match["name"]:
+            self.reserved_names.append(match["name"])
+            self.places[f"reserved {match['name']}"] = span
+        else:
+            first = int(match["first"])
+            self.reserved.append((first, int(match["last"] or first)))
+            self.places[f"reserved {first} to {self.reserved[-1][1]}"] = span
+
+    def fields(self, gone: bool, messages: Set[str], enums: Set[str]) -> Iterator[ProtoField]:
+        """The fields that are gone, or the others; types are known by the names of messages and enums."""
+        for match, span in self.numbers:
+            if (match["gone"] is not None) is gone:
+                type = match["type"]
+                kind = "message" if type in messages else "enum" if type in enums else ""
+                label, oneof = match["label"] or "", match["oneof"] or ""
+                yield ProtoField(
+                    span=span,
+                    number=int(match["number"]),
+                    name=match["name"],
+                    type=kind or type,
+                    type_name=type if kind else "",
+                    label="optional" if not label and (kind == "message" or oneof) else label,
+                    oneof=oneof,
+                )
+
+    def values(self, gone: bool) -> Iterator[ProtoEnumValue]:
+        """The values that are gone, or the others."""
+        for match, span in self.numbers:
+            if (match["gone"] is not None) is gone:
+                yield ProtoEnumValue(span=span, name=match["name"], number=int(match["number"]))
+
+
+class _Reader:
+    """Reads line by line, and takes what both sides of a merge conflict have."""
+
+    def __init__(self) -> None:
+        self._entries: dict[tuple[int, str, str], Entry] = {}
+        self._messages: dict[str, _Type] = {}
+        self._enums: dict[str, _Type] = {}
+        self._type: _Type | None = None
+        self._burned: dict[tuple[str, int], Burned] = {}
+        self._in_conflict = False
+        self._one_sided: set[tuple[int, str]] = set()
+        self.merged = False
+        """Whether there was a merge conflict."""
+        self.checksum = ""
+        self.broken: list[Diagnostic] = []
+
+    def ledger(self) -> Ledger:
+        """What was read."""
+        entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
+        burned = tuple(burned for _, burned in sorted(self._burned.items()))
+        messages = {name: self._message(name, type) for name, type in self._messages.items()}
+        enums = {name: _enum(name, type) for name, type in self._enums.items()}
+        gone_fields = {name: self._fields(type, gone=True) for name, type in self._messages.items()}
+        gone_values = {name: tuple(type.values(gone=True)) for name, type in self._enums.items()}
+        return Ledger(tuple(entries), Schema((), messages, enums), gone_fields, gone_values, burned)
+
+    def _fields(self, type: _Type, gone: bool) -> tuple[ProtoField, ...]:
+        return tuple(type.fields(gone, self._messages.keys(), self._enums.keys()))
+
+    def _message(self, name: str, type: _Type) -> ProtoMessage:
+        fields = self._fields(type, gone=False)
+        return ProtoMessage(
+            span=type.span,
+            places=type.places,
+            full_name=name,
+            fields=fields,
+            oneofs=tuple(dict.fromkeys(field.oneof for field in fields if field.oneof)),
+            reserved=tuple(type.reserved),
+            reserved_names=tuple(type.reserved_names),
+        )
+
+    def line(self, line: str, span: Span) -> None:
+        """Take one line, in whatever section: a conflict may reach over both."""
+        if line.startswith(_CONFLICT_MARKERS):
+            self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
+        elif match := _ENTRY.fullmatch(line):
+            self._add_entry(match, span)
+        elif match := _OWNER.fullmatch(line):
+            of_message = match["kind"] == "message"
+            types = self._messages if of_message else self._enums
+            self._type = types.setdefault(match["name"], _Type(of_message, span))
+        elif match := _BURNED.fullmatch(line):
+            burned = _burned(match)
+            self._burned[burned.owner, burned.number] = burned
+        elif match := _CHECKSUM.fullmatch(line):
+            self.checksum = match["digest"]
+        elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
+            self.broken.append(BROKEN_LEDGER.at(span, f"not a line of the ledger: {line.strip()!r}", _RESTORE))
+
+    def _add_entry(self, match: re.Match[str], span: Span) -> None:
+        entry = Entry(
+            int(match["number"]),
+            match["name"],
+            match["proto"],
+            match["topic"] or "",
+            match["end"] == " retired",
+            self._in_conflict,
+            span,
+        )
+        self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
+
+    def _add_fact(self, line: str, span: Span) -> bool:
+        """Take a line below a message or an enum; False where it is none."""
+        type = self._type
+        pattern = (_FIELD if type.of_message else _VALUE) if type else None
+        match = (_RESERVED.fullmatch(line) or pattern.fullmatch(line)) if pattern else None
+        if type is None or match is None:
+            return False
+        if self._is_published(type, line):
+            type.add(match, span)
+        return True
+
+    def _is_published(self, type: _Type, line: str) -> bool:
+        """Whether a fact was in the ledger of both branches, or there is but one.
+
+        What only one side of a conflict has was published by one branch; the merged protos say what became of it.
+        """
+        if not self._in_conflict:
+            return True
+        seen_before = (id(type), line) in self._one_sided
+        self._one_sided.add((id(type), line))
+        return seen_before
+
+
+def _burned(match: re.Match[str]) -> Burned:
+    texts = match["uses"].split(" | ")
+    uses = [_use(text.removesuffix(_NOW)) for text in texts]
+    now = next((_use(text.removesuffix(_NOW)) for text in texts if text.endswith(_NOW)), None)
+    return Burned(match["owner"], int(match["number"]), tuple(uses), now)
+
+
+def _use(text: str) -> tuple[str, str]:
+    type, _, name = text.rpartition(" ")
+    return type, name
+
+
+def _enum(name: str, type: _Type) -> ProtoEnum:
+    return ProtoEnum(
+        span=type.span,
+        places=type.places,
+        full_name=name,
+        values=tuple(type.values(gone=False)),
+        reserved=tuple(type.reserved),
+        reserved_names=tuple(type.reserved_names),
+    )

@@ -1,0 +1,93 @@
+"""What was published, and what is now, to the ledger's text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from roverlink.generator import ir
+from roverlink.generator.lock.ledger import Burned, Ledger, checksum
+from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
+
+_HEADER = """\
+# The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
+# Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
+"""
+
+
+def render(bridge: ir.Bridge, published: Ledger) -> str:
+    """The ledger's text for a table that passed the rules, after what was published before it."""
+    messages = {message.name: _message_lines(message) for message in bridge.wire_messages}
+    enums = {enum.name: _enum_lines(enum) for enum in bridge.wire_enums}
+    lines = [_HEADER.format(table=bridge.table), "version: 1", "", "numbers:", *_number_lines(bridge, published)]
+    lines += ["", "schema:"]
+    for name in sorted({*messages, *published.schema.messages}):
+        now = messages.get(name, [])
+        gone = _gone(published.fields(name), published.gone_fields.get(name, ()), now)
+        lines += [f"  message {name}:", *now, *(f"{line} gone" for line in gone)]
+    for name in sorted({*enums, *published.schema.enums}):
+        now = enums.get(name, [])
+        gone = _gone(published.values(name), published.gone_values.get(name, ()), now)
+        lines += [f"  enum {name}:", *now, *(f"{line} gone" for line in gone)]
+    if published.burned:
+        lines += ["", "burned:", *(_burned_line(burned) for burned in published.burned)]
+    text = "\n".join(lines) + "\n\n"
+    return f"{text}checksum: {checksum(text)}\n"
+
+
+def _burned_line(burned: Burned) -> str:
+    uses = (f"{type} {name}".strip() + (" now" if (type, name) == burned.now else "") for type, name in burned.uses)
+    return f"  {burned.owner} {burned.number}: {' | '.join(uses)}"
+
+
+def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
+    topics = {route.number: route.topic for route in bridge.routes}
+    lines = {
+        (member.number, member.proto): f"{member.name} {member.proto} on {topics[member.number]}"
+        for member in bridge.envelope.members
+    }
+    lines |= {(row.number, row.proto): f"{row.name} {row.proto} retired" for row in bridge.envelope.retired}
+    taken = {number for number, _ in lines}
+    for entry in published.entries:
+        settled = entry.contested and entry.number in taken
+        if not settled:
+            lines.setdefault((entry.number, entry.proto), f"{entry.name} {entry.proto} gone")
+    return [f"  {number}: {text}" for (number, _), text in sorted(lines.items())]
+
+
+def _gone(
+    published: Sequence[ProtoField | ProtoEnumValue], gone: Sequence[ProtoField | ProtoEnumValue], now: Sequence[str]
+) -> Iterator[str]:
+    """The lines of numbers that nothing has any more, or that another thing has."""
+    used = {line.split()[0] for line in now}
+    for one in published:
+        line = _fact_line(one.on_the_wire())
+        if str(one.number) not in used or (one in gone and line not in now):
+            yield line
+
+
+def _fact_line(fact: ir.WireField | ir.WireValue) -> str:
+    if isinstance(fact, ir.WireValue):
+        return f"    {fact.number} {fact.name}"
+    label = f"{fact.label} " if fact.label else ""
+    oneof = f" in {fact.oneof}" if fact.oneof else ""
+    return f"    {fact.number} {fact.name} {label}{fact.type}{oneof}"
+
+
+def _reserved_lines(of: ir.WireMessage | ir.WireEnum) -> Iterator[str]:
+    for first, last in of.reserved:
+        yield f"    reserved {first}" if first == last else f"    reserved {first} to {last}"
+    yield from (f'    reserved "{name}"' for name in of.reserved_names)
+
+
+def _message_lines(message: ir.WireMessage) -> list[str]:
+    return [*map(_fact_line, message.fields), *_reserved_lines(message)]
+
+
+def _enum_lines(enum: ir.WireEnum) -> list[str]:
+    return [*map(_fact_line, enum.values), *_reserved_lines(enum)]
+
+
+def schema_lines(messages: Iterable[ir.WireMessage], enums: Iterable[ir.WireEnum]) -> list[str]:
+    """The wire schema alone, line by line."""
+    lines = [line for message in messages for line in (f"message {message.name}", *_message_lines(message))]
+    return lines + [line for enum in enums for line in (f"enum {enum.name}", *_enum_lines(enum))]

@@ -1,0 +1,1 @@
+"""The .proto files: one model of what they declare, and the two readers that fill it."""

@@ -1,0 +1,188 @@
+"""Descriptors, as protoc writes them, to our own words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from google.protobuf.descriptor_pb2 import (
+    DescriptorProto,
+    EnumDescriptorProto,
+    EnumValueDescriptorProto,
+    FieldDescriptorProto,
+    FileDescriptorProto,
+    FileDescriptorSet,
+)
+
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.protos.features import Features, features_of_file, label_of, overridden, syntax_of_file
+from roverlink.generator.protos.schema import (
+    ProtoEnum,
+    ProtoEnumValue,
+    ProtoExtension,
+    ProtoField,
+    ProtoMessage,
+    Schema,
+)
+from roverlink.generator.protos.source_locations import Path, Places
+
+_SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
+
+_FILE_MESSAGE, _FILE_ENUM, _FILE_EXTENSION = 4, 5, 7
+_MESSAGE_FIELD, _MESSAGE_NESTED, _MESSAGE_ENUM, _MESSAGE_EXTENSION = 2, 3, 4, 6
+_ENUM_VALUE = 2
+
+
+def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
+    """The schema in a descriptor set; ``shown_root`` is how findings call the folder of its files."""
+    readers = [_FileReader(file, shown_root) for file in compiled.file]
+    return Schema(
+        files=tuple(file.name for file in compiled.file),
+        messages={message.full_name: message for reader in readers for message in reader.messages},
+        enums={enum.full_name: enum for reader in readers for enum in reader.enums},
+        extensions=tuple(extension for reader in readers for extension in reader.extensions),
+        file_options={file.name: file.options.SerializeToString() for file in compiled.file},
+        packages={file.name: file.package for file in compiled.file},
+        syntaxes={file.name: syntax_of_file(file) for file in compiled.file},
+        descriptors=compiled,
+    )
+
+
+class _FileReader:
+    """Reads one file's descriptors, and what else is known of them."""
+
+    def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
+        self._file = file
+        self._places = Places(file, shown_root)
+        self.messages: list[ProtoMessage] = []
+        self.enums: list[ProtoEnum] = []
+        self.extensions: list[ProtoExtension] = []
+        features, prefix = features_of_file(file), f"{file.package}." if file.package else ""
+        for index, message in enumerate(file.message_type):
+            self._message(message, prefix, (_FILE_MESSAGE, index), features)
+        for index, enum in enumerate(file.enum_type):
+            self._enum(enum, prefix, (_FILE_ENUM, index))
+        self._extensions(file.extension, "", (_FILE_EXTENSION,), features)
+
+    def _message(
+        self, message: DescriptorProto, prefix: str, path: Path, inherited: Features, place: Span | None = None
+    ) -> None:
+        """Read a message; ``place`` is where it stands if nobody wrote it, which is a map's entry."""
+        full_name, features = prefix + message.name, overridden(inherited, message.options.features)
+        declared = self._itself(message, full_name, path, features, place)
+        self.messages.append(declared)
+        maps = {field.type_name: field.at("type_name") for field in declared.fields}
+        for index, nested in enumerate(message.nested_type):
+            of_map = maps.get(f"{full_name}.{nested.name}") if nested.options.map_entry else None
+            self._message(nested, f"{full_name}.", (*path, _MESSAGE_NESTED, index), features, of_map)
+        for index, enum in enumerate(message.enum_type):
+            self._enum(enum, f"{full_name}.", (*path, _MESSAGE_ENUM, index))
+        self._extensions(message.extension, full_name, (*path, _MESSAGE_EXTENSION), features)
+
+    def _itself(
+        self, message: DescriptorProto, full_name: str, path: Path, features: Features, place: Span | None
+    ) -> ProtoMessage:
+        """A message without what is declared inside, but for its fields."""
+        real_oneofs = {field.oneof_index for field in message.field if _in_oneof(field)}
+        return ProtoMessage(
+            span=place or self._places.span(path),
+            places=self._places.of_message(path, message),
+            comment=self._places.comment(path),
+            options=message.options.SerializeToString(),
+            full_name=full_name,
+            file=self._file.name,
+            fields=tuple(
+                self._field(field, message, (*path, _MESSAGE_FIELD, index), features, place)
+                for index, field in enumerate(message.field)
+            ),
+            oneofs=tuple(one.name for index, one in enumerate(message.oneof_decl) if index in real_oneofs),
+            map_entry=message.options.map_entry,
+            extension_ranges=tuple((range.start, range.end - 1) for range in message.extension_range),
+            reserved=tuple((range.start, range.end - 1) for range in message.reserved_range),
+            reserved_names=tuple(message.reserved_name),
+            facets=_facets(message_set_wire_format=message.options.message_set_wire_format),
+        )
+
+    def _extensions(self, fields: Iterable[FieldDescriptorProto], scope: str, path: Path, inherited: Features) -> None:
+        for index, field in enumerate(fields):
+            declared = self._field(field, DescriptorProto(), (*path, index), inherited)
+            extendee = field.extendee.removeprefix(".")
+            self.extensions.append(ProtoExtension(extendee, scope, declared, self._file.name))
+
+    def _field(
+        self,
+        field: FieldDescriptorProto,
+        message: DescriptorProto,
+        path: Path,
+        inherited: Features,
+        place: Span | None = None,
+    ) -> ProtoField:
+        if _in_oneof(field):
+            inherited = overridden(inherited, message.oneof_decl[field.oneof_index].options.features)
+        features = overridden(inherited, field.options.features)
+        return ProtoField(
+            span=place or self._places.span(path),
+            places=self._places.of_field(path),
+            comment=self._places.comment(path),
+            options=field.options.SerializeToString(),
+            number=field.number,
+            name=field.name,
+            type=_SCALARS[field.type],
+            type_name=field.type_name.removeprefix("."),
+            label=label_of(field, features),
+            declared_optional=field.proto3_optional,
+            oneof=message.oneof_decl[field.oneof_index].name if _in_oneof(field) else "",
+            json_name=field.json_name,
+            facets=_facets_of_field(field, message, features),
+        )
+
+    def _enum(self, enum: EnumDescriptorProto, prefix: str, path: Path) -> None:
+        reserved = tuple((range.start, range.end) for range in enum.reserved_range)  # here, both ends are included
+        self.enums.append(
+            ProtoEnum(
+                span=self._places.span(path),
+                places=self._places.of_enum(path, enum),
+                comment=self._places.comment(path),
+                options=enum.options.SerializeToString(),
+                full_name=prefix + enum.name,
+                file=self._file.name,
+                values=tuple(self._value(value, (*path, _ENUM_VALUE, index)) for index, value in enumerate(enum.value)),
+                reserved=reserved,
+                reserved_names=tuple(enum.reserved_name),
+            )
+        )
+
+    def _value(self, value: EnumValueDescriptorProto, path: Path) -> ProtoEnumValue:
+        return ProtoEnumValue(
+            span=self._places.span(path),
+            places=self._places.of_value(path),
+            comment=self._places.comment(path),
+            options=value.options.SerializeToString(),
+            name=value.name,
+            number=value.number,
+        )
+
+
+def _in_oneof(field: FieldDescriptorProto) -> bool:
+    """Whether it stands in a oneof that somebody wrote; `optional` of proto3 makes one that nobody did."""
+    return field.HasField("oneof_index") and not field.proto3_optional
+
+
+def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, features: Features) -> dict[str, str]:
+    return _facets(
+        default=field.default_value,
+        delimited=features["message_encoding"] == "DELIMITED" and _may_be_delimited(field, message),
+    )
+
+
+def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:
+    """Whether it holds messages that could be framed as groups are; maps and what they hold never are."""
+    of_map = any(
+        nested.options.map_entry and field.type_name.endswith(f".{message.name}.{nested.name}")
+        for nested in message.nested_type
+    )
+    return field.type == FieldDescriptorProto.TYPE_MESSAGE and not of_map and not message.options.map_entry
+
+
+def _facets(**given: str | bool) -> dict[str, str]:
+    """What is set, as text."""
+    return {name: "true" if value is True else str(value) for name, value in given.items() if value}

@@ -1,0 +1,169 @@
+"""From text to declarations: statement after statement, with the blocks that are open on a stack."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from roverlink.generator.protos.parser.blocks import Block, SkippedBlock
+from roverlink.generator.protos.parser.message_blocks import Declarations, Scope
+from roverlink.generator.protos.parser.parsed_file import File, Import
+from roverlink.generator.protos.parser.phrases import Words
+from roverlink.generator.protos.parser.source_text import Source
+from roverlink.generator.protos.parser.statements import BLOCKS, VISIBILITIES, Statement, StatementReader
+from roverlink.generator.protos.parser.tokens import Kind, Token
+
+_DEEPEST = 32  # as deep as protoc reads
+
+
+def parse(text: str) -> File:
+    """All that can be read of a .proto file; whatever the text is, and in a time that its length warrants."""
+    return _Parser(Source(text)).run()
+
+
+class FileBlock(Scope):
+    """The file as the outermost block."""
+
+    def __init__(self, source: Source) -> None:
+        super().__init__(source, Statement(0, -1, [source.tokens[0]], "", ()))
+        self.indentation = 0
+        self.messages, self.enums, self.extends = [], [], []
+        self.syntax = self.package = ""
+        self.imports: list[Import] = []
+
+    def read(self, statement: Statement) -> Block | None:
+        """Read what stands at the top of a file, or the beginning of a block."""
+        tokens, source = statement.tokens, self.source
+        if statement.ending == "{":
+            service = tokens[0].text == "service"
+            return self.open(statement) or (SkippedBlock(source, statement) if service else self.unknown(statement))
+        if not (self._read_head(statement) and statement.ending):
+            source.unreadable(statement, "not a declaration")
+        return None
+
+    def _read_head(self, statement: Statement) -> bool:
+        """Read a statement without a block; whether that was possible."""
+        words = Words(statement.tokens)
+        keyword = words.skip()
+        if keyword.text in ("syntax", "edition"):
+            words.take("=")
+            self.syntax = words.string() or self.syntax
+        elif keyword.text == "package":
+            self.package = words.type_name() or self.package
+        elif keyword.text == "import":
+            kind, path = words.take("public", "weak", "option"), words.string()
+            if path is None:
+                return False
+            self.imports.append(Import(path, kind, keyword.line, keyword.column))
+        else:
+            return keyword.text == "option" and bool(words.option()[1])
+        return words.done
+
+    def build(self) -> File:
+        """The file."""
+        found = Declarations()
+        self.collect(self.package, found)
+        return File(
+            syntax=self.syntax,
+            package=self.package,
+            imports=tuple(self.imports),
+            messages=tuple(found.messages),
+            enums=tuple(found.enums),
+            extensions=tuple(found.extensions),
+            problems=self.source.problems,
+        )
+
+
+class _Parser:
+    """Walks over the tokens. It alone opens and closes blocks."""
+
+    def __init__(self, source: Source) -> None:
+        self._source, self._tokens = source, source.tokens
+        self._index = 0
+        self._file = FileBlock(source)
+        self._open: list[Block] = []
+        """The blocks that are open, the innermost last."""
+
+    def run(self) -> File:
+        """Read all of it."""
+        while (token := self._tokens[self._index]).kind is not Kind.END:
+            if self._open and self._open[0].unclosed and self._tokens.declares_outermost(self._index):
+                self._abandon(0)
+            if token.is_symbol("}"):
+                self._close(token)
+            else:
+                self._read(StatementReader(self._tokens, self._index).read())
+        if self._open:
+            self._innermost.claim(token.comments)
+        self._abandon(0)
+        return self._file.build()
+
+    @property
+    def _innermost(self) -> Block:
+        return self._open[-1] if self._open else self._file
+
+    def _read(self, statement: Statement) -> None:
+        self._innermost.claim(statement.comments)
+        self._index = statement.end + (1 if statement.ending else 0)
+        statement = self._with_missing_brace(self._without_stray_start(statement))
+        opened = self._innermost.take(statement)
+        if opened is None:
+            return
+        if len(self._open) >= _DEEPEST:
+            self._source.problem(opened.opening, f"more than {_DEEPEST} blocks in each other")
+            opened = SkippedBlock(self._source, statement)
+        self._open.append(opened)
+
+    def _without_stray_start(self, statement: Statement) -> Statement:
+        """The statement, less what is left of a broken one before a block's beginning on the same line."""
+        tokens, size = statement.tokens, len(statement.tokens)
+        if statement.ending != "{" or size < 3 or tokens[-2].text not in BLOCKS or tokens[0].text in VISIBILITIES:
+            return statement
+        self._innermost.take(replace(statement, end=statement.end - 2, tokens=tokens[:-2], ending=""))
+        return replace(statement, start=statement.end - 2, tokens=tokens[-2:])
+
+    def _with_missing_brace(self, statement: Statement) -> Statement:
+        """The statement, opening a block where its brace is missing before lines that are indented as its inside."""
+        tokens, next = statement.tokens, self._tokens[statement.end]
+        if statement.ending or len(tokens) < 2 or tokens[0].text not in BLOCKS or tokens[1].kind is not Kind.NAME:
+            return statement
+        if not tokens[0].first or next.column <= tokens[0].column or next.kind is not Kind.NAME:
+            return statement
+        self._source.unreadable(statement, "an opening brace is missing")
+        return replace(statement, ending="{", end=statement.end - 1)
+
+    # --- closing braces ---------------------------------------------------------------------------------------------
+
+    def _close(self, token: Token) -> None:
+        block = self._innermost
+        block.claim(token.comments)
+        fitting = self._fitting(token)
+        if not self._open or (fitting is None and self._is_surplus(token)):
+            self._source.problem(token, "a closing brace too many")
+        elif fitting is not None and self._open[0].unclosed:
+            self._abandon(fitting + 1)
+            self._open.pop()
+        elif block.depth:
+            block.depth -= 1
+        else:
+            self._open.pop()
+        self._index += 1
+
+    def _fitting(self, token: Token) -> int | None:
+        """Which open block begins as far from the left as this brace, that is alone on its line, stands."""
+        blocks = range(len(self._open) - 1, -1, -1) if token.first else ()
+        return next((index for index in blocks if self._open[index].indentation == token.column), None)
+
+    def _is_surplus(self, token: Token) -> bool:
+        """Whether there is a closing brace too many from here on, and this one is where none should be."""
+        if self._index > self._tokens.last_unopened:
+            return False
+        if not token.first:
+            return self._tokens[self._index - 1].text not in (";", "{", "}")
+        block = self._innermost
+        return not block.depth and token.column > block.indentation > 0
+
+    def _abandon(self, size: int) -> None:
+        """Close blocks until so many are open, though no brace says so."""
+        while len(self._open) > size:
+            self._source.problem(self._innermost.opening, "a block that is not closed")
+            self._open.pop()

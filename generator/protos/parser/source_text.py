@@ -1,0 +1,41 @@
+"""The text that is read, and what is wrong with it; statements ask here for what stands around them."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Span
+from roverlink.generator.protos.parser.parsed_file import Problem
+from roverlink.generator.protos.parser.statements import Statement, Tokens
+from roverlink.generator.protos.parser.tokens import Lexer, Token
+
+_LONGEST_QUOTE = 60
+
+
+class Source:
+    """A file's text and tokens, and the list of its problems."""
+
+    def __init__(self, text: str) -> None:
+        lexer = Lexer(text)
+        lexer.run()
+        self.text, self.tokens = text, Tokens(lexer.tokens)
+        self._problems = lexer.problems
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What is wrong, in the order of the file."""
+        return tuple(sorted(set(self._problems)))
+
+    def problem(self, token: Token, what: str) -> None:
+        """Something is wrong at a token."""
+        self._problems.append(Problem(token.line, token.column, what))
+
+    def unreadable(self, statement: Statement, why: str) -> None:
+        """A statement was not understood, or not all of it."""
+        first = self.tokens[statement.start]
+        last = statement.tokens[-1] if statement.tokens else first
+        quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
+        self.problem(first, f"{why}: {quote}")
+
+    def span(self, statement: Statement) -> Span:
+        """The place of a statement's first token, in a file that only the caller knows."""
+        first = statement.tokens[0]
+        return Span("", first.line, first.column)

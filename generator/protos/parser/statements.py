@@ -1,0 +1,182 @@
+"""Where a statement ends; in a file that is not quite right, too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from roverlink.generator.protos.parser.tokens import Comment, Kind, Token
+
+BLOCKS = frozenset(["message", "enum", "service", "oneof"])
+LABELS = frozenset(["optional", "required", "repeated"])
+VISIBILITIES = frozenset(["export", "local"])
+_AHEAD = 4  # tokens that are looked at ahead of one
+_OUTERMOST = frozenset(["message", "enum", "service", "extend", "import", "syntax", "edition", "package"])
+
+
+class Tokens:
+    """The tokens of a file, and which of its braces have no partner."""
+
+    def __init__(self, tokens: Sequence[Token]) -> None:
+        self._tokens = [*tokens, *[tokens[-1]] * _AHEAD]
+        opened: list[int] = []
+        self.last_unopened = -1
+        """Index of the last closing brace too many."""
+        for index, token in enumerate(tokens):
+            if token.text == "{":
+                opened.append(index)
+            elif token.text == "}":
+                if opened:
+                    opened.pop()
+                else:
+                    self.last_unopened = index
+        self.unclosed = frozenset(opened)
+        """Indices of the opening braces that nothing closes."""
+
+    def __getitem__(self, index: int) -> Token:
+        """The token at an index, which may be a little behind the end of the file."""
+        return self._tokens[index]
+
+    def between(self, start: int, end: int) -> Sequence[Token]:
+        """The tokens from one index up to another."""
+        return self._tokens[start:end]
+
+    def declares(self, index: int) -> bool:
+        """Whether a declaration begins here that cannot be the inside of a statement: a keyword, and what it needs."""
+        if self[index].text in VISIBILITIES and self[index + 1].text in BLOCKS:
+            index += 1
+        word, second, third = self[index], self[index + 1], self[index + 2]
+        if word.kind is not Kind.NAME:
+            return False
+        text = word.text
+        if text in BLOCKS:
+            return second.kind is Kind.NAME and third.is_symbol("{")
+        if text in LABELS or text == "extend":
+            wanted = (Kind.NAME, "{.") if text == "extend" else (Kind.NAME, ".")
+            return _names(second) and (third.kind is wanted[0] or third.text in wanted[1])
+        return _needs(word, second, third)
+
+    def assigns(self, index: int) -> bool:
+        """Whether a name is here that gets a number."""
+        number = self[index + 3] if self[index + 2].is_symbol("-") else self[index + 2]
+        return self[index].kind is Kind.NAME and self[index + 1].is_symbol("=") and number.kind is Kind.NUMBER
+
+    def declares_outermost(self, index: int) -> bool:
+        """Whether a line begins here, without any space, with a declaration as it stands at the top of files."""
+        word = self[index]
+        known = word.text in _OUTERMOST or word.text in VISIBILITIES
+        return word.column == 1 and word.first and known and self.declares(index)
+
+
+def _names(token: Token) -> bool:
+    return token.kind is Kind.NAME or token.is_symbol(".")
+
+
+def _needs(word: Token, second: Token, third: Token) -> bool:
+    """Whether the tokens behind a keyword of other statements are such as it needs."""
+    text = word.text
+    if text in ("syntax", "edition"):
+        return word.column == 1 and second.is_symbol("=") and third.kind is Kind.STRING
+    if text == "package":
+        return word.column == 1 and second.kind is Kind.NAME and third.text in (".", ";")
+    if text == "import":
+        return second.kind is Kind.STRING or third.kind is Kind.STRING
+    if text in ("reserved", "extensions"):
+        return second.kind in (Kind.NUMBER, Kind.STRING) or second.is_symbol("-")
+    if text == "option":
+        return second.is_symbol("(") or (second.kind is Kind.NAME and third.text in ("=", "."))
+    return (text == "map" and second.is_symbol("<")) or (text == "rpc" and third.is_symbol("("))
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """The tokens of a statement, without the character that ends it."""
+
+    start: int
+    end: int
+    """Index of the token behind it: what ended it, if that was a character."""
+    tokens: Sequence[Token]
+    ending: str
+    """``;`` or ``{``; empty where it was broken off."""
+    comments: tuple[Comment, ...]
+    """Those before each of its tokens and before its end."""
+
+
+class StatementReader:
+    """Finds the end of one statement."""
+
+    def __init__(self, tokens: Tokens, start: int) -> None:
+        self._tokens, self._start, self._index = tokens, start, start
+        self._is_option = tokens[start].text == "option"
+        self._is_block = tokens[start].text in BLOCKS
+        self._braces = self._brackets = 0
+        self._assigned = False
+
+    def read(self) -> Statement:
+        """The statement that starts at the index given; at least one token long, or only its end."""
+        ending, all_tokens = None, self._tokens
+        comments: list[Comment] = []
+        previous = None
+        while True:
+            token = all_tokens[self._index]
+            if previous and (previous.cut_off or (token.first and self._is_broken_off(token, previous))):
+                ending = ""
+            elif token.kind is Kind.SYMBOL:
+                ending = self._symbol(token.text)
+            elif token.kind is Kind.END:
+                ending = ""
+            if ending is not None:
+                break
+            comments += token.comments
+            previous = token
+            self._index += 1
+        if ending:
+            comments += token.comments
+        tokens = all_tokens.between(self._start, self._index)
+        return Statement(self._start, self._index, tokens, ending, tuple(comments))
+
+    def _symbol(self, text: str) -> str | None:
+        """What ends the statement at a symbol: the symbol, or nothing (``""``); None if it goes on behind it."""
+        if text == "=":
+            self._assigned = True
+        elif text in "{}":
+            if not self._braces:
+                if text == "}":
+                    return ""
+                if self._is_block or not (self._brackets or self._is_option):
+                    return "{"
+            self._braces += 1 if text == "{" else -1
+        elif not self._braces:
+            if text == ";":
+                return ";"
+            if text in "[]":
+                self._brackets = max(0, self._brackets + (1 if text == "[" else -1))
+        return None
+
+    def _is_broken_off(self, token: Token, previous: Token) -> bool:
+        """Whether a token, the first on its line, cannot go on with the statement."""
+        if self._braces:  # an option's value may have fields with the names of keywords, unless a brace is missing
+            return bool(self._tokens.unclosed) and self._tokens.declares(self._index)
+        if token.kind is Kind.NAME and token.text != "to" and self._is_complete(previous):
+            return True
+        if self._tokens.declares(self._index):
+            return previous.text not in VISIBILITIES
+        return token.kind is Kind.NAME and not self._brackets and self._is_hidden_behind(previous)
+
+    def _is_complete(self, previous: Token) -> bool:
+        """Whether no name can come behind this token, so that one on the next line is the next statement's."""
+        if previous.kind is Kind.NAME:
+            head, size = self._tokens[self._start].text, self._index - self._start
+            is_listed = head in ("reserved", "extensions") and size > 1 and previous.text != "to"
+            return self._assigned or is_listed or (self._is_block and size == 2)
+        if previous.text == "=":
+            return not (self._is_option or self._brackets)
+        return previous.kind in (Kind.NUMBER, Kind.STRING) or previous.text in ("]", "}")
+
+    def _is_hidden_behind(self, previous: Token) -> bool:
+        """Whether a field or an enum value begins here which what was read so far, whatever it is, cannot belong to."""
+        if self._tokens.assigns(self._index):
+            return previous.kind is Kind.SYMBOL and previous.text not in (".", ">", ",")
+        is_labelled = previous.text in LABELS and self._index - self._start == 1
+        is_part = previous.is_symbol(".") and self._tokens[self._index - 2].kind is Kind.NAME
+        return self._tokens.assigns(self._index + 1) and not (is_labelled or is_part or previous.is_symbol(","))

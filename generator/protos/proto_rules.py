@@ -1,0 +1,188 @@
+"""The rules of the phases that find and compile the .proto files."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Rule, Severity
+
+DOES_NOT_COMPILE = Rule(
+    "PRO101",
+    "proto-does-not-compile",
+    """protoc rejects a file that the table needs.
+
+The message is protoc's own. Nothing can be generated for a message that no protobuf compiler can read.
+
+Bad::
+
+    message Imu {
+      float x = 1
+    }
+
+Good::
+
+    message Imu {
+      float x = 1;
+    }
+""",
+)
+
+UNREADABLE_PROTO = Rule(
+    "PRO102",
+    "unreadable-proto",
+    """A `.proto` file or a folder cannot be read.
+
+It is binary, larger than any source file, not accessible, or not a regular file but a pipe, a device or a link in
+circles. A file that is skipped in silence could hold a number that is in use.
+
+Bad::
+
+    proto/imu.proto: fatal[PRO102] cannot be read: Permission denied
+
+Good::
+
+    $ chmod +r proto/imu.proto
+""",
+    Severity.FATAL,
+)
+
+UNKNOWN_PROTO = Rule(
+    "PRO103",
+    "unknown-proto-message",
+    """No file below `proto.root` declares the message of a row.
+
+The name is misspelt, lacks its package, or its file is not there.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imuu, topic: imu, direction: board_to_ros}
+    # proto/imu.proto
+    message Imu { float x = 1; }
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}
+    # proto/imu.proto
+    message Imu { float x = 1; }
+""",
+)
+
+EXCLUDED_PROTO = Rule(
+    "PRO104",
+    "excluded-proto-message",
+    """A message is declared only in a file that `proto.exclude` leaves out.
+
+Excluded files are not compiled, so that nothing is known of the message.
+
+Bad::
+
+    # mapping.yaml
+    proto: {root: proto, exclude: [imu.proto]}
+    # proto/imu.proto
+    message Imu { float x = 1; }
+
+Good::
+
+    # mapping.yaml
+    proto: {root: proto}
+    # proto/imu.proto
+    message Imu { float x = 1; }
+""",
+)
+
+AMBIGUOUS_PROTO = Rule(
+    "PRO105",
+    "ambiguous-proto-message",
+    """Several files declare the message of a row.
+
+The wrong one of the two might be compiled. Exclude all but one, or give one of the messages another name.
+
+Bad::
+
+    # proto/imu.proto
+    message Imu { float x = 1; }
+    # proto/old/imu.proto
+    message Imu { float y = 1; }
+
+Good::
+
+    # proto/imu.proto
+    message Imu { float x = 1; }
+    # proto/old/imu.proto
+    message OldImu { float y = 1; }
+""",
+)
+
+UNIMPORTABLE_PROTO = Rule(
+    "PRO106",
+    "unimportable-proto-path",
+    """A part of a file's path cannot be the name of a Python module.
+
+protoc makes a Python module of each file. A hyphen, a leading digit or a keyword in the path makes it impossible to
+import that module.
+
+Bad::
+
+    # proto/imu-sensor.proto
+    message Imu { float x = 1; }
+
+Good::
+
+    # proto/imu_sensor.proto
+    message Imu { float x = 1; }
+""",
+)
+
+NO_PROTO_ROOT = Rule(
+    "PRO107",
+    "no-proto-root",
+    """`proto.root` is not a folder.
+
+The path is relative to the folder of mapping.yaml.
+
+Bad::
+
+    proto: {root: protos}
+
+Good::
+
+    proto: {root: proto}
+""",
+)
+
+NO_ENVELOPE = Rule(
+    "PRO108",
+    "no-envelope-file",
+    """The envelope belongs to another repository (`owner: proto`), and its file is missing.
+
+The members of the envelope are on the wire, so their numbers must not be invented. With `owner: mapping`, `generate`
+writes the file.
+
+Bad::
+
+    envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: proto}
+
+Good::
+
+    envelope: {file: envelope.proto, message: Envelope, oneof: payload, owner: mapping}
+""",
+)
+
+PAYLOAD_IN_ENVELOPE_FILE = Rule(
+    "PRO109",
+    "payload-in-envelope-file",
+    """A payload is the envelope itself, or is declared in the envelope's file, which `generate` writes.
+
+`generate` replaces the whole file with the envelope; the payload's declaration would be lost.
+
+Bad::
+
+    # proto/envelope.proto
+    message Imu { float x = 1; }
+
+Good::
+
+    # proto/imu.proto
+    message Imu { float x = 1; }
+""",
+)

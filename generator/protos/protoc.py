@@ -1,0 +1,198 @@
+"""protoc, which comes with grpcio-tools: run over the files that are needed, its errors as findings."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import grpc_tools
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.protos.descriptors import schema_of
+from roverlink.generator.protos.files import declarations
+from roverlink.generator.protos.parser import File
+from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
+from roverlink.generator.protos.schema import Schema
+
+# As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
+_RUN = """
+import os, sys
+from grpc_tools import _protoc_compiler
+sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
+"""
+_WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
+
+
+@dataclass(frozen=True, slots=True)
+class Compilation:
+    """What protoc made of the files that the table needs, and of those that they import."""
+
+    schema: Schema
+    modules: Mapping[str, str]
+    """Text of each module that protoc generated (pb2 and its stub), by path."""
+
+
+def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
+    """Run protoc over files and what they import.
+
+    ``overlay`` holds files that are not on disk yet, or not as they will be; ``shown_root`` is how findings call the
+    root. Raises `DiagnosticsError` with protoc's own messages.
+    """
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
+        over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
+        out.mkdir()
+        for path, text in overlay.items():
+            target = over / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
+        folders = [over, root] if overlay else [root]
+        options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
+        # protoc generates modules for the files it is given, not for what they import.
+        _protoc(folders, _with_imports(files, folders), options, out, shown_root)
+        compiled = FileDescriptorSet.FromString(result.read_bytes())
+        modules = {
+            path.relative_to(out).as_posix(): path.read_text(encoding="utf-8") for path in sorted(out.rglob("*.py*"))
+        }
+    return Compilation(schema_of(compiled, shown_root), modules)
+
+
+def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
+    """The files and all that they import, but for those that come with protobuf, and those that do not exist."""
+    waiting = list(files)
+    known = dict.fromkeys(waiting)
+    for file in waiting:  # which grows
+        path = _found(file, folders)
+        for name in _declarations(path).imported if path else ():
+            if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
+                known[name] = None
+                waiting.append(name)
+    return waiting
+
+
+def _declarations(path: Path) -> File:
+    return declarations(path.read_text(encoding="utf-8", errors="replace"))
+
+
+def _found(file: str, folders: Sequence[Path]) -> Path | None:
+    return next((folder / file for folder in folders if (folder / file).is_file()), None)
+
+
+def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
+    """What the files of a tree declare that do compile; a finding for each error in one that does not."""
+    findings: list[Diagnostic] = []
+    left = list(files)
+    while left:
+        try:
+            schema = schema_of(compile_descriptors(root, left, shown_root), shown_root)
+        except DiagnosticsError as error:
+            findings += [finding for finding in error.findings if finding not in findings]
+            broken = {finding.span.file for finding in error.findings}
+            broken |= {span.file for finding in error.findings for span, _ in finding.also}
+            kept = [file for file in left if shown(shown_root, file) not in broken]
+            left = kept if len(kept) < len(left) else []
+        else:
+            return replace(schema, uncompiled=tuple(file for file in files if file not in left)), findings
+    return Schema((), {}, {}, uncompiled=tuple(files)), findings
+
+
+def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
+    """Compile files to descriptors, imports included. Raises `DiagnosticsError` with protoc's messages."""
+    with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
+        result = Path(folder, "set")
+        _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
+        return FileDescriptorSet.FromString(result.read_bytes())
+
+
+def _protoc(
+    folders: Sequence[Path], files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str
+) -> None:
+    includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
+    command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
+    # In a folder of its own, lest a module of the user's be taken for one of Python's.
+    done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
+    if done.returncode:
+        said = done.stderr.decode("utf-8", errors="replace")
+        raise DiagnosticsError(_protoc_findings(said, folders, shown_root))
+
+
+_PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
+_BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
+_UNDEFINED = re.compile(r'"(?P<name>[^"]+)" (is not defined|seems to be defined)\b.*')
+_NOT_FOUND = "File not found."
+
+
+class _Error(NamedTuple):
+    """One line of protoc's."""
+
+    file: str
+    line: int
+    column: int
+    text: str
+
+
+def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Diagnostic]:
+    """What protoc says, but for what only follows from something else that it says."""
+    errors = list(_errors(output, folders))
+    broken = {error.file for error in errors if error.text != _NOT_FOUND}
+    imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
+    missing_names = _declared_in(broken & imported, folders)
+    imports: dict[str, list[Span]] = {}  # where the broken imports of each file are reported
+    importers: dict[str, list[Span]] = {}  # the places of each, by what protoc says, which names the missing file
+    places: dict[Span, list[str]] = {}
+    for error in errors:
+        if not _is_consequence(error, broken, imported, missing_names):
+            span = Span(shown(shown_root, error.file), error.line, error.column)
+            if _BROKEN_IMPORT.fullmatch(error.text):
+                importers.setdefault(error.text, []).append(span)
+                imports.setdefault(span.file, []).append(importers[error.text][0])
+                if span != importers[error.text][0]:
+                    continue  # one missing file is one error
+            places.setdefault(span, []).append(error.text)
+    if not places:
+        return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
+    return [
+        DOES_NOT_COMPILE.at(
+            span,
+            first,
+            " ".join(rest),
+            [(other, "imported here as well") for other in importers.get(first, ())[1:]],
+            rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else (),
+        )
+        for span, (first, *rest) in places.items()
+    ]
+
+
+def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:
+    for match in filter(None, map(_PROTOC_MESSAGE.fullmatch, output.splitlines())):
+        file = match["file"]
+        for folder in folders:  # protoc names a file by where it found it
+            file = file.removeprefix(f"{folder}/")
+        if not match["text"].startswith("warning:"):
+            yield _Error(file, int(match["line"] or 0), int(match["column"] or 0), match["text"])
+
+
+def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
+    """The last names of what files declare that did not compile."""
+    names: set[str] = set()
+    for path in (folder / file for file in files for folder in folders):
+        if path.is_file():
+            file = _declarations(path)
+            names |= {message.name for message in file.messages} | {enum.name for enum in file.enums}
+    return names
+
+
+def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing_names: Set[str]) -> bool:
+    """Whether an error would not be there but for another one."""
+    if error.text == _NOT_FOUND:
+        return error.file in imported  # the import that asks for it is a better place
+    if match := _BROKEN_IMPORT.fullmatch(error.text):
+        return match["file"] in broken
+    match = _UNDEFINED.fullmatch(error.text)
+    return match is not None and match["name"].rpartition(".")[2] in missing_names

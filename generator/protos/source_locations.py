@@ -1,0 +1,78 @@
+"""Where things stand in a .proto file, and their comments, as protoc keeps them beside its descriptors.
+
+protoc has a path for each part of a file: field numbers of descriptor.proto, and indices (`SourceCodeInfo.Location`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from google.protobuf.descriptor_pb2 import DescriptorProto, EnumDescriptorProto, FileDescriptorProto
+
+from roverlink.generator.diagnostics import Span, shown
+
+Path = tuple[int, ...]
+
+_FIELD_PARTS = {
+    "name": (1,),
+    "number": (3,),
+    "label": (4,),
+    "type": (5,),
+    "type_name": (6,),
+    "default": (7,),
+    "options": (8,),
+}
+_TYPE_PARTS = {"name": (1,)}
+_VALUE_PARTS = {"name": (1,), "number": (2,)}
+_MESSAGE_RESERVED, _ENUM_RESERVED = 9, 4
+
+
+class Places:
+    """The places of one file."""
+
+    def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
+        self._shown = shown(shown_root, file.name)
+        # Where several have one path, the first is the whole, and the others are parts of it.
+        locations = reversed(file.source_code_info.location)
+        self._locations = {tuple(location.path): location for location in locations}
+
+    def span(self, path: Path) -> Span:
+        """Where something stands; the file where that is not known."""
+        location = self._locations.get(path)
+        return Span(self._shown, location.span[0] + 1, location.span[1] + 1) if location else Span(self._shown)
+
+    def comment(self, path: Path) -> str:
+        """The comment before it, or else behind it."""
+        location = self._locations.get(path)
+        return (_clean(location.leading_comments) or _clean(location.trailing_comments)) if location else ""
+
+    def of_field(self, path: Path) -> dict[str, Span]:
+        """Parts of a field."""
+        return self._parts(path, _FIELD_PARTS)
+
+    def of_message(self, path: Path, message: DescriptorProto) -> dict[str, Span]:
+        """Parts of a message but for its fields."""
+        ranges = [(reserved.start, reserved.end - 1) for reserved in message.reserved_range]
+        return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _MESSAGE_RESERVED), ranges)
+
+    def of_enum(self, path: Path, enum: EnumDescriptorProto) -> dict[str, Span]:
+        """Parts of an enum but for its values."""
+        ranges = [(reserved.start, reserved.end) for reserved in enum.reserved_range]  # here, both ends are included
+        return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _ENUM_RESERVED), ranges)
+
+    def of_value(self, path: Path) -> dict[str, Span]:
+        """Parts of an enum's value."""
+        return self._parts(path, _VALUE_PARTS)
+
+    def _parts(self, path: Path, parts: Mapping[str, Path]) -> dict[str, Span]:
+        known = {name: (*path, *part) for name, part in parts.items()}
+        return {name: self.span(part) for name, part in known.items() if part in self._locations}
+
+    def _reserved(self, path: Path, ranges: Sequence[tuple[int, int]]) -> dict[str, Span]:
+        return {f"reserved {first} to {last}": self.span((*path, index)) for index, (first, last) in enumerate(ranges)}
+
+
+def _clean(comment: str) -> str:
+    """A comment's text without the space after its slashes and without empty lines at its ends."""
+    lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
+    return "\n".join(lines).strip("\n")

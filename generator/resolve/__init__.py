@@ -1,0 +1,1 @@
+"""The table and the proto schema, resolved to the IR."""

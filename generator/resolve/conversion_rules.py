@@ -1,0 +1,253 @@
+"""The rules of the phase that makes ROS messages and conversions of proto messages."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Rule, Severity
+
+CANNOT_CONVERT = Rule(
+    "CNV101",
+    "cannot-convert",
+    """A message cannot become a ROS message.
+
+A ROS message cannot contain itself, a name can hide what the generated code needs, and an optional message whose
+fields are moved into the outer message loses its presence.
+
+Bad::
+
+    message Imu {
+      Imu previous = 1;
+    }
+
+Good::
+
+    message Imu {
+      Sample previous = 1;
+    }
+    message Sample { float x = 1; }
+""",
+)
+
+UNMAPPED_FIELD = Rule(
+    "CNV102",
+    "unmapped-field",
+    """`fields` takes a nested message apart, and one of its fields has no place.
+
+No field is dropped without a line in the table that says so.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {accel.x: accel_x}}
+    # proto/imu.proto
+    message Imu { Accel accel = 1; }
+    message Accel { float x = 1; float y = 2; }
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros,
+       fields: {accel.x: accel_x}, ignore: [accel.y]}
+    # proto/imu.proto
+    message Imu { Accel accel = 1; }
+    message Accel { float x = 1; float y = 2; }
+""",
+)
+
+UNKNOWN_FIELD = Rule(
+    "CNV103",
+    "unknown-field",
+    """A path under `fields`, `ignore`, `presence` or `any` names no field of the payload.
+
+The override would have no effect, and the field that was meant would keep its usual conversion.
+
+Bad::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {z: depth}}
+
+Good::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+""",
+)
+
+FIELD_NAME_FORBIDDEN = Rule(
+    "CNV104",
+    "field-name-forbidden",
+    """A name under `fields` or `enums` cannot be a field of a ROS message.
+
+ROS fields are lower case, with digits and single underscores; keywords of Python and C++ break the generated classes.
+
+Bad::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class}}
+
+Good::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: class_of_sample}}
+""",
+)
+
+FIELD_NAME_TAKEN = Rule(
+    "CNV105",
+    "field-name-taken",
+    """Two fields would get the same name in the ROS message.
+
+One of them would replace the other.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: y}}
+    # proto/imu.proto
+    message Imu { float x = 1; float y = 2; }
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+    # proto/imu.proto
+    message Imu { float x = 1; float y = 2; }
+""",
+)
+
+MESSAGE_NAME_TAKEN = Rule(
+    "CNV106",
+    "message-name-taken",
+    """Two proto messages or enums would become the same ROS message.
+
+Their `.msg` files would have the same name, and one would overwrite the other.
+
+Bad::
+
+    - {number: 1, name: imu, proto: Imu, ros: Sample, topic: imu, direction: board_to_ros}
+    - {number: 2, name: gps, proto: Gps, ros: Sample, topic: gps, direction: board_to_ros}
+
+Good::
+
+    - {number: 1, name: imu, proto: Imu, ros: ImuSample, topic: imu, direction: board_to_ros}
+    - {number: 2, name: gps, proto: Gps, ros: GpsSample, topic: gps, direction: board_to_ros}
+""",
+)
+
+DISAGREEING_ROWS = Rule(
+    "CNV107",
+    "rows-disagree-on-a-message",
+    """Two rows give the same proto message different overrides.
+
+A proto message becomes one ROS message. Rows that share it must agree on `ros`, `fields`, `ignore`, `presence` and
+`any`.
+
+Bad::
+
+    - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros}
+    - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
+
+Good::
+
+    - {number: 1, name: front, proto: Imu, topic: front, direction: board_to_ros, fields: {x: depth}}
+    - {number: 2, name: rear, proto: Imu, topic: rear, direction: board_to_ros, fields: {x: depth}}
+""",
+)
+
+CONSTANT_NAME = Rule(
+    "CNV108",
+    "constant-name",
+    """An enum value cannot be a constant of a ROS message, or two values would get the same constant.
+
+ROS constants are capitals, digits and single underscores; the values of an enum are translated to that spelling.
+
+Bad::
+
+    enum Mode { IDLE = 0; _1 = 1; }
+    message Imu { Mode mode = 1; }
+
+Good::
+
+    enum Mode { IDLE = 0; FIRST = 1; }
+    message Imu { Mode mode = 1; }
+""",
+)
+
+UNKNOWN_ENUM = Rule(
+    "CNV109",
+    "unknown-enum",
+    """`enums` names an enum that no payload contains.
+
+The setting has no effect: the enum is misspelt, lacks its package, or is not used any more.
+
+Bad::
+
+    # mapping.yaml
+    enums: {Mod: {ros: Mode, field: mode}}
+    # proto/imu.proto
+    enum Mode { IDLE = 0; }
+    message Imu { Mode mode = 1; }
+
+Good::
+
+    # mapping.yaml
+    enums: {Mode: {ros: Mode, field: mode}}
+    # proto/imu.proto
+    enum Mode { IDLE = 0; }
+    message Imu { Mode mode = 1; }
+""",
+)
+
+EXTENSIONS = Rule(
+    "CNV110",
+    "extensions-not-carried",
+    """A proto2 message can be extended, and no ROS field carries its extensions.
+
+An extension that a peer sends is dropped by the bridge.
+
+Bad::
+
+    syntax = "proto2";
+    message Imu { optional float x = 1; extensions 100 to 199; }
+
+Good::
+
+    syntax = "proto2";
+    message Imu { optional float x = 1; optional float y = 100; }
+""",
+    Severity.WARNING,
+)
+
+CONTRADICTING_PATHS = Rule(
+    "CNV111",
+    "contradicting-paths",
+    """Paths under `fields`, `ignore`, `presence` and `any` contradict each other.
+
+A field cannot be renamed and ignored, and a field inside a message cannot be placed if the message is placed as a
+whole.
+
+Bad::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}, ignore: [x]}
+
+Good::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, fields: {x: depth}}
+""",
+)
+
+WITHOUT_EFFECT = Rule(
+    "CNV112",
+    "setting-without-effect",
+    """`presence` or `any` is set for a field to which it does not apply.
+
+Only an optional field can be absent, and only a google.protobuf.Any needs a list of messages. These settings shape
+messages of the table's own package; a standard message has its shape already.
+
+Bad::
+
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, presence: {x: false}}
+    # proto/imu.proto
+    message Imu { optional float x = 1; }
+""",
+)

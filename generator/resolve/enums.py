@@ -1,0 +1,80 @@
+"""What an enum becomes in ROS: an integer, and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.ir import ros_names
+from roverlink.generator.protos.deprecation import commented
+from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue
+from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
+
+_INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
+_SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
+
+
+def integer_type(enum: ProtoEnum) -> str:
+    """The smallest ROS integer that holds every declared value; signed only where one is negative."""
+    numbers = [value.number for value in enum.values]
+    for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
+        if low <= min(numbers) and max(numbers) < end:
+            return name
+    raise AssertionError("an enum value is an int32")
+
+
+def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
+    """An enum's values as constants of a ROS message."""
+    type = integer_type(enum)
+    seen: dict[str, ProtoEnumValue] = {}
+    for value in enum.values:
+        name = prefix + ros_names.constant_name(value.name)
+        first = seen.setdefault(name, value)
+        if not ros_names.is_constant_name(name):
+            message = f"{enum.full_name}.{value.name} cannot be a constant: ROS wants capitals, digits and single _"
+            report(CONSTANT_NAME.at(enum.span, message, "rename it: no wire has its name"))
+        elif first.number != value.number:
+            message = f"{enum.full_name}.{value.name} would be the constant {name}, which {first.name} is already"
+            report(CONSTANT_NAME.at(enum.span, message, "rename one of them: no wire has its name"))
+        elif first is value:  # an alias may differ in its capitals alone
+            yield ir.RosConstant(name, type, value.number, commented(value), enum.full_name)
+
+
+def constants_of(
+    enums: Iterable[ProtoEnum],
+    others: Iterable[ir.RosConstant],
+    ros: str,
+    span: Span,
+    report: Callable[[Diagnostic], None],
+) -> Iterator[ir.RosConstant]:
+    """The constants of a ROS message that stands at a place: its enums' values, and those of its oneofs.
+
+    Where two share a name, those of an enum get the enum's name before them.
+    """
+    enums, others = tuple(enums), tuple(dict.fromkeys(others))
+    names = [other.name for other in others]
+    names += [name for enum in enums for name in {ros_names.constant_name(value.name) for value in enum.values}]
+    seen: dict[str, ir.RosConstant] = {}
+    for other in others:
+        yield from _unless_taken(other, seen, ros, span, report)
+    for enum in enums:
+        shared = any(names.count(ros_names.constant_name(value.name)) > 1 for value in enum.values)
+        prefix = f"{ros_names.constant_name(enum.full_name.rpartition('.')[2])}_" if shared else ""
+        for constant in constants(enum, prefix, report):
+            yield from _unless_taken(constant, seen, ros, enum.span, report)
+
+
+def _unless_taken(
+    constant: ir.RosConstant,
+    seen: dict[str, ir.RosConstant],
+    ros: str,
+    span: Span,
+    report: Callable[[Diagnostic], None],
+) -> Iterator[ir.RosConstant]:
+    holder = seen.setdefault(constant.name, constant).enum
+    if holder == constant.enum:
+        yield constant
+        return
+    message = f"{ros} would have {constant.name} twice, of {holder} and of {constant.enum}"
+    report(CONSTANT_NAME.at(span, message, "give one of the enums a message of its own, or rename it"))

@@ -1,0 +1,179 @@
+"""One proto message to one ROS message: which field becomes which, and by which conversion."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import nearest
+from roverlink.generator.ir import ros_names
+from roverlink.generator.protos.deprecation import commented
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+from roverlink.generator.resolve import enums, oneofs, well_known
+from roverlink.generator.resolve.conversion_rules import (
+    CANNOT_CONVERT,
+    CONTRADICTING_PATHS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    UNKNOWN_FIELD,
+    UNMAPPED_FIELD,
+)
+from roverlink.generator.resolve.row_overrides import Shape
+from roverlink.generator.resolve.types import FieldTypes, MessageMaker
+
+_HIDING = frozenset({"HasField", "WhichOneof"})
+"""What generated code asks of a payload; a field of that name would be found in its place."""
+_RENAME = "rename it in the .proto: no wire has its name"
+
+
+class MessageBuilder:
+    """The fields, constants and conversions of one ROS message, from one proto message."""
+
+    def __init__(self, messages: MessageMaker, message: ProtoMessage, shape: Shape) -> None:
+        self._messages, self._message, self._shape = messages, message, shape
+        self._schema, self._report = messages.schema, messages.report
+        self._types = FieldTypes(messages, shape.ros)
+        self._fields: dict[str, ir.RosField] = {}
+        self._paths_seen: set[str] = set()
+        self._which: dict[tuple[str, ...], str] = {}
+        self._oneof_constants: list[ir.RosConstant] = []
+        self.conversions: list[ir.FieldConversion] = []
+
+    def message(self) -> ir.RosMessage:
+        """The ROS message."""
+        declared, ros = self._types.enums.values(), self._shape.ros
+        return ir.RosMessage(
+            ros,
+            tuple(self._fields.values()),
+            tuple(enums.constants_of(declared, self._oneof_constants, ros, self._message.span, self._report)),
+            "" if self._message.file.startswith("google/protobuf/") else commented(self._message),
+            self._message.full_name,
+        )
+
+    def add_fields(self, message: ProtoMessage, path: tuple[str, ...]) -> None:
+        """Convert the fields of a proto message; ``path`` leads to it from the payload."""
+        for field in message.fields:
+            full_path = (*path, field.name)
+            dotted = ".".join(full_path)
+            self._paths_seen.add(dotted)
+            if dotted in self._shape.ignore:
+                continue
+            if field.name in _HIDING:
+                self._report(CANNOT_CONVERT.at(field.span, f"{dotted} would hide what Python's protobuf has", _RENAME))
+            if self._taken_apart(dotted):
+                self._take_apart(message, field, full_path)
+            elif path and dotted not in self._shape.fields:
+                help = f"give it a ROS field under `fields`, or name {dotted} under `ignore`"
+                self._report(UNMAPPED_FIELD.at(field.span, f"no ROS field of {self._shape.ros} takes {dotted}", help))
+            else:
+                self._convert(message, field, full_path)
+
+    def _taken_apart(self, dotted: str) -> bool:
+        """Whether the table names fields inside this one."""
+        return any(path.startswith(f"{dotted}.") for path in (*self._shape.fields, *self._shape.ignore))
+
+    def _take_apart(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
+        """Fields of a nested message become fields of this one."""
+        dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
+        if self._keeps_presence(message, field):
+            told = f"{dotted} is optional; taken apart, nothing would say whether it is set"
+            help = f"let it be a message of its own, or say `presence: {{{dotted}: false}}` where absent means zero"
+            self._report(CANNOT_CONVERT.at(field.span, told, help))
+        if nested is None or field.repeated or field.oneof:
+            self._report_paths_into(dotted, field)
+        else:
+            self.add_fields(nested, path)
+
+    def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
+        """Report the table's paths into a field that has no fields of its own."""
+        for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
+            for path in paths:
+                if path.startswith(f"{dotted}."):
+                    self._paths_seen.add(path)
+                    message = f"{dotted} is no single message, so that no field in it can be named"
+                    self._report(UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message))
+
+    def check_paths(self) -> None:
+        """Every path that the row names must lead to a field, and none must say otherwise than another."""
+        row = self._shape.row
+        if row is None:
+            return
+        for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
+            for path in paths:
+                span = self._shape.at(group, path, row.span)
+                if contradiction := self._contradiction(group, path):
+                    self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep one of them"))
+                elif path not in self._paths_seen:
+                    help = nearest(path, self._paths_seen)
+                    message = f"{self._message.full_name} has no field {path!r}"
+                    self._report(UNKNOWN_FIELD.at(span, message, help))
+
+    def _contradiction(self, group: str, path: str) -> str:
+        """What else the row says of a path, or of the field that it leads into; empty for nothing."""
+        fields, ignore = self._shape.fields, self._shape.ignore
+        if group == "ignore" and path in fields:
+            return f"{path} is renamed to {fields[path]}, and ignored"
+        for whole in itertools.accumulate(path.split(".")[:-1], "{}.{}".format):
+            if whole in ignore:
+                return f"{path} is named, and {whole} is ignored as a whole"
+            if whole in fields:
+                return f"{path} is named, and {whole} is renamed to {fields[whole]} as a whole"
+        return ""
+
+    def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
+        name = self._shape.fields.get(".".join(path)) or ros_names.field_name(field.name)
+        conversion = self._types.conversion(message, field, path, name)
+        if conversion is None:
+            return
+        if field.oneof:
+            conversion = dataclasses.replace(conversion, which=self._discriminator(message, field, path[:-1]))
+        elif self._keeps_presence(message, field) and name not in self._fields:
+            presence = ir.RosField(f"has_{name}", ir.RosType("bool"), f"Whether {name} is set.")
+            self._add(ir.FieldConversion(path, presence, ir.ConversionKind.PRESENCE), field)
+            conversion = dataclasses.replace(conversion, presence=presence.name)
+        self._add(conversion, field)
+
+    def _keeps_presence(self, message: ProtoMessage, field: ProtoField) -> bool:
+        """Whether a ROS field says that this one is set."""
+        if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
+            return False
+        said = self._messages.settings.presence.get((message.full_name, field.name))
+        return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
+
+    def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
+        """The ROS field that says which member of a field's oneof is set; made for the first of them."""
+        full_path = (*path, field.oneof)
+        if full_path not in self._which:
+            dotted = ".".join(full_path)
+            self._paths_seen.add(dotted)
+            members = [one for one in message.fields if one.oneof == field.oneof and self._placed(one, path)]
+            ros, constants, choices = oneofs.discriminator(
+                message, field.oneof, members, self._shape.fields.get(dotted)
+            )
+            self._which[full_path] = ros.name
+            self._oneof_constants += constants
+            self._add(ir.FieldConversion(full_path, ros, ir.ConversionKind.WHICH, choices=choices), field)
+        return self._which[full_path]
+
+    def _placed(self, field: ProtoField, path: tuple[str, ...]) -> bool:
+        """Whether a ROS field takes a member of a oneof."""
+        dotted = ".".join((*path, field.name))
+        return dotted not in self._shape.ignore and (not path or dotted in self._shape.fields)
+
+    def _add(self, conversion: ir.FieldConversion, field: ProtoField) -> None:
+        name = conversion.ros.name
+        span = self._shape.at("fields", ".".join(conversion.proto_path), field.span)
+        if why := ros_names.unusable(name):
+            dotted = ".".join(conversion.proto_path)
+            help = f"give it another name under `fields` of its row ({dotted}: other_name)"
+            if self._shape.row is None:
+                help = _RENAME
+            self._report(FIELD_NAME_FORBIDDEN.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
+        if name in self._fields:
+            help = "give one of them another name under `fields` of its row"
+            if self._shape.row is None:
+                help = f"rename one in the .proto, or give {self._message.full_name} a row with `fields`"
+            self._report(FIELD_NAME_TAKEN.at(span, f"{self._shape.ros} has a field {name} already", help))
+        self._fields[name] = conversion.ros
+        self.conversions.append(conversion)

@@ -1,0 +1,71 @@
+"""Writes ``definitions.txt`` from the rosbags package: ``python -m roverlink.generator.resolve.interfaces.extract``.
+
+The file stands in the repository, so that neither `generate` nor what it writes needs rosbags, whose import alone takes
+longer than compiling the table; a test holds it to what rosbags says.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from typing import Any
+
+from roverlink.generator.resolve.interfaces.definitions import DISTRIBUTIONS, FILE
+
+_HEADER = """\
+# The messages of ROS 2's common interfaces, from the definitions in the rosbags package.
+# Made by: python -m roverlink.generator.resolve.interfaces.extract
+# A line that ends with @ and a distribution is of that one only.
+"""
+_PLACEHOLDER = "structure_needs_at_least_one_member"
+
+
+def text() -> str:
+    """The content of the file."""
+    stores = {name: _definitions(name) for name in DISTRIBUTIONS}
+    names = sorted({name for store in stores.values() for name in store})
+    return _HEADER + "\n".join(line for name in names for line in _lines(name, stores)) + "\n"
+
+
+def _definitions(distribution: str) -> dict[str, Any]:
+    definitions: dict[str, Any] = importlib.import_module(f"rosbags.typesys.stores.ros2_{distribution}").FIELDDEFS
+    return {name: one for name, one in definitions.items() if name.split("/")[1] == "msg"}
+
+
+def _lines(name: str, stores: dict[str, dict[str, Any]]) -> Iterator[str]:
+    having = {distribution: store[name] for distribution, store in stores.items() if name in store}
+    yield name + _mark([*having])
+    parts = {distribution: [*_parts(*definition)] for distribution, definition in having.items()}
+    for part in dict.fromkeys(part for own in parts.values() for part in own):
+        holders = [distribution for distribution, own in parts.items() if part in own]
+        yield f"  {part}" + (_mark(holders) if len(holders) < len(parts) else "")
+
+
+def _mark(distributions: list[str]) -> str:
+    return "" if len(distributions) == len(DISTRIBUTIONS) else "".join(f" @{name}" for name in distributions)
+
+
+def _parts(constants: list[Any], fields: list[Any]) -> Iterator[str]:
+    """Its constants and its fields, as a .msg file writes them."""
+    for name, type, value in constants:
+        yield f"{type} {name}={value}"
+    for name, definition in fields:
+        if name != _PLACEHOLDER:
+            yield f"{_type(definition)} {name}"
+
+
+def _type(definition: Any) -> str:
+    kind, detail = definition
+    if kind.name == "NAME":
+        return str(detail)
+    if kind.name == "BASE":
+        base, bound = detail
+        return f"{base}<={bound}" if bound else str(base)
+    element, count = _type(detail[0]), detail[1]
+    if kind.name == "ARRAY":
+        return f"{element}[{count}]"
+    return f"{element}[<={count}]" if count else f"{element}[]"
+
+
+if __name__ == "__main__":
+    FILE.write_text(text(), encoding="utf-8")

@@ -1,0 +1,123 @@
+"""What the definitions of the standard messages say in their comments: units, and where zero has a meaning.
+
+From the .msg files of common_interfaces (their comments are the same in Humble and Jazzy), and from REP-103 (SI units,
+radians) and REP-145 (of the IMU) where those say nothing. A path stands for the field and for all below it.
+"""
+
+from __future__ import annotations
+
+from roverlink.generator.ir.interfaces import Path
+
+_GEOMETRY = {
+    "geometry_msgs/msg/Accel": {"linear": "m/s^2", "angular": "rad/s^2"},
+    "geometry_msgs/msg/Inertia": {
+        "m": "kg",
+        "com": "m",
+        **dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "kg m^2"),
+    },
+    "geometry_msgs/msg/Point": {"x": "m", "y": "m", "z": "m"},
+    "geometry_msgs/msg/Point32": {"x": "m", "y": "m", "z": "m"},
+    "geometry_msgs/msg/Pose2D": {"x": "m", "y": "m", "theta": "rad"},
+    "geometry_msgs/msg/Quaternion": {"x": "1", "y": "1", "z": "1", "w": "1"},
+    "geometry_msgs/msg/Transform": {"translation": "m"},
+    "geometry_msgs/msg/Twist": {"linear": "m/s", "angular": "rad/s"},
+    "geometry_msgs/msg/Wrench": {"force": "N", "torque": "N m"},
+}
+_SENSORS = {
+    "sensor_msgs/msg/BatteryState": {
+        "voltage": "V",
+        "temperature": "degC",
+        "current": "A",
+        "charge": "Ah",
+        "capacity": "Ah",
+        "design_capacity": "Ah",
+        "percentage": "1",
+        "cell_voltage": "V",
+        "cell_temperature": "degC",
+    },
+    "sensor_msgs/msg/FluidPressure": {"fluid_pressure": "Pa", "variance": "Pa^2"},
+    "sensor_msgs/msg/Illuminance": {"illuminance": "lx", "variance": "lx^2"},
+    "sensor_msgs/msg/Imu": {
+        "orientation_covariance": "rad^2",
+        "angular_velocity": "rad/s",
+        "linear_acceleration": "m/s^2",
+        "angular_velocity_covariance": "rad^2/s^2",
+        "linear_acceleration_covariance": "m^2/s^4",
+    },
+    "sensor_msgs/msg/LaserScan": {
+        "angle_min": "rad",
+        "angle_max": "rad",
+        "angle_increment": "rad",
+        "time_increment": "s",
+        "scan_time": "s",
+        "range_min": "m",
+        "range_max": "m",
+        "ranges": "m",
+    },
+    "sensor_msgs/msg/MagneticField": {"magnetic_field": "T", "magnetic_field_covariance": "T^2"},
+    "sensor_msgs/msg/NavSatFix": {
+        "latitude": "deg",
+        "longitude": "deg",
+        "altitude": "m",
+        "position_covariance": "m^2",
+    },
+    "sensor_msgs/msg/Range": {
+        "field_of_view": "rad",
+        "min_range": "m",
+        "max_range": "m",
+        "range": "m",
+        "variance": "m^2",
+    },
+    "sensor_msgs/msg/RelativeHumidity": {"relative_humidity": "1", "variance": "1"},
+    "sensor_msgs/msg/Temperature": {"temperature": "degC", "variance": "K^2"},
+}
+UNITS: dict[str, dict[str, str]] = {**_GEOMETRY, **_SENSORS}
+"""By message, then by the path of a field in it."""
+
+ZERO_MEANS: dict[str, dict[str, str]] = {
+    "sensor_msgs/msg/FluidPressure": {"variance": "unknown"},
+    "sensor_msgs/msg/Illuminance": {"variance": "unknown"},
+    "sensor_msgs/msg/Imu": {
+        "orientation_covariance": "unknown",
+        "angular_velocity_covariance": "unknown",
+        "linear_acceleration_covariance": "unknown",
+    },
+    "sensor_msgs/msg/JointState": {
+        "position": "not known, where empty",
+        "velocity": "not known, where empty",
+        "effort": "not known, where empty",
+    },
+    "sensor_msgs/msg/LaserScan": {"intensities": "none, where empty"},
+    "sensor_msgs/msg/MagneticField": {"magnetic_field_covariance": "unknown"},
+    "sensor_msgs/msg/NavSatFix": {
+        "position_covariance": "unknown, by its type",
+        "position_covariance_type": "COVARIANCE_TYPE_UNKNOWN",
+    },
+    "sensor_msgs/msg/Range": {"variance": "unknown"},
+    "sensor_msgs/msg/RelativeHumidity": {"variance": "unknown"},
+    "sensor_msgs/msg/Temperature": {"variance": "unknown"},
+    "sensor_msgs/msg/TimeReference": {"source": "not named, where empty"},
+}
+"""What an unset field tells its reader, by message and path; every other unset field would be a false statement."""
+
+ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
+    "sensor_msgs/msg/Imu": {
+        "orientation": "orientation_covariance",
+        "angular_velocity": "angular_velocity_covariance",
+        "linear_acceleration": "linear_acceleration_covariance",
+    },
+}
+"""Fields that are no measurement where the first element of another is -1."""
+
+
+def unit_of(holders: tuple[str, ...], path: Path) -> str:
+    """The unit of the field at a path; empty where none is known.
+
+    ``holders`` are the messages along the path, the outermost first: that one knows best what its parts stand for.
+    """
+    for depth, holder in enumerate(holders):
+        known = UNITS.get(holder, {})
+        for end in range(len(path), depth, -1):
+            if unit := known.get(".".join(path[depth:end])):
+                return unit
+    return ""

@@ -1,0 +1,175 @@
+"""The ROS messages and the conversions of a table, each made once, from the protos that its rows reach."""
+
+from __future__ import annotations
+
+import keyword
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.ir import ros_names
+from roverlink.generator.protos.deprecation import commented
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve import enums
+from roverlink.generator.resolve.conversion_rules import (
+    CANNOT_CONVERT,
+    EXTENSIONS,
+    FIELD_NAME_FORBIDDEN,
+    FIELD_NAME_TAKEN,
+    MESSAGE_NAME_TAKEN,
+    UNKNOWN_ENUM,
+)
+from roverlink.generator.resolve.field_overrides import FieldSettings
+from roverlink.generator.resolve.fields import MessageBuilder
+from roverlink.generator.resolve.oneofs import NONE, smallest
+from roverlink.generator.resolve.row_overrides import Shape, shapes_of
+from roverlink.generator.table import EnumSettings, Row, Table
+
+
+class RosMessages:
+    """Makes ROS messages and conversions, each once, from the protos that the rows reach."""
+
+    def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
+        self.schema, self.report = schema, findings.append
+        self._enum_settings = {enum.proto: enum for enum in table.enums}
+        self._shapes = shapes_of(table, findings)
+        self.settings = FieldSettings(table, schema, self.report)
+        self._names: dict[str, tuple[str, str]] = {}
+        self._in_progress: list[str] = []
+        self._made: dict[str, ir.Conversion] = {}
+        self.messages: dict[str, ir.RosMessage] = {}
+        self.anys: dict[str, ir.AnyConversion] = {}
+        self.enums_used: set[str] = set()
+
+    @property
+    def conversions(self) -> dict[str, ir.Conversion]:
+        """Those that were made, by their ROS messages."""
+        return {conversion.ros: conversion for conversion in self._made.values()}
+
+    def route(self, row: Row) -> ir.Route:
+        """A row, with the conversion of its payload to a message of the package, where it becomes one."""
+        conversion = None if row.feed else self._conversion(self.schema.messages[row.proto])
+        where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
+        return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
+
+    def check_enums(self) -> None:
+        """An enum that the table names, but no payload has, is a mistake."""
+        for settings in self._enum_settings.values():
+            if settings.proto not in self.enums_used:
+                help = nearest(settings.proto, self.enums_used, "remove it, or correct its name")
+                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload has the enum {settings.proto}", help))
+
+    # --- messages ---
+
+    def _conversion(self, message: ProtoMessage) -> ir.Conversion:
+        proto = message.full_name
+        if proto in self._made:
+            return self._made[proto]
+        package = self._package_of(message)
+        shape = self._shapes.get(proto) or Shape(ros_names.message_name(proto, package))
+        self.claim(shape.ros, proto, _place(shape, message), shape.row)
+        if any(keyword.iskeyword(part) for part in proto.split(".")):
+            told = f"{proto} is named by a keyword of Python, so that generated code cannot reach it"
+            self.report(CANNOT_CONVERT.at(message.span, told, "rename it: no wire has its name"))
+        if message.extendable:
+            told = f"extensions of {proto} are not carried: no ROS field takes them"
+            self.report(EXTENSIONS.at(message.span, told, "make them fields of the message to carry them"))
+        self._in_progress.append(proto)
+        builder = MessageBuilder(self, message, shape)
+        builder.add_fields(message, ())
+        builder.check_paths()
+        self._in_progress.pop()
+        self.messages[shape.ros] = builder.message()
+        self._made[proto] = ir.Conversion(proto, package, message.file, shape.ros, tuple(builder.conversions))
+        return self._made[proto]
+
+    def _package_of(self, message: ProtoMessage) -> str:
+        """The proto package: what is left of the full name without the nesting messages."""
+        outer = message.full_name.rpartition(".")[0]
+        while outer in self.schema.messages:
+            outer = outer.rpartition(".")[0]
+        return outer
+
+    def claim(self, ros: str, source: str, span: Span, row: Row | None = None) -> None:
+        """Two sources must not become ROS messages of one name, nor of two whose files have one name."""
+        if not ros_names.is_message_name(ros) and row is None:  # a row's own name has a rule of its own
+            told = f"{source} cannot become the ROS message {ros!r}: ROS forbids the name"
+            self.report(CANNOT_CONVERT.at(span, told, "rename it in the .proto: no wire has its name"))
+        taken, holder = self._names.setdefault(ros_names.snake_case(ros), (ros, source))
+        if holder != source:
+            why = (
+                f"which {holder} is already" if taken == ros else f"which is too much like {taken}, made from {holder}"
+            )
+            help = "give one of them another `ros`"
+            self.report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, {why}", help))
+
+    def nested_message(self, field: ProtoField, proto: str) -> str | None:
+        """Make the ROS message of what a field holds; report a message that holds itself, and return None."""
+        if self._is_recursive(field, proto, "name this field, or one that leads to it, under `ignore`"):
+            return None
+        return self._conversion(self.schema.messages[proto]).ros
+
+    def _is_recursive(self, field: ProtoField, proto: str, help: str) -> bool:
+        """Report a field that leads back to a message around it: a ROS message cannot contain itself."""
+        if proto not in self._in_progress:
+            return False
+        cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
+        told = f"the field {field.name} makes a message contain itself, which no ROS message can: {cycle}"
+        self.report(CANNOT_CONVERT.at(field.span, told, help))
+        return True
+
+    def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
+        """The ROS message of an Any of which the table says what it may hold."""
+        source = f"{message.full_name}.{field.name}"
+        self.claim(ros, f"{source} of {ros}", field.span)
+        which = ir.RosField("which", ir.RosType(smallest(len(types))), "Which of them it holds.", source)
+        fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
+        members: list[ir.AnyMember] = []
+        for number, type in enumerate(types, start=1):
+            if type not in self.schema.messages or self._is_recursive(field, type, f"take {type} out of `any`"):
+                continue
+            held = self._conversion(self.schema.messages[type]).ros
+            last = ros_names.snake_case(type.rpartition(".")[2])
+            member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
+            if member.field in [one.name for one in fields] or member.constant == NONE:
+                told = f"{ros} would have a second {member.field}, for {type}"
+                self.report(
+                    FIELD_NAME_TAKEN.at(field.span, told, "rename one in the .proto: but for Any, no wire has it")
+                )
+            members.append(member)
+            fields.append(ir.RosField(member.field, ir.RosType(held, is_message=True), ""))
+            constants.append(ir.RosConstant(member.constant, which.type.name, number, "", source))
+        self.messages[ros] = ir.RosMessage(ros, tuple(fields), tuple(constants), "", source)
+        self.anys[ros] = ir.AnyConversion(source, ros, tuple(members))
+        return ros
+
+    def bytes_message(self) -> str:
+        """The ROS message of bytes in a list."""
+        self.claim("Bytes", "bytes in a list", Span(""))
+        field = ir.RosField("data", ir.RosType("uint8", is_sequence=True), "")
+        self.messages["Bytes"] = ir.RosMessage("Bytes", (field,), (), "", "bytes")
+        return "Bytes"
+
+    def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
+        """The table's settings of an enum that is a message of its own; that message is made."""
+        settings = self._enum_settings.get(enum.full_name)
+        if settings is not None and enum.full_name not in self.enums_used:
+            self._make_enum_message(enum, settings)
+        self.enums_used.add(enum.full_name)
+        return settings
+
+    def _make_enum_message(self, enum: ProtoEnum, settings: EnumSettings) -> None:
+        self.claim(settings.ros, enum.full_name, settings.at("ros"))
+        if why := ros_names.unusable(settings.field):
+            message = f"{settings.field!r} cannot be a field of a ROS message: {why}"
+            self.report(FIELD_NAME_FORBIDDEN.at(settings.at("field"), message))
+        self.messages[settings.ros] = ir.RosMessage(
+            settings.ros,
+            (ir.RosField(settings.field, ir.RosType(enums.integer_type(enum)), "", enum.full_name),),
+            tuple(enums.constants(enum, "", self.report)),
+            commented(enum),
+            enum.full_name,
+        )
+
+
+def _place(shape: Shape, message: ProtoMessage) -> Span:
+    return shape.row.ros_span if shape.row else message.span

@@ -1,0 +1,166 @@
+"""The second phase: the table and the proto descriptors to the IR.
+
+What the table or a proto asks for, and this version cannot convert, is a finding; no field is dropped in silence.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import keyword
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import PurePosixPath
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.ir import Feed
+from roverlink.generator.lock import Ledger
+from roverlink.generator.protos.files import DeclarationIndex
+from roverlink.generator.protos.proto_rules import (
+    AMBIGUOUS_PROTO,
+    EXCLUDED_PROTO,
+    PAYLOAD_IN_ENVELOPE_FILE,
+    UNIMPORTABLE_PROTO,
+    UNKNOWN_PROTO,
+)
+from roverlink.generator.protos.protoc import Compilation
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.resolve.messages import RosMessages
+from roverlink.generator.resolve.safety import check_peers, guarded
+from roverlink.generator.resolve.standard import Feeds
+from roverlink.generator.table import Table
+
+# --- which file has it ------------------------------------------------------------------------------------------
+
+
+def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
+    """The file of each message that a row names; a message that cannot be told is a finding."""
+    files: dict[str, str] = {}
+    for row in table.rows:
+        declared = index.files.get(row.proto, [])
+        if row.proto == table.envelope.message:
+            message = f"{row.proto} is the envelope, which cannot be its own payload"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "name the payload's message"))
+        elif len(declared) != 1:
+            findings.append(_not_located(row.at("proto"), row.proto, declared, index))
+        elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
+            message = f"{row.proto} is declared in {declared[0]}, which is written from {table.file}"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to a file of its own"))
+        else:
+            files[row.proto] = declared[0]
+    return files
+
+
+def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
+    """The file of each message that a row lists for an Any; a message that cannot be told is a finding."""
+    files: dict[str, str] = {}
+    for row in table.rows:
+        for path, types in row.anys.items():
+            for proto in types:
+                declared = index.files.get(proto, [])
+                if len(declared) == 1:
+                    files[proto] = declared[0]
+                else:
+                    findings.append(_not_located(row.at(f"any.{path}"), proto, declared, index))
+    return files
+
+
+def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Diagnostic:
+    if declared:
+        help = "name all but one of them under proto.exclude"
+        return AMBIGUOUS_PROTO.at(span, f"{proto} is declared in {' and in '.join(declared)}", help)
+    if proto in index.excluded:
+        file = index.excluded[proto][0]
+        return EXCLUDED_PROTO.at(span, f"{proto} is declared in {file}, which proto.exclude leaves out")
+    help = nearest(proto, index.files, "is its file below proto.root?")
+    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto}", help)
+
+
+def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
+    """The envelope, with a member for every row whose message was located."""
+    burned = published.burned_in(table.envelope.message)
+    members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
+    return ir.Envelope(
+        file=table.envelope.file,
+        message=table.envelope.message,
+        oneof=table.envelope.oneof,
+        ours=table.envelope.owner == "mapping",
+        members=tuple(sorted(members, key=lambda member: member.number)),
+        retired=tuple(
+            ir.Retired(row.number, row.name, row.proto) for row in sorted(table.retired, key=lambda row: row.number)
+        ),
+        burned=tuple(
+            ir.Burned(number, tuple(dict.fromkeys(type for type, _ in one.uses)))
+            for number, one in sorted(burned.items())
+            if number not in table.numbers
+        ),
+    )
+
+
+# --- the whole --------------------------------------------------------------------------------------------------
+
+
+def resolve(
+    table: Table,
+    compilation: Compilation,
+    envelope: ir.Envelope,
+    bounds: Iterable[ir.FieldBound],
+    findings: list[Diagnostic],
+) -> ir.Bridge:
+    """The IR of a table. Where findings were added, it is not fit to be emitted."""
+    schema = compilation.schema
+    messages = RosMessages(table, schema, findings)
+    feeds = Feeds(table, schema, findings.append)
+    located = [row for row in table.rows if row.proto in schema.messages]
+    routes = tuple(
+        guarded(_with_feeds(messages.route(row), feeds.of(row)), row, schema, findings)
+        for row in sorted(located, key=lambda row: row.number)
+    )
+    carried = {route.conversion.ros for route in routes if route.conversion}
+    if table.whole:
+        messages.check_enums()
+        findings += check_peers(table)
+    findings += _unimportable(table, schema)
+    findings += _excluded(table, schema)
+    listed = {proto for row in table.rows for types in row.anys.values() for proto in types}
+    reached, enums = schema.reachable(envelope.message, *sorted(listed))
+    return ir.Bridge(
+        table=table.file,
+        package=table.ros.package,
+        python_package=table.python.package,
+        maintainer=table.ros.maintainer,
+        envelope=envelope,
+        peers=tuple(
+            ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros, peer.sources, peer.source_rate)
+            for peer in sorted(table.peers, key=lambda peer: peer.name)
+        ),
+        routes=routes,
+        messages=tuple(sorted(messages.messages.values(), key=lambda message: message.name)),
+        nested=tuple(conversion for ros, conversion in sorted(messages.conversions.items()) if ros not in carried),
+        anys=tuple(conversion for _, conversion in sorted(messages.anys.items())),
+        wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
+        wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
+        bounds=tuple(bounds),
+        interfaces=feeds.interfaces,
+        modules=compilation.modules,
+    )
+
+
+def _with_feeds(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]]) -> ir.Route:
+    return dataclasses.replace(route, feed=feeds[0], also=feeds[1])
+
+
+def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
+    """Files whose Python modules could not be imported by name."""
+    for file in schema.files:
+        parts = file.removesuffix(".proto").split("/")
+        if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
+            span = Span(f"{table.proto.root}/{file}")
+            yield UNIMPORTABLE_PROTO.at(span, f"{bad[0]!r} in its path cannot be a Python module", "rename it")
+
+
+def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
+    """Files that the table leaves out, and that what it needs imports all the same."""
+    for path in table.proto.exclude:
+        if str(PurePosixPath(path)) in schema.files:
+            span = table.proto.at(f"exclude.{path}")
+            yield EXCLUDED_PROTO.at(span, f"{path} is left out, but what the rows name imports it")

@@ -1,0 +1,41 @@
+"""What the rows say of the ROS messages that their protos become."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.resolve.conversion_rules import DISAGREEING_ROWS
+from roverlink.generator.table import Row, Table
+
+
+@dataclass(slots=True)
+class Shape:
+    """What a row says of the ROS message that its proto becomes."""
+
+    ros: str
+    fields: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    ignore: tuple[str, ...] = ()
+    row: Row | None = None
+
+    def at(self, group: str, path: str, otherwise: Span) -> Span:
+        """Where the row names a path, under ``fields`` or ``ignore``."""
+        return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
+
+
+def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
+    """By proto message; rows that carry the same one must agree on what it becomes."""
+    shapes: dict[str, Shape] = {}
+    for row in table.rows:
+        if row.feed:
+            continue
+        shape = Shape(row.ros, row.renames, row.ignore, row)
+        first = shapes.setdefault(row.proto, shape)
+        if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):
+            message = f"{row.proto} becomes {row.ros} here, and something else in another row"
+            also = [(first.row.span, f"the row {first.row.name}")] if first.row else []
+            help = "give both rows the same ros, fields and ignore"
+            findings.append(DISAGREEING_ROWS.at(row.at("proto"), message, help, also))
+    return shapes

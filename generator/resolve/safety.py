@@ -1,0 +1,155 @@
+"""What a row asks for so that a rover is safe: the payload that stops it, a limit of rate, a priority."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import struct
+from collections.abc import Iterator
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve.safety_rules import (
+    MISPLACED,
+    RATE_WITHOUT_SOURCES,
+    SLOWER_THAN_DEADMAN,
+    STOP_VALUE,
+    UNKNOWN_STOP_FIELD,
+)
+from roverlink.generator.table import DeadmanSettings, Row, Table
+
+Value = bool | int | float | str | bytes
+
+_INTEGERS = {
+    "int32": range(-(2**31), 2**31),
+    "sint32": range(-(2**31), 2**31),
+    "sfixed32": range(-(2**31), 2**31),
+    "uint32": range(2**32),
+    "fixed32": range(2**32),
+    "int64": range(-(2**63), 2**63),
+    "sint64": range(-(2**63), 2**63),
+    "sfixed64": range(-(2**63), 2**63),
+    "uint64": range(2**64),
+    "fixed64": range(2**64),
+}
+_FLOATS = {"float": "f", "double": "d"}
+_LONGEST_NUMBER = 40  # characters
+
+
+def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
+    """A route with what its row says of deadman, rate and priority; what cannot be is added to the findings."""
+    findings += _misplaced(row)
+    findings += _too_slow(row)
+    deadman = _deadman(row.deadman, row, schema, findings) if row.deadman else None
+    return dataclasses.replace(route, deadman=deadman, max_rate=row.max_rate, priority=row.priority)
+
+
+def check_peers(table: Table) -> Iterator[Diagnostic]:
+    """A rate of sources that are not named: nobody would know whose rate an address has."""
+    for peer in table.peers:
+        if peer.source_rate is not None and not peer.sources:
+            message = f"{peer.name} has a rate for each of its sources, but names none"
+            help = "name its `sources`; [0.0.0.0/0] for any address"
+            yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
+
+
+def _misplaced(row: Row) -> Iterator[Diagnostic]:
+    outgoing = [key for key in ("deadman", "priority") if key in row.spans]
+    if row.inbound and outgoing:
+        keys, one = " and ".join(f"`{key}`" for key in outgoing), len(outgoing) == 1
+        message = (
+            f"the direction of {row.name} is {row.direction}, but {keys} {'is' if one else 'are'} for topics that "
+        )
+        message += "are sent to a peer"
+        help = f"write `direction: ros_to_{row.peer}`, or remove {keys}"
+        also = [(row.at(key), f"`{key}` is set here") for key in outgoing]
+        yield MISPLACED.at(row.at("direction"), message, help, also)
+    if not row.inbound and row.also and row.deadman:
+        message = f"{row.name} has further topics under `also`: `deadman` would stop the peer while one of them speaks"
+        yield MISPLACED.at(row.at("deadman"), message, "let one topic command the peer")
+
+
+def _too_slow(row: Row) -> Iterator[Diagnostic]:
+    """A rate at which a topic that speaks all the time would be taken for silent."""
+    if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
+        message = f"at {row.max_rate} messages a second, {row.name} counts as silent after {row.deadman.after_ms} ms"
+        also = [(row.deadman.at("after"), "said here")]
+        yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate`, or `after`", also)
+
+
+def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Deadman:
+    values: list[tuple[str, Value]] = []
+    for path, text in settings.send.items():
+        span = settings.at(f"send.{path}")
+        field = _field(schema.messages[row.proto], path, schema, span, findings)
+        if field is None:
+            continue
+        value, wanted = _value(field, text, schema)
+        if value is None:
+            message = f"{path} of {row.name} cannot be {text!r}: it is {wanted}"
+            findings.append(STOP_VALUE.at(span, message, "write the value that stops it"))
+        else:
+            values.append((path, value))
+    return ir.Deadman(settings.after_ms, settings.repeat_ms, tuple(values))
+
+
+def _field(
+    message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
+) -> ProtoField | None:
+    """The field at the end of a path; None, with a finding, where there is none that holds one value."""
+    *outer, name = path.split(".")
+    for part in outer:
+        field = _member(message, part, path, span, findings)
+        if field is None:
+            return None
+        if field.type not in ("message", "group") or field.repeated:
+            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part} in {path} is no nested message"))
+            return None
+        message = schema.messages[field.type_name]
+    return _member(message, name, path, span, findings)
+
+
+def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Diagnostic]) -> ProtoField | None:
+    fields = {field.name: field for field in message.fields}
+    if name not in fields:
+        help = nearest(name, fields, f"it has {', '.join(fields)}" if fields else "it has none")
+        findings.append(UNKNOWN_STOP_FIELD.at(span, f"{path}: {message.full_name} has no field {name}", help))
+    return fields.get(name)
+
+
+def _value(field: ProtoField, text: str, schema: Schema) -> tuple[Value | None, str]:
+    """What a text says in a field, or None; and what the field takes."""
+    if field.repeated:
+        return None, "a list, which is left empty"
+    if field.type in ("message", "group"):
+        return None, "a message; name its fields with dots"
+    if field.type == "enum":
+        values = {value.name: value.number for value in schema.enums[field.type_name].values}
+        return values.get(text), f"one of {', '.join(values)}"
+    if field.type == "bool":
+        return {"true": True, "false": False}.get(text), "true or false"
+    if field.type == "string":
+        return text, "a text"
+    if field.type == "bytes":
+        return _bytes(text), "bytes in hexadecimal"
+    return _number(field.type, text), f"a {field.type}"
+
+
+def _bytes(text: str) -> bytes | None:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        return None
+
+
+def _number(type: str, text: str) -> int | float | None:
+    try:
+        if type in _INTEGERS:
+            number = int(text) if len(text) <= _LONGEST_NUMBER else None
+            return number if number is not None and number in _INTEGERS[type] else None
+        value = float(text)
+        struct.pack(_FLOATS[type], value)
+    except (ValueError, OverflowError):
+        return None
+    return value if math.isfinite(value) else None

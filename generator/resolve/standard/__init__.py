@@ -1,0 +1,5 @@
+"""The rows' mappings to messages of ROS 2's common interfaces: checked both ways, and made into the IR."""
+
+from roverlink.generator.resolve.standard.mappings import Feeds
+
+__all__ = ["Feeds"]

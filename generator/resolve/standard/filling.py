@@ -1,0 +1,205 @@
+"""The fields of a standard message, and what the table fills them with: paths to expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.ir.interfaces import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
+from roverlink.generator.resolve import units
+from roverlink.generator.resolve.standard import standard_rules
+from roverlink.generator.resolve.standard.field_options import Options
+from roverlink.generator.resolve.standard.leaves import Leaves
+from roverlink.generator.resolve.standard.message_fields import Place, Places
+from roverlink.generator.resolve.standard.payload_fields import Sources
+from roverlink.generator.table import Form
+from roverlink.generator.table.keys import OPTIONS
+
+_TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+_QUATERNION = "geometry_msgs/msg/Quaternion"
+_NAMED_AXES = {"ned_to_enu": ("y", "x", "-z"), "frd_to_flu": ("x", "-y", "-z")}
+_ANGLES = ("roll", "pitch", "yaw")
+_NOTHING = Options({})
+_SECOND = units.parse("s")
+
+
+class Filling:
+    """Collects what fills each field."""
+
+    def __init__(self, places: Places, sources: Sources, report: Callable[[Diagnostic], None]) -> None:
+        self.places, self.sources, self._report = places, sources, report
+        self._leaves = Leaves(sources, places.definition, report)
+        self.expressions: dict[Path, Expression] = {}
+        self.spans: dict[Path, Span] = {}
+        self.astray: list[Span] = []
+        """Entries that lead to no field: which one they were meant to fill is not known."""
+
+    def add(self, path: Path, form: Form, options: Options = _NOTHING) -> None:
+        """Fill a field, or the parts of one, as a form says; what cannot be is a finding."""
+        place = self.places.find(path, form.span)
+        if place is None:
+            self.astray.append(form.span)
+        elif place.type.is_message:
+            self._add_message(place, form, options)
+        else:
+            self.put(place.path, self._leaf(place, form, options), form.span)
+
+    def put(self, path: Path, expression: Expression | None, span: Span) -> None:
+        """Let an expression fill a field, unless something fills it already."""
+        self.spans.setdefault(path, span)
+        if expression is None:
+            self.expressions.setdefault(path, Unset())  # reported already: no more about this field
+            return
+        for other in self.expressions:
+            if other[: len(path)] == path or path[: len(other)] == other:
+                also = [(self.spans[other], f"{'.'.join(other)} is filled here")]
+                message = f"{'.'.join(path)} is filled twice"
+                self._report(standard_rules.SET_TWICE.at(span, message, "keep one of them", also))
+                return
+        self.expressions[path] = expression
+
+    # --- messages ---
+
+    def _add_message(self, place: Place, form: Form, options: Options) -> None:
+        if place.type.name in _TIMES and not place.type.is_many:
+            self.put(place.path, self.moment(place, form), form.span)
+        elif place.type.is_many:
+            message = f"{place.shown} is a {place.type}; lists of messages cannot be filled yet"
+            self._wrong(form.span, message, place.path)
+        elif form.entries is None:
+            names = ", ".join(field.name for field in self.places.definition(place.type.name).fields)
+            self._wrong(form.span, f"{place.shown} is a message: say what fills {names}", place.path)
+        elif "euler" in form.entries:
+            self._add_rotation(place, form)
+        else:
+            self._add_parts(place, form, form.entries, options.within(form))
+
+    def _add_parts(self, place: Place, form: Form, entries: Mapping[str, Form], options: Options) -> None:
+        for key in ("from", "value", "enum"):
+            if key in entries:
+                message = f"{place.shown} is a message, and `{key}` is for a single value"
+                self._wrong(entries[key].span, message, place.path)
+        parts = {name: entry for name, entry in entries.items() if name not in OPTIONS}
+        if "axes" not in entries:
+            for name, entry in parts.items():
+                self.add((*place.path, name), entry, options)
+            return
+        axes = self._axes(place, entries["axes"])
+        if axes and set(parts) != {"x", "y", "z"}:
+            self._wrong(
+                form.span, f"`axes` turns x, y and z, and {place.dotted} has {', '.join(parts) or 'none'}", place.path
+            )
+        elif axes:
+            for name, axis in zip("xyz", axes):
+                entry, turned = parts[axis.removeprefix("-")], options.turned(axis.startswith("-"))
+                self.add((*place.path, name), entry, turned)
+
+    def _axes(self, place: Place, form: Form) -> tuple[str, ...]:
+        """The axis of the source for each of x, y and z; empty, with a finding, where that is no such thing."""
+        if isinstance(form.value, str):
+            return _NAMED_AXES[form.value]
+        axes = tuple(str(item.value) for item in form.items or ())
+        if sorted(axis.removeprefix("-") for axis in axes) == ["x", "y", "z"]:
+            return axes
+        self._wrong(
+            form.span, f"axes of {place.dotted} must name each of x, y and z once, as [y, x, -z] does", place.path
+        )
+        return ()
+
+    def _add_rotation(self, place: Place, form: Form) -> None:
+        entries = form.entries or {}
+        others = [name for name in entries if name != "euler"]
+        if place.type.name != _QUATERNION or others:
+            message = f"`euler` makes the whole of a geometry_msgs/Quaternion, and {place.shown} "
+            message += f"has {', '.join(others)} as well" if others else f"is a {place.type}"
+            self._wrong(form.span, message, place.path)
+            return
+        euler = entries["euler"]
+        angles = euler.entries or {}
+        options = _NOTHING.within(euler)
+        made = [self._angle(place, name, angles[name], options) for name in _ANGLES if name in angles]
+        whole = [angle for angle in made if angle is not None]
+        self.put(place.path, Rotation(*whole) if len(whole) == len(_ANGLES) else None, form.span)
+
+    def _angle(self, place: Place, name: str, form: Form, options: Options) -> Taken | Constant | None:
+        angle = _AngleOf((*place.path, name), InterfaceType("float64"), place.holders)
+        made = self._leaf(angle, form, options)
+        if made is None or isinstance(made, (Taken, Constant)):
+            return made
+        self._wrong(form.span, f"{name} must be a number", ())
+        return None
+
+    # --- times ---
+
+    def moment(self, place: Place, form: Form) -> Moment | None:
+        """A time: when the datagram was received, or what a field says."""
+        if form.value == "receive" and place.type.name == _TIMES[0]:
+            return Moment(None)
+        entries = form.entries or {}
+        if set(entries) != {"from", "unit"}:
+            message = f"{place.shown} is a {place.type}: it takes {{from: a proto field, unit: ms}}"
+            self._report(standard_rules.WRONG_FORM.at(form.span, message, "or `receive`, of a time"))
+            return None
+        source = self.sources.find(str(entries["from"].value), entries["from"].span)
+        seconds = self._seconds(place, entries["unit"])
+        if source is None or seconds is None:
+            return None
+        if source.type in ("string", "bool", "bytes") or source.enum or source.repeated or source.optional:
+            message = f"{source.dotted} is no single number that is always there, as {place.shown} wants"
+            self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
+            return None
+        return Moment(source, seconds * 10**9)
+
+    def _seconds(self, place: Place, form: Form) -> Fraction | None:
+        """How many seconds a unit of time is."""
+        try:
+            unit = units.parse(str(form.value))
+        except units.UnitError as error:
+            self._report(standard_rules.UNKNOWN_UNIT.at(form.span, str(error)))
+            return None
+        if unit.dimension != _SECOND.dimension:
+            message = f"{place.shown} is a time, and {form.value} is {unit.in_si}"
+            self._report(standard_rules.DIMENSION.at(form.span, message, "give a unit of time: s, ms, us, ns"))
+            return None
+        return unit.factor
+
+    # --- single values ---
+
+    def _leaf(self, place: Place, form: Form, options: Options) -> Expression | None:
+        if isinstance(form.value, str):
+            return self._leaves.taken(place, form.value, options, form.span)
+        if form.entries is None:
+            return self._leaves.constant(place, form, options.negated)
+        entries = form.entries
+        if others := [name for name in entries if name not in OPTIONS]:
+            help = nearest(others[0], OPTIONS, f"known here: {', '.join(OPTIONS)}")
+            message = f"{place.shown} is a {place.type} and has no part {others[0]!r}"
+            self._report(standard_rules.UNKNOWN_TARGET.at(entries[others[0]].span, message, help))
+            return None
+        if ("from" in entries) == ("value" in entries) or "euler" in entries or "axes" in entries:
+            message = f"{place.shown} takes one of `from`, a proto field, and `value`, a constant"
+            self._report(standard_rules.WRONG_FORM.at(form.span, message))
+            return None
+        own = options.within(form)
+        if "value" in entries:
+            return self._leaves.constant(place, entries["value"], options.negated)
+        if "enum" in entries:
+            return self._leaves.chosen(place, str(entries["from"].value), entries["enum"], own)
+        return self._leaves.taken(place, str(entries["from"].value), own, entries["from"].span)
+
+    def _wrong(self, span: Span, message: str, path: Path) -> None:
+        self._report(standard_rules.WRONG_FORM.at(span, message))
+        if path:
+            self.put(path, None, span)
+
+
+class _AngleOf(Place):
+    """An angle that a quaternion is made of."""
+
+    __slots__ = ()
+
+    @property
+    def unit(self) -> str:
+        """The radian, whatever the quaternion has."""
+        return "rad"

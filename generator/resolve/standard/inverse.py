@@ -1,0 +1,92 @@
+"""The way back: which expressions tell the payload's fields, and what stands in the way."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from roverlink.generator.ir.interfaces import (
+    Chosen,
+    Expression,
+    Moment,
+    Parts,
+    Path,
+    Recovered,
+    Rotation,
+    Source,
+    Taken,
+    TargetField,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class WayBack:
+    """How a message becomes a payload."""
+
+    recovered: tuple[Recovered, ...]
+    obstacle: str
+    """Why it cannot; empty where it can."""
+    told: tuple[str, ...]
+    """Paths of the payload's fields that the message tells."""
+
+
+def way_back(fields: Iterable[TargetField]) -> WayBack:
+    """The way back through what fills a message's fields; a field that is taken twice is told by the first."""
+    recovered: list[Recovered] = []
+    told: dict[str, Source] = {}
+    obstacle = ""
+    for path, field in _leaves(fields, ()):
+        value = field.value
+        sources = [source for source in _sources(value) if source.dotted not in told]
+        if not sources or not isinstance(value, (Taken, Chosen, Rotation, Moment)):
+            continue
+        obstacle = obstacle or _obstacle(value, path)
+        recovered.append(Recovered(path, field.type, value))
+        told |= {source.dotted: source for source in sources}
+    oneofs = Counter(source.oneof for source in told.values() if source.oneof)
+    if not obstacle and (shared := next((name for name, count in oneofs.items() if count > 1), "")):
+        obstacle = f"it takes several members of the oneof {shared}, of which only one can be set"
+    if obstacle:
+        return WayBack((), obstacle, ())
+    return WayBack(tuple(recovered), "", tuple(told))
+
+
+def _leaves(fields: Iterable[TargetField], path: Path) -> Iterator[tuple[Path, TargetField]]:
+    for field in fields:
+        own = (*path, field.name)
+        if isinstance(field.value, Parts):
+            yield from _leaves(field.value.fields, own)
+        else:
+            yield own, field
+
+
+def sources_of(fields: Iterable[TargetField]) -> Iterator[Source]:
+    """Every field of the payload that fills a message's fields."""
+    for _, field in _leaves(fields, ()):
+        yield from _sources(field.value)
+
+
+def _sources(value: Expression) -> list[Source]:
+    if isinstance(value, (Taken, Chosen)):
+        return [value.source]
+    if isinstance(value, Rotation):
+        return [part.source for part in (value.roll, value.pitch, value.yaw) if isinstance(part, Taken)]
+    return [value.source] if isinstance(value, Moment) and value.source else []
+
+
+def _obstacle(value: Expression, path: Path) -> str:
+    """Why an expression cannot be undone; empty where it can."""
+    dotted = ".".join(path)
+    if isinstance(value, Taken) and value.rounded:
+        return f"{dotted} holds {value.source.dotted} without its fraction"
+    if isinstance(value, Chosen):
+        seen: dict[object, str] = {}
+        for case in value.cases:
+            if (first := seen.setdefault(case.value, case.name)) != case.name:
+                what = case.constant or case.value
+                return f"{dotted} is {what} for {first} and for {case.name} of {value.source.dotted}"
+        if value.default is not None and value.default.value in seen:
+            what = value.default.constant or value.default.value
+            return f"{dotted} is {what} for {seen[value.default.value]} and for every other {value.source.dotted}"
+    return ""

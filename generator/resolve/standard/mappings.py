@@ -1,0 +1,177 @@
+"""A row's topics with standard messages, from what the table says to the IR."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.ir import Feed
+from roverlink.generator.ir.interfaces import Constant, Interface, Moment
+from roverlink.generator.protos.schema import Schema
+from roverlink.generator.resolve.interfaces import definitions
+from roverlink.generator.resolve.standard import standard_rules
+from roverlink.generator.resolve.standard.filling import Filling
+from roverlink.generator.resolve.standard.inverse import sources_of, way_back
+from roverlink.generator.resolve.standard.message_fields import Places, short
+from roverlink.generator.resolve.standard.payload_fields import Sources
+from roverlink.generator.resolve.standard.unset import Tree
+from roverlink.generator.table import FeedSettings, Row, Table
+
+_HEADER = "std_msgs/msg/Header"
+
+
+class Feeds:
+    """Makes the feeds of the rows, and keeps the definitions of the messages that they need."""
+
+    def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
+        self._distro, self._schema, self._report = table.ros.distro or "", schema, report
+        self._definitions: dict[str, Interface] = {}
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...]:
+        """The definitions of every message that a feed needs, by name."""
+        return tuple(interface for _, interface in sorted(self._definitions.items()))
+
+    def of(self, row: Row) -> tuple[Feed | None, tuple[Feed, ...]]:
+        """What the row itself becomes, where that is a standard message, and its further topics."""
+        sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
+        made = [self._feed(row, settings, sources) for settings in row.feeds]
+        if row.feed and row.inbound:
+            self._check_used(row, sources, [feed for feed in made if feed])
+        own = made.pop(0) if row.feed else None
+        return own, tuple(feed for feed in made if feed)
+
+    def _feed(self, row: Row, settings: FeedSettings, sources: Sources) -> Feed | None:
+        root = self._root(settings)
+        if root is None:
+            return None
+        filling = Filling(Places(root, self._definition, self._report), sources, self._report)
+        for path, form in settings.fields.items():
+            filling.add(tuple(path.split(".")), form)
+        self._add_header(row, settings, root, filling)
+        fields = Tree(filling, settings, self._report).fields()
+        self._check_ignored(settings, sources)
+        back = way_back(fields)
+        lost = [path for path in sources.paths() if not _covers(back.told, path) and not _covers(settings.ignore, path)]
+        if not row.inbound:
+            self._check_way_back(row, settings, back.obstacle, lost)
+        file = self._schema.messages[row.proto].file
+        return Feed(
+            settings.topic,
+            settings.profile,
+            row.proto,
+            self._schema.packages.get(file, ""),
+            file,
+            root.name,
+            fields,
+            back.recovered,
+            back.obstacle,
+            tuple(lost),
+        )
+
+    # --- definitions ---
+
+    def _root(self, settings: FeedSettings) -> Interface | None:
+        """The definition of a feed's message, those of the messages in it being taken up as well."""
+        name, span = definitions.full_name(settings.ros), settings.at("ros")
+        try:
+            root = definitions.interface(name, self._distro)
+            if root is not None:
+                self._take_up(root)
+                return root
+        except definitions.DistributionsDisagreeError as error:
+            help = "choose one by `distro` under `ros`, if every machine has it"
+            self._report(standard_rules.DISTRIBUTIONS_DISAGREE.at(span, str(error), help))
+            return None
+        help = nearest(settings.ros, definitions.names(), "such are sensor_msgs/Imu and geometry_msgs/Twist")
+        self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"no standard message {settings.ros!r}", help))
+        return None
+
+    def _take_up(self, interface: Interface) -> None:
+        self._definitions[interface.name] = interface
+        for field in interface.fields:
+            if field.type.is_message and field.type.name not in self._definitions:
+                nested = definitions.interface(field.type.name, self._distro)
+                if nested is not None:
+                    self._take_up(nested)
+
+    def _definition(self, name: str) -> Interface:
+        return self._definitions[name]
+
+    # --- the header ---
+
+    def _add_header(self, row: Row, settings: FeedSettings, root: Interface, filling: Filling) -> None:
+        if not any(field.name == "header" and field.type.name == _HEADER for field in root.fields):
+            for key, given in (("frame_id", settings.frame_id), ("stamp", settings.stamp)):
+                if given is not None:
+                    message = f"{short(root.name)} has no header, and so no {key}"
+                    self._report(standard_rules.WRONG_FORM.at(settings.at(key), message, f"remove `{key}`"))
+            return
+        if settings.frame_id is not None or ("header", "frame_id") not in filling.expressions:
+            filling.put(("header", "frame_id"), Constant(settings.frame_id or ""), settings.at("frame_id"))
+            if settings.frame_id is None and row.inbound:
+                message = f"{short(root.name)} has a header, and nothing says in which frame its values are"
+                help, rests_on = "say `frame_id`: imu_link, for example", [row.at("direction")]
+                self._report(standard_rules.FRAME_ID_MISSING.at(settings.span, message, help, rests_on=rests_on))
+        if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
+            self._add_stamp(settings, filling)
+
+    def _add_stamp(self, settings: FeedSettings, filling: Filling) -> None:
+        path, span = ("header", "stamp"), settings.at("stamp")
+        place = filling.places.find(path, span)
+        if settings.stamp is None:
+            filling.put(path, Moment(None), span)
+        elif place is not None:
+            filling.put(path, filling.moment(place, settings.stamp), span)
+
+    # --- the payload's fields ---
+
+    def _check_used(self, row: Row, sources: Sources, feeds: list[Feed]) -> None:
+        """Every field of the payload reaches some topic, or is said not to."""
+        ignored = [path for settings in row.feeds for path in settings.ignore]
+        used = {source for feed in feeds for source in _sources_of(feed)}
+        if len(feeds) < len(row.feeds):
+            return  # what the one that is missing takes is not known
+        rests_on = [row.at("direction"), *(span for settings in row.feeds for span in _entries(settings))]
+        for path in sources.paths():
+            if not _covers(ignored, path) and path not in used:
+                message = f"no topic of {row.name} takes {path}"
+                help = f"map it, or name {path} under `ignore`"
+                self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
+
+    def _check_way_back(self, row: Row, settings: FeedSettings, obstacle: str, lost: list[str]) -> None:
+        """What goes to a peer must be told by the message."""
+        span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
+        if obstacle:
+            message = f"{settings.ros} on {settings.topic} cannot be turned back into the payload: {obstacle}"
+            self._report(standard_rules.NO_WAY_BACK.at(span, message, rests_on=rests_on))
+        elif lost:
+            message = (
+                f"nothing in {settings.ros} on {settings.topic} sets {', '.join(lost)} of the payload for {row.peer}"
+            )
+            help = f"map the missing fields, name them under `ignore`, or write `direction: {row.peer}_to_ros`"
+            self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
+
+    def _check_ignored(self, settings: FeedSettings, sources: Sources) -> None:
+        for path in settings.ignore:
+            if not sources.leads_somewhere(path):
+                span = settings.spans.get(f"ignore.{path}", settings.span)
+                help = nearest(path, sources.paths())
+                self._report(standard_rules.UNKNOWN_SOURCE.at(span, f"{sources.proto} has no field {path!r}", help))
+
+
+def _entries(settings: FeedSettings) -> Iterator[Span]:
+    """Yield the place of each entry under `fields`, and of the parts of each."""
+    forms = list(settings.fields.values())
+    for form in forms:  # which grows
+        yield form.span
+        forms += [*(form.entries or {}).values(), *(form.items or ())]
+
+
+def _covers(paths: Iterable[str], path: str) -> bool:
+    """Whether a path, or a message that it is in, is among others."""
+    return any(path == other or path.startswith(f"{other}.") for other in paths)
+
+
+def _sources_of(feed: Feed) -> set[str]:
+    return {source.dotted for source in sources_of(feed.fields)}

@@ -1,0 +1,107 @@
+"""The fields of a payload as a mapping names them: by their path, down to a scalar or an enum."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Callable, Iterator
+
+from roverlink.generator.diagnostics import Diagnostic, Span, nearest
+from roverlink.generator.ir.interfaces import Path, Source
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_SOURCE
+
+_TYPES = {
+    "double": "float64",
+    "float": "float32",
+    "bool": "bool",
+    "string": "string",
+    "bytes": "bytes",
+    "enum": "int32",
+    **dict.fromkeys(("int32", "sint32", "sfixed32"), "int32"),
+    **dict.fromkeys(("int64", "sint64", "sfixed64"), "int64"),
+    **dict.fromkeys(("uint32", "fixed32"), "uint32"),
+    **dict.fromkeys(("uint64", "fixed64"), "uint64"),
+}
+
+
+class Sources:
+    """What a mapping can take from a payload."""
+
+    def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Diagnostic], None]) -> None:
+        self._schema, self._message, self._report = schema, message, report
+
+    @property
+    def proto(self) -> str:
+        """Full name of the payload's message."""
+        return self._message.full_name
+
+    def find(self, dotted: str, span: Span) -> Source | None:
+        """The field at a path; None, with a finding at ``span``, where it cannot be taken."""
+        fields = self._along(dotted.split("."))
+        if fields is None:
+            help = nearest(dotted, self.paths())
+            self._report(UNKNOWN_SOURCE.at(span, f"{self.proto} has no field {dotted!r}", help))
+        elif why := _obstacle(fields):
+            self._report(UNKNOWN_SOURCE.at(span, f"{dotted} {why}"))
+        else:
+            return _source(fields)
+        return None
+
+    def leads_somewhere(self, dotted: str) -> bool:
+        """Whether a path leads to a field, of whatever type."""
+        return self._along(dotted.split(".")) is not None
+
+    def _along(self, path: list[str]) -> list[ProtoField] | None:
+        """The fields along a path; None where it leads nowhere."""
+        fields: list[ProtoField] = []
+        message: ProtoMessage | None = self._message
+        for name in path:
+            field = next((field for field in message.fields if field.name == name), None) if message else None
+            if field is None:
+                return None
+            fields.append(field)
+            message = self._schema.messages.get(field.type_name)
+        return fields
+
+    def paths(self) -> list[str]:
+        """Every path down to a field that holds no single message."""
+        return [".".join(path) for path in self._leaves(self._message, (), ())]
+
+    def _leaves(self, message: ProtoMessage, path: Path, inside: tuple[str, ...]) -> Iterator[Path]:
+        for field in message.fields:
+            nested = self._schema.messages.get(field.type_name)
+            own = (*path, field.name)
+            if nested is None or field.repeated or field.type_name in (*inside, message.full_name):
+                yield own
+            else:
+                yield from self._leaves(nested, own, (*inside, message.full_name))
+
+    def values_of(self, enum: str) -> dict[str, int]:
+        """The declared values of an enum, by name."""
+        return {value.name: value.number for value in self._schema.enums[enum].values}
+
+
+def _obstacle(fields: list[ProtoField]) -> str:
+    """Why the last of the fields along a path cannot be taken; empty where it can."""
+    *holders, field = fields
+    if field.type in ("message", "group"):
+        return "is a message: name a field in it"
+    if repeated := next((holder for holder in holders if holder.repeated), None):
+        return f"stands in {repeated.name}, of which there are many"
+    if word := next((field.name for field in fields if keyword.iskeyword(field.name)), ""):
+        return f"cannot be reached by generated code: {word} is a keyword of Python"
+    if field.repeated and field.type in ("enum", "string", "bytes"):
+        return f"is a repeated {field.type}, which no mapping takes yet"
+    return ""
+
+
+def _source(fields: list[ProtoField]) -> Source:
+    field = fields[-1]
+    return Source(
+        tuple(field.name for field in fields),
+        _TYPES[field.type],
+        field.repeated,
+        (field.optional or bool(field.oneof)) and not field.repeated,
+        field.type_name if field.type == "enum" else "",
+        next((holder.oneof for holder in fields if holder.oneof), ""),
+    )

@@ -1,0 +1,523 @@
+"""The rules of mappings to standard messages."""
+
+from __future__ import annotations
+
+from roverlink.generator.diagnostics import Rule
+
+UNKNOWN_MESSAGE = Rule(
+    "STD102",
+    "unknown-standard-message",
+    """`ros` names a message of another package, and it is not one of ROS 2's common interfaces.
+
+Only the definitions of the common interfaces are known here; the fields of any other message cannot be checked.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Flaot32, fields: {data: x}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+""",
+)
+
+DISTRIBUTIONS_DISAGREE = Rule(
+    "STD103",
+    "distributions-disagree",
+    """A standard message differs between ROS 2 Humble and Jazzy, and `ros.distro` names neither.
+
+Two machines with different distributions could not exchange the message. If every machine has the same one, say so
+with `distro`.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
+               unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: x}}]
+
+Good::
+
+    # mapping.yaml
+    ros: {package: rover, distro: humble}
+    messages:
+      - number: 1
+        name: imu
+        proto: Imu
+        topic: imu
+        direction: board_to_ros
+        also: [{topic: out, ros: sensor_msgs/Range, frame_id: sonar,
+                 unset: [radiation_type, field_of_view, min_range, max_range], fields: {range: {from: x, unit: m}}}]
+""",
+)
+
+UNKNOWN_TARGET = Rule(
+    "STD104",
+    "unknown-target-field",
+    """A path under `fields` or `unset` names no field of the standard message.
+
+The value would reach nobody.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {dat: x}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+""",
+)
+
+UNKNOWN_SOURCE = Rule(
+    "STD105",
+    "unknown-source-field",
+    """A path names no field of the payload, or a field that cannot be taken, such as a whole message.
+
+The topic's field would have no value.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: z}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+""",
+)
+
+UNSET_TARGET = Rule(
+    "STD106",
+    "target-field-unset",
+    """Nothing fills a field of a standard message, and zero would be read as a value there.
+
+A subscriber cannot tell a field that was left out from a measured zero. Fill it, give it a constant, or state under
+`unset` that it has no value.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
+""",
+)
+
+UNUSED_SOURCE = Rule(
+    "STD107",
+    "source-field-unused",
+    """A field of the payload is not carried by the row's standard messages.
+
+For a row from a peer, the field reaches no topic. For a row to a peer, the message does not set the field, so the peer
+would get zero. Perhaps the direction is wrong.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board, fields: {data: x}}
+    # proto/imu.proto
+    message Imu { float x = 1; float y = 2; }
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Float32, topic: imu, direction: ros_to_board,
+       ignore: [y], fields: {data: x}}
+    # proto/imu.proto
+    message Imu { float x = 1; float y = 2; }
+""",
+)
+
+SET_TWICE = Rule(
+    "STD108",
+    "target-field-set-twice",
+    """Two entries fill the same field, or an entry fills a field that `unset` names.
+
+One of the values would be lost.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Vector3, unset: [z], fields: {x: x, y: x, z: 0}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Vector3, fields: {x: x, y: x, z: 0}}]
+""",
+)
+
+WRONG_FORM = Rule(
+    "STD109",
+    "mapping-does-not-fit",
+    """An entry under `fields` has another kind than the field: a text for a number, or one value for a list.
+
+No conversion leads from the one to the other.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    # proto/imu.proto
+    message Imu { string x = 1; }
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/String, fields: {data: x}}]
+    # proto/imu.proto
+    message Imu { string x = 1; }
+""",
+)
+
+UNKNOWN_UNIT = Rule(
+    "STD110",
+    "unknown-unit",
+    """A unit cannot be read.
+
+Units are written as in `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not guessed.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: metre, to: m}}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, unit: cm, to: m}}}]
+""",
+)
+
+UNIT_MISSING = Rule(
+    "STD111",
+    "unit-missing",
+    """The unit of one side is known, and nothing states that of the other.
+
+The value could be wrong by any factor. State the unit, even if both sides use the same one.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: x, y: x, z: 0}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m}, y: {from: x, unit: cm}, z: 0}}]
+""",
+)
+
+DIMENSION = Rule(
+    "STD112",
+    "dimension-does-not-fit",
+    """The units of the two sides measure different things.
+
+No factor turns a speed into a length.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: m/s}, y: 0, z: 0}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: geometry_msgs/Point, fields: {x: {from: x, unit: mm}, y: 0, z: 0}}]
+""",
+)
+
+NARROWING = Rule(
+    "STD113",
+    "lossy-narrowing",
+    """The field's type holds less than the payload's type, and the entry does not allow that.
+
+Values would lose digits or not fit. With `narrow: true`, values that do not fit are refused one datagram at a time.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    # proto/imu.proto
+    message Imu { double x = 1; }
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, narrow: true}}}]
+    # proto/imu.proto
+    message Imu { double x = 1; }
+""",
+)
+
+FRAME_ID_MISSING = Rule(
+    "STD114",
+    "frame-id-missing",
+    """A standard message from a peer has a header, and nothing names the frame of its values.
+
+A subscriber cannot transform values without a frame.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: sensor_msgs/Temperature, fields: {temperature: {from: x, unit: degC}}}]
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: sensor_msgs/Temperature, frame_id: imu_link,
+               fields: {temperature: {from: x, unit: degC}}}]
+""",
+)
+
+ENUM_TABLE = Rule(
+    "STD115",
+    "enum-table-incomplete",
+    """The table of an enum leaves out a declared value and has no `default`.
+
+The first payload with that value could not be converted.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}}}}]
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0, ON: 1}, default: 2}}}]
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+""",
+)
+
+UNKNOWN_VALUE = Rule(
+    "STD116",
+    "unknown-enum-value",
+    """An enum has no such value, or a standard message has no such constant.
+
+The entry would never be used; its value is misspelt.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OF: 0}, default: 1}}}]
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Int8, fields: {data: {from: mode, enum: {OFF: 0}, default: 1}}}]
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+""",
+)
+
+ABSENCE_UNSAID = Rule(
+    "STD117",
+    "absence-unsaid",
+    """A field of the payload may be absent, and no `default` states what the topic's field is then.
+
+A zero that was never sent looks like a measured zero.
+
+Bad::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: x}}]
+    # proto/imu.proto
+    message Imu { optional float x = 1; }
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: out, ros: std_msgs/Float32, fields: {data: {from: x, default: -1}}}]
+    # proto/imu.proto
+    message Imu { optional float x = 1; }
+""",
+)
+
+NO_WAY_BACK = Rule(
+    "STD118",
+    "no-way-back",
+    """A standard message to a peer cannot be turned back into the payload.
+
+Several payloads would give the same message, and the peer must get exactly one of them.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
+       fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 1}}}}
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+
+Good::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, ros: std_msgs/Int8, topic: imu, direction: ros_to_board,
+       fields: {data: {from: mode, enum: {OFF: 0, ON: 1, AUTO: 2}}}}
+    # proto/imu.proto
+    enum Mode { OFF = 0; ON = 1; AUTO = 2; }
+    message Imu { Mode mode = 1; }
+""",
+)

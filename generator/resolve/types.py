@@ -1,0 +1,166 @@
+"""What the value of one proto field becomes in ROS: its type, and the kind of conversion."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from roverlink.generator import ir
+from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.generator.ir import ros_names
+from roverlink.generator.ir.model import ConversionKind
+from roverlink.generator.protos.deprecation import commented
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve import enums, well_known
+from roverlink.generator.resolve.field_overrides import FieldSettings
+from roverlink.generator.table import EnumSettings
+
+
+class MessageMaker(Protocol):
+    """Makes the ROS messages that fields need; a message is made of fields, and a field may need a further message."""
+
+    schema: Schema
+    settings: FieldSettings
+    report: Callable[[Diagnostic], None]
+    messages: dict[str, ir.RosMessage]
+
+    def claim(self, ros: str, source: str, span: Span) -> None:
+        """Take a name for a ROS message; report it if another source has it."""
+
+    def nested_message(self, field: ProtoField, proto: str) -> str | None:
+        """Make the ROS message of what a field holds; None, with a diagnostic, if there can be none."""
+
+    def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
+        """Make the ROS message of an Any that may hold some types."""
+
+    def bytes_message(self) -> str:
+        """Make the ROS message of bytes in a list."""
+
+    def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
+        """Make the ROS message of an enum if the table gives it one, and return the table's settings."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Value:
+    """What one value becomes."""
+
+    kind: ConversionKind
+    type: ir.RosType
+    converter: str = ""
+    member: str = ""
+    wrapping: ir.Wrapping | None = None
+    enum: str = ""
+
+
+class FieldTypes:
+    """Converts the fields of one ROS message, and collects the enums whose constants it needs."""
+
+    def __init__(self, messages: MessageMaker, ros: str) -> None:
+        self._messages, self._schema, self._ros = messages, messages.schema, ros
+        self.enums: dict[str, ProtoEnum] = {}
+
+    def conversion(
+        self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
+    ) -> ir.FieldConversion | None:
+        """The conversion of a field of a message; None, with a finding, where it has none.
+
+        ``path`` leads to it from the payload, ``name`` is the ROS field's.
+        """
+        held = self._schema.messages.get(field.type_name)
+        if held is not None and held.map_entry:
+            return self._map(message, field, path, name)
+        if field.type_name == well_known.EMPTY and not (field.repeated or field.oneof or message.map_entry):
+            ros = ir.RosField(f"has_{name}", ir.RosType("bool"), _comment(message, field, path))
+            return ir.FieldConversion(path, ros, ConversionKind.EMPTY)
+        value = self._value(message, field, path)
+        if value is None:
+            return None
+        type = dataclasses.replace(value.type, is_sequence=field.repeated or value.type.is_sequence)
+        return ir.FieldConversion(
+            path,
+            ir.RosField(name, type, _comment(message, field, path), value.enum),
+            value.kind,
+            field.repeated,
+            converter=value.converter,
+            member=value.member,
+            wrapping=value.wrapping,
+        )
+
+    def _value(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> _Value | None:
+        if field.type == "enum":
+            return self._enum(self._schema.enums[field.type_name])
+        if field.type not in ("message", "group"):
+            return self._scalar(field.type, field.repeated)
+        proto = field.type_name
+        if proto in well_known.TIMES:
+            module, type = well_known.time_type(proto)
+            return _Value(ConversionKind.WELL_KNOWN, type, module)
+        if proto in well_known.TEXTS:
+            return _Value(ConversionKind.JSON, ir.RosType("string"), well_known.TEXTS[proto])
+        if proto in well_known.WRAPPERS:
+            bare = self._scalar(well_known.WRAPPERS[proto], field.repeated)
+            return dataclasses.replace(bare, wrapping=ir.Wrapping(proto, "value"))
+        if proto == well_known.FIELD_MASK and not field.repeated:
+            paths = ir.RosType("string", is_sequence=True)
+            return _Value(ConversionKind.VALUE, paths, wrapping=ir.Wrapping(proto, "paths"))
+        nested = self._message(message, field, path)
+        return _Value(ConversionKind.MESSAGE, ir.RosType(nested, is_message=True), nested) if nested else None
+
+    def _scalar(self, type: str, repeated: bool) -> _Value:
+        if type != "bytes":
+            return _Value(ConversionKind.VALUE, ir.RosType(well_known.SCALARS[type]))
+        if not repeated:
+            return _Value(ConversionKind.VALUE, ir.RosType("uint8", is_sequence=True))
+        held = ir.RosType(self._messages.bytes_message(), is_message=True)  # ROS has no sequence of sequences
+        return _Value(ConversionKind.HELD, held, member="data")
+
+    def _enum(self, enum: ProtoEnum) -> _Value:
+        settings = self._messages.enum_message(enum)
+        if settings is not None:
+            return _Value(ConversionKind.HELD, ir.RosType(settings.ros, is_message=True), member=settings.field)
+        self.enums[enum.full_name] = enum
+        return _Value(ConversionKind.VALUE, ir.RosType(enums.integer_type(enum)), enum=enum.full_name)
+
+    def _message(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str | None:
+        """The ROS message of a message field."""
+        holder, owner = self._owner(message, field)
+        types = self._messages.settings.anys.get((holder.full_name, owner.name))
+        if field.type_name == well_known.ANY and types:
+            ros = self._ros.removesuffix("Entry") if message.map_entry else f"{self._ros}{_camel(path)}"
+            return self._messages.any_message(holder, owner, ros, types)
+        return self._messages.nested_message(owner, field.type_name)
+
+    def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
+        """The message and the field that somebody wrote: for a map's entry, whose it is."""
+        if not message.map_entry:
+            return message, field
+        holder = self._schema.messages[message.full_name.rpartition(".")[0]]
+        return holder, next(one for one in holder.fields if one.type_name == message.full_name)
+
+    def _map(
+        self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
+    ) -> ir.FieldConversion | None:
+        entry = self._schema.messages[field.type_name]
+        ros = f"{self._ros}{_camel(path)}Entry"
+        self._messages.claim(ros, f"{self._ros}.{'.'.join(path)}", field.span)
+        types = FieldTypes(self._messages, ros)
+        key, value = (types.conversion(entry, part, (part.name,), part.name) for part in entry.fields)
+        if key is None or value is None:
+            return None
+        constants = tuple(enums.constants_of(types.enums.values(), (), ros, field.span, self._messages.report))
+        self._messages.messages[ros] = ir.RosMessage(ros, (key.ros, value.ros), constants, "", entry.full_name)
+        field_of_entries = ir.RosField(name, ir.RosType(ros, True, True), _comment(message, field, path))
+        return ir.FieldConversion(
+            path, field_of_entries, ConversionKind.MESSAGE, True, entry=ir.MapEntry(ros, key, value)
+        )
+
+
+def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
+    """A field's comment; those in protobuf's own messages explain how its libraries are used."""
+    return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
+
+
+def _camel(path: tuple[str, ...]) -> str:
+    return ros_names.camel_case("_".join(path))

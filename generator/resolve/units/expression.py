@@ -1,0 +1,98 @@
+"""Unit expressions: symbols joined by ``*``, ``/`` and powers, read from left to right as in ``kg*m/s^2``."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from roverlink.generator.diagnostics import nearest
+from roverlink.generator.resolve.units import known
+from roverlink.generator.resolve.units.unit import Unit
+
+_TOKEN = re.compile(r"\s*(\*\*|[*/^()·]|-?\d+|%|[^\W\d_]+0?(?![^\W\d_])|°[CF]?)")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_RAISED = re.compile(r"[⁻⁰¹²³⁴-⁹]+")
+_LARGEST_POWER = 12
+
+
+class UnitError(ValueError):
+    """A text that is no unit; the message says why."""
+
+
+@cache
+def parse(text: str) -> Unit:
+    """The unit that an expression stands for.
+
+    Raises `UnitError` where it stands for none.
+
+    >>> parse("m/s^2").in_si
+    'm s^-2'
+    """
+    tokens = _tokens(_RAISED.sub(lambda match: f"^{match[0].translate(_SUPERSCRIPTS)}", text))
+    reader = _Reader(text, tokens)
+    unit = reader.product()
+    if reader.tokens:
+        raise UnitError(f"{text!r} is no unit: {reader.tokens[0]!r} was not expected")
+    return unit
+
+
+def _tokens(text: str) -> list[str]:
+    tokens, position = [], 0
+    while text[position:].strip():
+        match = _TOKEN.match(text, position)
+        if match is None:
+            raise UnitError(f"{text!r} is no unit: {text[position:].strip()[0]!r} was not expected")
+        tokens.append(match[1])
+        position = match.end()
+    if not tokens:
+        raise UnitError("an empty text is no unit; of what has none, the unit is 1")
+    return tokens
+
+
+class _Reader:
+    """Takes an expression apart, from left to right."""
+
+    def __init__(self, text: str, tokens: list[str]) -> None:
+        self._text, self.tokens, self._alone = text, tokens, len(tokens) == 1
+
+    def product(self) -> Unit:
+        """Factors and divisors; two that stand side by side are multiplied."""
+        unit = self._power()
+        while self.tokens and self.tokens[0] != ")":
+            sign = self.tokens.pop(0) if self.tokens[0] in ("*", "/", "·") else "*"
+            other = self._power()
+            unit *= other**-1 if sign == "/" else other
+        return unit
+
+    def _power(self) -> Unit:
+        unit = self._atom()
+        if self.tokens and (self.tokens[0] in ("^", "**") or self.tokens[0].lstrip("-").isdigit()):
+            if self.tokens[0] in ("^", "**"):
+                self.tokens.pop(0)
+            exponent = self._next()
+            if not exponent.lstrip("-").isdigit() or abs(int(exponent)) > _LARGEST_POWER:
+                raise UnitError(f"{self._text!r} is no unit: {exponent!r} is no power")
+            unit **= int(exponent)
+        return unit
+
+    def _atom(self) -> Unit:
+        token = self._next()
+        if token == "(":
+            unit = self.product()
+            if self._next() != ")":
+                raise UnitError(f"{self._text!r} is no unit: a bracket is not closed")
+            return unit
+        found = known.unit(token)
+        if found is None:
+            raise UnitError(f"{token!r} is no unit that is known here; {nearest(token, known.symbols(), _EXAMPLES)}")
+        if found.offset and not self._alone:
+            raise UnitError(f"{token} has a zero of its own and stands alone only; a difference of them is in K")
+        return found
+
+    def _next(self) -> str:
+        if not self.tokens:
+            raise UnitError(f"{self._text!r} is no unit: it ends too early")
+        return self.tokens.pop(0)
+
+
+_EXAMPLES = "such are m, deg/s, kPa, uT, degC, m/s^2, 1"

@@ -1,0 +1,54 @@
+"""A unit: its dimension, and the exact way from a number in it to the number in the coherent SI unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from roverlink.generator.ir.interfaces import Scaling
+
+BASES = ("m", "kg", "s", "A", "K", "mol", "cd", "rad")
+"""What dimensions are made of: the SI's base units, and the angle, so that rad/s and Hz are told apart."""
+
+Dimension = tuple[int, ...]
+"""The exponent of each of `BASES`."""
+
+DIMENSIONLESS: Dimension = (0,) * len(BASES)
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A number in it, times ``factor`` times pi to the power of ``pi``, plus ``offset``, is the number in SI units."""
+
+    dimension: Dimension = DIMENSIONLESS
+    factor: Fraction = Fraction(1)
+    pi: int = 0
+    offset: Fraction = Fraction(0)
+    """Of a temperature scale that does not start at absolute zero."""
+
+    def __mul__(self, other: Unit) -> Unit:
+        dimension = tuple(a + b for a, b in zip(self.dimension, other.dimension))
+        return Unit(dimension, self.factor * other.factor, self.pi + other.pi)
+
+    def __pow__(self, exponent: int) -> Unit:
+        return Unit(tuple(part * exponent for part in self.dimension), self.factor**exponent, self.pi * exponent)
+
+    def scaled(self, factor: Fraction) -> Unit:
+        """So many of them."""
+        return Unit(self.dimension, self.factor * factor, self.pi)
+
+    @property
+    def in_si(self) -> str:
+        """Its dimension as the SI writes it: ``m s^-2``; ``1`` for none.
+
+        >>> (Unit((1, 0, 0, 0, 0, 0, 0, 0)) * Unit((0, 0, 1, 0, 0, 0, 0, 0)) ** -2).in_si
+        'm s^-2'
+        """
+        powers = [(name, exponent) for name, exponent in zip(BASES, self.dimension) if exponent]
+        return " ".join(name if exponent == 1 else f"{name}^{exponent}" for name, exponent in powers) or "1"
+
+
+def conversion(source: Unit, target: Unit) -> Scaling:
+    """From a number in one unit to the number in another of the same dimension."""
+    factor = source.factor / target.factor
+    return Scaling(factor, (source.offset - target.offset) / target.factor, source.pi - target.pi)

@@ -1,0 +1,143 @@
+"""What `roverlink aruco calibrate` does: views in, a file of parameters out, and text on the way."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from roverlink.aruco.board_options import board_of
+from roverlink.aruco.calibration_page import serve_page
+from roverlink.aruco.calibration_text import CalibrationText, JsonText, PlainText
+from roverlink.aruco.camera_source import open_source
+from roverlink.console import FINDINGS, OK
+from roverlink.installed_packages import installed_version
+from roverlink.progress import progress
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.calibration import (
+    BoardDetector,
+    Calibration,
+    CharucoBoard,
+    Collection,
+    Model,
+    PoorViewsError,
+    View,
+)
+from roverlink.vision.calibration import calibrate as solve
+from roverlink.vision.calibration.page.live_calibration import LiveCalibration
+from roverlink.vision.calibration.report import report, write_report
+from roverlink.vision.calibration.writing import write_calibration
+from roverlink.vision.frames import Frame, FrameSource, ImageFiles
+
+
+def calibrate(arguments: argparse.Namespace) -> int:
+    """Collect views, calibrate, write. Raises `SetupError` for what is missing."""
+    board = board_of(arguments)
+    if not arguments.out.resolve().parent.is_dir():  # said now, not when all the work is done
+        raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
+    text = JsonText() if arguments.json else PlainText()
+    with open_source(arguments, say=text.note) as source:
+        if arguments.page:
+            try:
+                text.calibrated(*_on_page(source, board, arguments, text.note))
+            except KeyboardInterrupt:
+                text.note("nothing was saved")
+                return FINDINGS
+            return OK
+        views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
+    try:
+        calibration = solve(views, board, Model(arguments.model))
+    except PoorViewsError as error:
+        text.refused(error, views)
+        return FINDINGS
+    text.calibrated(calibration, *_write(arguments.out, calibration, board))
+    return OK
+
+
+def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
+    """A view of every image: somebody chose them."""
+    detector = BoardDetector(board)
+    views = []
+    with progress(source.name) as told:
+        for frame, name in _named(source):
+            views.append(detector.find(frame.image, name, frame.stamp))
+            told(len(views), len(source.paths))
+    return views
+
+
+def _stream(
+    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
+) -> Sequence[View]:
+    """Views that add something, until nothing is missing, the source ends, or somebody stops it."""
+    collection = Collection(board, arguments.views)
+    text.begins(collection)
+    with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
+        for frame, name in _named(source):
+            text.offered(collection.offer(frame.image, frame.stamp, name), collection)
+            if source.total:
+                told(frame.number + 1, source.total)
+            if collection.complete:
+                break
+    return collection.views
+
+
+def _on_page(
+    source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
+) -> tuple[Calibration, Path, Path]:
+    """What was saved on the page, and where."""
+    saved: list[tuple[Calibration, Path, Path]] = []
+
+    def save(calibration: Calibration) -> str:
+        path, page = _write(arguments.out, calibration, board)
+        saved.append((calibration, path, page))
+        return f"Saved to {path}, with a report in {page}."
+
+    live = LiveCalibration(
+        source.name,
+        Collection(board, arguments.views),
+        calibrate=lambda views: solve(views, board, Model(arguments.model)),
+        report=lambda calibration: report(calibration, board, versions()),
+        save=save,
+    )
+
+    def feed(stop: threading.Event) -> None:
+        for frame, name in _named(source):
+            if stop.is_set():
+                return
+            live.look(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+        live.ended()
+
+    serve_page(live, feed, arguments.page_address, arguments.page_port, say, waits=source.live)
+    return saved[-1]
+
+
+def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
+    """Frames, stamped in nanoseconds since 1970 as far as that is known, with names for their views."""
+    if isinstance(source, ImageFiles):
+        for path, frame in zip(source.paths, source):
+            yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
+    elif source.live:
+        for frame in source:
+            yield frame, f"frame {time.strftime('%H:%M:%S', time.localtime(frame.stamp / 1e9))}"
+    else:
+        began = Path(source.name).stat().st_mtime_ns
+        for frame in source:
+            yield replace(frame, stamp=began + frame.stamp), f"frame {frame.number}"
+
+
+def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
+    """Write the parameters, and the report beside them; where both are."""
+    page = path.with_suffix(".html")
+    write_report(page, calibration, board, versions())
+    write_calibration(path, calibration)
+    return path, page
+
+
+def versions() -> dict[str, str]:
+    """What the numbers may depend on."""
+    packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
+    return {name: found for name, package in packages.items() if (found := installed_version(package))}

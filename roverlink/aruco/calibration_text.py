@@ -1,0 +1,197 @@
+"""A calibration as text: for whoever moves the board without a screen, and as JSON lines for scripts."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from roverlink.console import complain, counted, note
+from roverlink.vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
+from roverlink.vision.calibration.report import parameters
+
+_HINT_S = 2.0
+"""Between what is said of frames, if they are not taken."""
+_KINDS = {"region": "parts of the image", "distance": "distances", "tilt": "tilts"}
+_GRID = (32, 24)
+"""Columns and rows of places at which the uncertainty is looked at."""
+
+
+class CalibrationText(Protocol):
+    """What hears how a calibration goes."""
+
+    def note(self, message: str) -> None:
+        """Something about the source."""
+
+    def begins(self, collection: Collection) -> None:
+        """A collection of views begins."""
+
+    def offered(self, offer: Offer, collection: Collection) -> None:
+        """A frame was looked at."""
+
+    def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
+        """The views are not enough."""
+
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
+        """The camera is known, and its file and the report are written."""
+
+
+class PlainText:
+    """Lines for people: the result to standard output, all else to standard error."""
+
+    def __init__(self) -> None:
+        self._told = -_HINT_S
+
+    def note(self, message: str) -> None:
+        """Say it."""
+        note(message)
+
+    def begins(self, collection: Collection) -> None:
+        """Say what to do."""
+        note("Move the board through the whole image, near and far, tilted to all sides; hold it still now and then.")
+        note(f"Views that add something are taken, {collection.wanted} or more. Ctrl-C: that is enough.")
+
+    def offered(self, offer: Offer, collection: Collection) -> None:
+        """Say what was taken and what is missing; now and then, why nothing is."""
+        now = time.monotonic()
+        if offer.taken:
+            count = len(collection.views)
+            note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
+            if missing := missing_words(collection.missing):
+                note(f"  missing: {missing}")
+        elif now - self._told > _HINT_S:
+            note(f"  {offer.reason}")
+        else:
+            return
+        self._told = now
+
+    def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
+        """Complain, a line a reason, and name the views that are of no use."""
+        for view in views:
+            if view.flaw:
+                note(f"{view.name}: {view.flaw}")
+        for reason in error.reasons:
+            complain(f"not enough for a calibration: {reason}")
+
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
+        """Print the views, the parameters and how sure they are."""
+        console = Console(highlight=False, markup=False, soft_wrap=True)
+        console.print(_view_table(calibration))
+        console.print()
+        console.print(_parameter_table(calibration))
+        mean, most = spread(calibration)
+        dropped = sum(bool(one.dropped) for one in calibration.views)
+        console.print(
+            f"\nreprojection error {calibration.rms:.3f} px (root mean square), "
+            f"{counted(dropped, 'view')} dropped; uncertainty of a direction {mean:.3f} px, at most {most:.3f} px "
+            f"(standard deviation)\nwritten to {path}, with a report in {report}"
+        )
+
+
+class JsonText:
+    """Lines of JSON on standard output: each view that is taken, then the result or the refusal."""
+
+    def note(self, message: str) -> None:
+        """Say it to people all the same."""
+        note(message)
+
+    def begins(self, collection: Collection) -> None:
+        """Say nothing."""
+
+    def offered(self, offer: Offer, collection: Collection) -> None:
+        """A line for a view that was taken."""
+        if offer.taken:
+            adds = [need.name for need in offer.adds]
+            missing = [{"kind": need.kind, "name": need.name} for need in collection.missing]
+            _line(
+                {"view": offer.view.name, "corners": len(offer.view.ids), "adds": _distinct(adds), "missing": missing}
+            )
+
+    def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
+        """A line with the reasons."""
+        useless = {view.name: view.flaw for view in views if view.flaw}
+        _line({"refused": list(error.reasons), "views": len(views), "useless": useless})
+
+    def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
+        """A line with all of it."""
+        _line(as_dict(calibration) | {"file": str(path), "report": str(report)})
+
+
+def missing_words(needs: Iterable[Need]) -> str:
+    """What is missing, in words; empty where nothing is."""
+    found: dict[str, list[str]] = {}
+    for need in needs:
+        found.setdefault(_KINDS[need.kind], []).append(need.name)
+    return "; ".join(f"{kind}: {', '.join(_distinct(names))}" for kind, names in found.items())
+
+
+def as_dict(calibration: Calibration) -> dict[str, Any]:
+    """A calibration as JSON has it: pixels, and standard deviations of the parameters."""
+    mean, most = spread(calibration)
+    return {
+        "model": calibration.model.value,
+        "size": list(calibration.views[0].view.size),
+        "rms": calibration.rms,
+        "parameters": {
+            name: {"value": value, "deviation": deviation}
+            for name, value, deviation in zip(
+                calibration.names, calibration.values.tolist(), calibration.deviations.tolist()
+            )
+        },
+        "uncertainty": {"mean": mean, "max": most},
+        "views": [
+            {
+                "name": one.view.name,
+                "corners": len(one.view.ids),
+                "used": int(one.used.sum()),
+                "rms": one.rms if np.isfinite(one.rms) else None,
+                "dropped": one.dropped,
+            }
+            for one in calibration.views
+        ],
+    }
+
+
+def spread(calibration: Calibration) -> tuple[float, float]:
+    """Mean and largest standard deviation of a direction over the image, in pixels."""
+    width, height = calibration.views[0].view.size
+    places = np.stack(np.meshgrid(np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])), axis=-1)
+    deviations = calibration.uncertainty(places)
+    return float(np.nanmean(deviations)), float(np.nanmax(deviations))
+
+
+def _view_table(calibration: Calibration) -> Table:
+    table = Table(box=None, pad_edge=False)
+    table.add_column("view", no_wrap=True)
+    for name in ("corners", "left out", "error px"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("")
+    for one in calibration.views:
+        error = f"{one.rms:.3f}" if np.isfinite(one.rms) else ""
+        rejected = str(one.rejected) if one.rejected else ""
+        table.add_row(one.view.name, str(len(one.view.ids)), rejected, error, one.dropped and f"dropped: {one.dropped}")
+    return table
+
+
+def _parameter_table(calibration: Calibration) -> Table:
+    table = Table(box=None, pad_edge=False)
+    table.add_column("parameter", no_wrap=True)
+    for name in ("value", "95 % interval"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for one in parameters(calibration):
+        table.add_row(one.name, one.value, f"± {one.interval}")
+    return table
+
+
+def _line(facts: dict[str, Any]) -> None:
+    print(json.dumps(facts), flush=True)
+
+
+def _distinct(names: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(names))

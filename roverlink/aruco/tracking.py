@@ -1,0 +1,141 @@
+"""What `roverlink aruco track` does: frames in, what they show out to ROS 2, to JSON and to a film."""
+
+from __future__ import annotations
+
+import roverlink.vision  # noqa: F401  # first: where numpy or OpenCV is missing, it says how to install both
+
+# isort: split
+
+import argparse
+import itertools
+import json
+import logging
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+from roverlink.aruco.camera_source import open_source
+from roverlink.aruco.tracking_log import TrackingLog
+from roverlink.console import OK, NoProjectError, project_folder
+from roverlink.generated_code import load_project
+from roverlink.progress import progress
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.node.ros_args import RosArguments
+from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
+from roverlink.vision.camera.parameters_file import read_parameters
+from roverlink.vision.field.view import View, look
+from roverlink.vision.frames import Frame, FrameSource, play
+from roverlink.vision.images.drawing import draw
+from roverlink.vision.images.film import Film
+from roverlink.vision.markers.boards import read_boards
+from roverlink.vision.markers.marker_set import SIDE
+from roverlink.vision.ros.publishing import Publishing
+from roverlink.vision.ros.rover_position import position_publisher
+from roverlink.vision.ros.sighting_messages import FrameNames
+
+_SAME_SHAPE = 0.01
+"""By how much the ratio of width to height may differ between images that are scaled, and not cut."""
+
+Output = Callable[[View], None]
+
+
+def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
+    """Track until the source ends. Raises `SetupError` for what is missing."""
+    camera, markers = read_parameters(arguments.parameters), _markers(arguments)
+    landmarks = _landmarks(arguments, markers)
+    with ExitStack() as stack:
+        source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
+        size = next(iter(source)).size
+        logger.info("%s: %dx%d pixels", source.name, *size)
+        camera = _fitted(camera, size, arguments.rescale, logger)
+        outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
+        log = stack.enter_context(TrackingLog(logger))
+        for view in look(log.timed(_frames(source, arguments)), Tracker(camera, markers), landmarks):
+            log.add(view)
+            for output in outputs:
+                output(view)
+    return OK
+
+
+def _markers(arguments: argparse.Namespace) -> MarkerSet:
+    sides = dict(arguments.side)
+    boards = read_boards(arguments.boards) if arguments.boards else ()
+    return MarkerSet(arguments.dictionary, sides.pop(None, SIDE), sides, boards)
+
+
+def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks | None:
+    if not arguments.landmarks:
+        return None
+    landmarks = read_landmarks(arguments.landmarks)
+    for target in landmarks.places:
+        if not markers.is_target(target):
+            what = "board" if isinstance(target, str) else "marker of its own"
+            raise SetupError(f"{arguments.landmarks}: there is no {what} {target!r}")
+    return landmarks
+
+
+def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Frame]:
+    """The frames: a recording's as fast as can be, or where others listen, as if it were taken now."""
+    played = not source.live and (arguments.middleware or arguments.loop)
+    frames = play(source, loop=arguments.loop) if played else iter(source)
+    frames = itertools.islice(frames, arguments.count)
+    if arguments.loop or source.total is None or (arguments.json and sys.stdout.isatty()):
+        yield from frames
+        return
+    with progress(source.name) as report:
+        for done, frame in enumerate(frames, 1):
+            yield frame
+            report(done, source.total)
+
+
+def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
+    """The camera at the size of the images that come. Raises `SetupError` where its parameters are of another."""
+    width, height = size
+    if camera.size == size:
+        return camera
+    if camera.size is None and not rescale:
+        logger.warning("the parameters do not say for which image size they are; taken for %dx%d", width, height)
+        return camera
+    scaled = camera.scaled(size) if rescale else None
+    was = "{}x{}".format(*(camera.size or ()))
+    if scaled is None:
+        raise SetupError(
+            f"the parameters are for images of {was} pixels, and these have {width}x{height}; calibrate at this size, "
+            "or scale them with --rescale if the camera makes its images smaller, and does not cut them"
+        )
+    ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
+    if abs(ratio - 1) > _SAME_SHAPE:
+        raise SetupError(
+            f"images of {width}x{height} pixels are no smaller or larger ones of {was}: they were cut or stretched; "
+            "calibrate at this size"
+        )
+    logger.warning("the parameters are scaled from images of %s pixels to %dx%d", was, width, height)
+    return scaled
+
+
+def _outputs(
+    arguments: argparse.Namespace,
+    source: FrameSource,
+    camera: CameraParameters,
+    ros: RosArguments,
+    logger: logging.Logger,
+    stack: ExitStack,
+) -> Iterator[Output]:
+    if arguments.json:
+        yield lambda view: print(json.dumps(view.as_dict()), flush=True)
+    if arguments.save:
+        film = stack.enter_context(Film(arguments.save, source.rate))
+        yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
+    if arguments.middleware:
+        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
+        names = FrameNames(arguments.camera_frame, arguments.marker_frame)
+        yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
+        if arguments.landmarks:
+            try:
+                registry = load_project(project_folder(arguments.project))
+            except NoProjectError as error:  # a camera is of use without a bridge
+                logger.warning("the basestation is not told where the rover is: %s", error)
+                return
+            tell = position_publisher(middleware, registry, ros.topic, logger.warning)
+            yield lambda view: tell(view.place.pose.translation) if view.place else None

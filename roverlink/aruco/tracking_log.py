@@ -1,0 +1,61 @@
+"""What a tracker says of what it sees: what is new, and the sums at the end."""
+
+from __future__ import annotations
+
+import logging
+import statistics
+import time
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from roverlink.console import counted
+from roverlink.vision.field.view import View
+from roverlink.vision.frames import Frame
+from roverlink.vision.markers.marker_set import TargetId
+
+
+class TrackingLog:
+    """Logs the first sight of each landmark, and landmarks that do not fit; leaving it, the sums."""
+
+    def __init__(self, logger: logging.Logger) -> None:
+        self._logger = logger
+        self._frames = self._with_landmarks = 0
+        self._seen: set[TargetId] = set()
+        self._rejected: tuple[TargetId, ...] = ()
+        self._begin = 0.0
+        self._times: list[float] = []
+
+    def timed(self, frames: Iterable[Frame]) -> Iterator[Frame]:
+        """The frames, to be looked at before the next `add`."""
+        for frame in frames:
+            self._begin = time.perf_counter()
+            yield frame
+
+    def add(self, view: View) -> None:
+        """Note what a frame showed."""
+        self._times.append(time.perf_counter() - self._begin)
+        self._frames += 1
+        self._with_landmarks += bool(view.sightings)
+        for one in view.sightings:
+            if one.id not in self._seen:
+                self._seen.add(one.id)
+                self._logger.info("%s is seen, %.2f m away", one.id, np.linalg.norm(one.pose.translation))
+        rejected = view.place.rejected if view.place else ()
+        for target in set(rejected) - set(self._rejected):
+            self._logger.warning("%s is not where the landmarks say, and is left out", target)
+        self._rejected = rejected
+
+    def __enter__(self) -> TrackingLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if not self._frames:
+            return
+        self._logger.info(
+            "%s, %d of them with landmarks (%s); %.1f ms a frame in the median",
+            counted(self._frames, "frame"),
+            self._with_landmarks,
+            ", ".join(sorted(map(str, self._seen))) or "none",
+            1e3 * statistics.median(self._times),
+        )

@@ -1,0 +1,103 @@
+"""The camera of the demo: ``roverlink aruco track`` as a child, before rendered frames.
+
+It has a process of its own, as on a rover: what tracking computes must not keep those waiting who command.
+"""
+
+from __future__ import annotations
+
+import roverlink.vision  # noqa: F401  # first: where numpy or OpenCV is missing, it says how to install both
+
+# isort: split
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO, cast
+
+import numpy as np
+
+from roverlink.commands.aruco.track import NO_MIDDLEWARE
+from roverlink.demo.field import RATE_HZ, SIDE, landmarks, render_film, write_field
+from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.middleware import Middleware
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.opencv import cv2
+from roverlink.vision.ros.rover_position import ROW, position_publisher
+
+_PATIENCE_S = 20.0
+
+
+class DemoCamera:
+    """A camera that looks at a film again and again. A context manager: leaving it ends the child."""
+
+    tells = (ROW,)
+    """The rows whose topics it publishes."""
+
+    def __init__(self, project: Path, middleware: str) -> None:
+        """`middleware` is the child's: dds, or anything else for none; then `publish_on` has to tell."""
+        self._film = render_film()
+        self._folder = TemporaryDirectory(prefix="roverlink-camera-")
+        folder = Path(self._folder.name)
+        frames = folder / "frames"
+        self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(frames), "--loop", "--json"]
+        self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
+        self._command += ["--landmarks", str(folder / "landmarks.yaml")]
+        self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
+        self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
+        self._tell: Callable[[Floats], None] = lambda _: None
+        self._frames = 0
+        self._worst = 0.0
+        frames.mkdir()
+        write_field(folder)
+        for frame in self._film:
+            cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
+
+    def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
+        """Tell where the rover is in the child's place, which knows no middleware of this process."""
+        self._tell = position_publisher(middleware, registry, topic)
+
+    def __enter__(self) -> DemoCamera:
+        self._child = subprocess.Popen(  # noqa: S603  # our own program
+            self._command, stdout=subprocess.PIPE, text=True
+        )
+        self._output = cast(IO[str], self._child.stdout)
+        first = self._output.readline()
+        if not first:
+            self._child.wait()
+            raise SetupError("the demo's camera did not start")
+        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._thread.start()
+        return self
+
+    def stop(self) -> str:
+        """Interrupt the child; what is to be said of what it saw."""
+        self._child.send_signal(signal.SIGINT)
+        self._child.wait(_PATIENCE_S)
+        self._thread.join()
+        return (
+            f"the camera found itself on the field in {self._frames} frames by {len(landmarks().places)} landmarks, "
+            f"never more than {1e3 * self._worst:.0f} mm from where it was"
+        )
+
+    def __exit__(self, *_: object) -> None:
+        if self._child.poll() is None:
+            self._child.kill()
+            self._child.wait()
+        self._output.close()
+        self._folder.cleanup()
+
+    def _listen(self) -> None:
+        for line in self._output:
+            view = json.loads(line)
+            if "camera" not in view:
+                continue
+            place = np.array(view["camera"]["position"])
+            self._tell(place)
+            truth = self._film.truth[view["frame"] % len(self._film.truth)].translation
+            self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
+            self._frames += 1

@@ -1,0 +1,90 @@
+"""What the camera of the demo sees: four landmarks on a field, rendered, so that the truth is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from roverlink.vision import CameraParameters, Landmark, Landmarks, Pose
+from roverlink.vision.camera.parameters_file import write_parameters
+from roverlink.vision.frames import Frame
+from roverlink.vision.images.rendering import Lens, Print, marker_print, render, texture
+from roverlink.vision.images.rendering import Pose as PrintPose
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.opencv import cv2
+
+FRAMES = 16
+RATE_HZ = 10.0
+SIDE = 0.15
+"""Metres."""
+SURVEY = 0.002
+"""How well the landmarks' positions are known, in metres; their turns as by default."""
+_SIZE = (640, 480)
+_LENS = Lens(
+    np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
+    (0.100096, -0.256227, 0.00111085, 0.000269882, 0),
+    _SIZE,
+)
+_FACING_US = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # right is -y, up is z, out of the print is -x
+_AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # a camera that looks along x
+_LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (3.2, -1.0, 1.0)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Film:
+    """Frames of a drive in a circle, and where the camera is in each."""
+
+    frames: tuple[Image, ...]
+    truth: tuple[Pose, ...]
+
+    def __iter__(self) -> Iterator[Frame]:
+        for number, image in enumerate(self.frames):
+            yield Frame(image, round(number * 1e9 / RATE_HZ), number)
+
+
+def landmarks() -> Landmarks:
+    """Where the landmarks are."""
+    return Landmarks("field", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
+
+
+def parameters() -> CameraParameters:
+    """The camera's parameters."""
+    return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
+
+
+def write_field(folder: Path) -> None:
+    """Write the camera's parameters (`camera.yml`), and where the landmarks are (`landmarks.yaml`)."""
+    write_parameters(folder / "camera.yml", parameters())
+    lines = [
+        f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
+        for number, one in landmarks().places.items()
+    ]
+    text = "\n".join(["frame: field", f"survey: {{position: {SURVEY}}}", "landmarks:", *lines, ""])
+    (folder / "landmarks.yaml").write_text(text, encoding="utf-8")
+
+
+def render_film(frames: int = FRAMES) -> Film:
+    """Render the drive, or its first frames: the same every time."""
+    rng = np.random.default_rng(1)
+    scene = texture(_SIZE, rng)
+    truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
+    drawn = [render(_LENS, scene, [_print(number, place) for number in _LANDMARKS], rng) for place in truth]
+    return Film(tuple(np.repeat(image[:, :, None], 3, axis=2) for image in drawn), truth)
+
+
+def _on_field(number: int) -> Pose:
+    return Pose(_FACING_US, np.array(_LANDMARKS[number]))
+
+
+def _place(angle: float) -> Pose:
+    """Where the camera is: takes its points to the field."""
+    return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
+
+
+def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
+    """A landmark, and where it is in the camera's frame."""
+    seen = camera.inverse() @ _on_field(number)
+    return marker_print(cv2.aruco.DICT_5X5_250, number, SIDE, texels=8), PrintPose(seen.rotation, seen.translation)

@@ -1,0 +1,251 @@
+"""The checks of ``roverlink doctor``: each looks at one thing, changes nothing, and says what it found."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import os
+import platform
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from roverlink.console import project_folder
+from roverlink.generated_code import load_project
+from roverlink.installed_packages import installed_version
+from roverlink.runtime import Registry, RoverlinkError
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.net import udp
+from roverlink.runtime.node import parameters
+from roverlink.runtime.node.parameters import Parameters
+from roverlink.runtime.node.ros_args import RosArguments
+
+_NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
+_EXTRAS = {
+    "mcap": "record",
+    "foxglove-sdk": "foxglove",
+    "prometheus-client": "metrics",
+    "pyarrow": "parquet",
+    "rosbags": "standard",
+    "nanopb": "nanopb",
+}
+_GROUP, _GROUP_PORT = "239.255.0.1", 7400  # where DDS participants announce themselves (RTPS 2.2, 9.6.1)
+_PROC = Path("/proc")
+_COMMAND_S = 5.0
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What one check found."""
+
+    verdict: str
+    """``ok``, ``warning`` or ``error``."""
+    check: str
+    says: str
+    cure: str = ""
+
+    def as_dict(self) -> dict[str, str]:
+        """For JSON."""
+        return dataclasses.asdict(self)
+
+
+def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
+    """Look at everything; ``project`` is what the command line names. Raises nothing that a check finds."""
+    found = list(_python())
+    try:
+        registry = load_project(project_folder(project))
+        settings = parameters.read(registry, ros.parameters)
+    except RoverlinkError as error:
+        return [*found, Diagnosis("error", "generated code", str(error)), *_ros(None)]
+    messages = len(registry.handlers)
+    found.append(Diagnosis("ok", "generated code", f"{messages} messages, fingerprint {registry.fingerprint[:12]}"))
+    return [*found, *_network(settings), *_firewall(settings), *_multicast(), *_ros(registry)]
+
+
+# --- this Python ------------------------------------------------------------------------------------------------
+
+
+def _python() -> Iterator[Diagnosis]:
+    version = platform.python_version()
+    yield Diagnosis("ok", "python", f"{version} on {platform.system()} {platform.machine()}")
+    for package in _NEEDED:
+        if installed_version(package) is None:
+            yield Diagnosis("error", package, "is not installed", f"{sys.executable} -m pip install {package}")
+    missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if installed_version(package) is None]
+    if missing:
+        names = ",".join(extra for package, extra in _EXTRAS.items() if installed_version(package) is None)
+        yield Diagnosis("ok", "extras", f"not installed: {', '.join(missing)}", f"pip install 'roverlink[{names}]'")
+
+
+# --- the network ------------------------------------------------------------------------------------------------
+
+
+def _network(settings: Parameters) -> Iterator[Diagnosis]:
+    port, address = settings.listen_port, settings.listen_address
+    try:
+        sock = udp.bind(address, port, settings.receive_buffer)
+    except RoverlinkError as error:
+        holder = _holder(port)
+        cure = f"it is held by {holder}" if holder else "`ss -lunp` as root shows who holds it"
+        yield Diagnosis("error", f"UDP port {port}", str(error), cure)
+    else:
+        with sock:
+            yield Diagnosis("ok", f"UDP port {port}", f"free on {address}")
+            yield _buffer(udp.receive_buffer(sock), settings.receive_buffer)
+    try:
+        udp.resolve(settings.dst_ip, 9)
+        yield Diagnosis("ok", "dst_ip", settings.dst_ip)
+    except RoverlinkError as error:
+        yield Diagnosis("error", "dst_ip", str(error), "give -p dst_ip:=ADDRESS")
+
+
+def _buffer(got: int, wanted: int) -> Diagnosis:
+    if got >= wanted:
+        return Diagnosis("ok", "receive buffer", f"{got} bytes")
+    says = f"{got} bytes, where the bridge asks for {wanted}: bursts may be lost"
+    cure = f"sysctl -w net.core.rmem_max={wanted}; to keep it, write that line to /etc/sysctl.d/60-roverlink.conf"
+    return Diagnosis("warning", "receive buffer", says, cure)
+
+
+def _holder(port: int) -> str:
+    """The program that holds a UDP port, as far as we may see it; empty where we may not."""
+    try:
+        lines = (_PROC / "net" / "udp").read_text().splitlines()[1:]
+    except OSError:
+        return ""
+    inodes = {fields[9] for line in lines if (fields := line.split())[1].endswith(f":{port:04X}")}
+    for process in _PROC.glob("[0-9]*"):
+        try:
+            links = {os.readlink(descriptor) for descriptor in (process / "fd").iterdir()}
+            if links & {f"socket:[{inode}]" for inode in inodes}:
+                return f"{(process / 'comm').read_text().strip()} (process {process.name})"
+        except OSError:
+            continue  # another user's, or it has ended
+    return ""
+
+
+# --- firewall and multicast -------------------------------------------------------------------------------------
+
+
+def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
+    port = settings.listen_port
+    ufw = Path("/etc/ufw/ufw.conf")
+    if ufw.is_file() and "ENABLED=yes" in ufw.read_text(errors="replace"):
+        yield Diagnosis(
+            "warning",
+            "firewall",
+            "ufw is on; it may keep datagrams and DDS out",
+            f"ufw allow {port}/udp; ufw allow 7400:57400/udp",
+        )
+    elif _output("firewall-cmd", "--state").strip() == "running":
+        cure = f"firewall-cmd --permanent --add-port={port}/udp --add-port=7400-57400/udp && firewall-cmd --reload"
+        yield Diagnosis("warning", "firewall", "firewalld is on; it may keep datagrams and DDS out", cure)
+    elif re.search(r"hook input [^}]*policy drop", _output("nft", "list", "ruleset"), re.DOTALL):
+        cure = f"nft add rule inet filter input udp dport {{ {port}, 7400-57400 }} accept"
+        yield Diagnosis("warning", "firewall", "nftables drops what no rule accepts", cure)
+    else:
+        yield Diagnosis("ok", "firewall", "none was found")
+
+
+def _output(*command: str) -> str:
+    """What a command prints; empty where it is not there, or may not."""
+    program = shutil.which(command[0])
+    if program is None:
+        return ""
+    try:
+        done = subprocess.run(  # noqa: S603  # one of two commands above
+            [program, *command[1:]], capture_output=True, text=True, timeout=_COMMAND_S, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout
+
+
+def _multicast() -> Iterator[Diagnosis]:
+    """Whether a datagram to the group of DDS comes back to this host: discovery needs it."""
+    if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
+        yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 keeps ROS 2 to this host")
+        return
+    cure = "ip link set DEV multicast on; ip route add 224.0.0.0/4 dev DEV"
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
+    ):
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        receiver.settimeout(1.0)
+        try:
+            receiver.bind((_GROUP, 0))
+            joined = struct.pack("4sL", socket.inet_aton(_GROUP), socket.INADDR_ANY)
+            receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joined)
+            sender.sendto(b"roverlink doctor", (_GROUP, receiver.getsockname()[1]))
+            receiver.recv(64)
+        except OSError as error:
+            yield Diagnosis("warning", "multicast", f"does not work here ({error}): other hosts are not found", cure)
+        else:
+            yield Diagnosis("ok", "multicast", f"{_GROUP} comes back")
+
+
+# --- ROS 2 ------------------------------------------------------------------------------------------------------
+
+
+def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
+    distribution = os.environ.get("ROS_DISTRO", "")
+    domain = os.environ.get("ROS_DOMAIN_ID", "0")
+    rclpy = _imports("rclpy")
+    if distribution and not rclpy:
+        says = f"ROS 2 {distribution} is sourced, but rclpy does not import in this Python {platform.python_version()}"
+        yield Diagnosis(
+            "warning", "rclpy", says, "make the environment with the Python of ROS 2, --system-site-packages"
+        )
+    if rclpy and registry is not None:
+        yield _interfaces(registry)
+    dds = installed_version("cyclonedds")
+    if not rclpy and dds is None:
+        cure = "pip install cyclonedds (x86-64), or source an installed ROS 2"
+        yield Diagnosis("error", "ROS 2", "neither rclpy nor Cyclone DDS is there: the bridge has no topics", cure)
+    elif not rclpy:
+        yield _joins(str(dds), domain)
+
+
+def _imports(module: str) -> bool:
+    try:
+        importlib.import_module(module)
+    except ImportError:
+        return False
+    return True
+
+
+def _joins(version: str, domain: str) -> Diagnosis:
+    """Whether Cyclone DDS is one that we can use, and joins the domain."""
+    if version.partition(".")[0] != "11":
+        return Diagnosis("error", "Cyclone DDS", f"is {version}; 11 is needed", "pip install 'cyclonedds>=11,<12'")
+    try:
+        with open_middleware("dds", NodeIdentity(f"roverlink_doctor_{os.getpid()}")):
+            pass
+    except RoverlinkError as error:
+        return Diagnosis("error", "Cyclone DDS", str(error))
+    return Diagnosis("ok", "Cyclone DDS", f"{version} joins domain {domain}; no ROS 2 is needed")
+
+
+def _interfaces(registry: Registry) -> Diagnosis:
+    """Whether the interface package that rclpy has is the one that was generated."""
+    cure = "build generated/ros with colcon, and source its setup.bash"
+    try:
+        installed = importlib.import_module(f"{registry.package}.msg")
+    except ImportError as error:
+        return Diagnosis("error", "interfaces", f"{registry.package} is not installed: {error}", cure)
+    for handler in registry.handlers:
+        name = handler.message_type.__name__
+        theirs: dict[str, str] = getattr(getattr(installed, name, None), "get_fields_and_field_types", dict)()
+        ours = [field.name for field in dataclasses.fields(handler.message_type)]
+        if list(theirs) != ours:
+            return Diagnosis(
+                "error", "interfaces", f"{registry.package}/{name} is not the one that was generated", cure
+            )
+    return Diagnosis("ok", "interfaces", f"{registry.package} is the one that was generated")

@@ -1,0 +1,54 @@
+"""One JSON list, an object a finding."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from roverlink.generator.diagnostics import Diagnostic, Span, Use
+from roverlink.generator.lint.engine import Linted
+
+
+def write(linted: Linted) -> None:
+    """Print the list."""
+    print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
+
+
+def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
+    return {
+        "id": finding.rule.id,
+        "name": finding.rule.name,
+        "severity": finding.severity.value,
+        "message_type": finding.type or None,
+        "number": finding.number,
+        **_place(finding.span),
+        "message": finding.message,
+        "help": finding.help or None,
+        "history": [_use(use) for use in finding.uses],
+        "also": [{**_place(span), "text": text, "commit": _commit(span, linted)} for span, text in finding.also],
+    }
+
+
+def _use(use: Use) -> dict[str, Any]:
+    """A stage of a number's life; what some branch still has, has no last commit."""
+    last = (
+        {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
+    )
+    return {
+        "type": use.type,
+        "name": use.name,
+        "first_commit": use.came.id,
+        "first_date": use.came.date,
+        "first_subject": use.came.subject,
+        "last_commit": None,
+        **last,
+    }
+
+
+def _place(span: Span) -> dict[str, Any]:
+    return {"path": span.file, "line": span.line or None, "column": span.column or None}
+
+
+def _commit(span: Span, linted: Linted) -> dict[str, str] | None:
+    commit = linted.commit_of(span)
+    return {"id": commit.id, "date": commit.date, "subject": commit.subject} if commit else None

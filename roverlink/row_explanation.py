@@ -1,0 +1,179 @@
+"""Everything about a row: what it is on the wire, in ROS 2 and in the generated code."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from roverlink.generated_code import load_project
+from roverlink.generator import ir
+from roverlink.generator.emit import extra_topic_text
+from roverlink.generator.emit.emitter import FOLDER, placed
+from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.targets.python import spelling
+from roverlink.generator.emit.type_hashes import type_hashes
+from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
+from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.generator.protos.schema import ProtoField
+from roverlink.generator.table import Row
+from roverlink.runtime.core.errors import RoverlinkError
+from roverlink.simulation.payloads import payload_at
+from roverlink.wire_dump import wire_lines
+
+_EXAMPLE_S = 1.0  # the simulated board's clock
+_NUMBER = re.compile("[0-9]{1,9}")  # protobuf's have no more digits
+
+
+class Project:
+    """A table and all that it compiles to. Raises `DiagnosticsError` where it does not."""
+
+    def __init__(self, table: Path, *, history: bool) -> None:
+        self.folder = table.resolve().parent
+        self.compiled: Compiled = compile_table(table)
+        self.subject: Subject = lint_project(table, Question(history=history)).subject
+        self.hashes = type_hashes(self.compiled.bridge)
+
+    def find(self, word: str) -> Row | None:
+        """The row of a number, a name, a topic, or a message."""
+        for row in self.subject.table.rows:
+            if word in (str(row.number), row.name, row.topic, row.proto, row.ros):
+                return row
+        return None
+
+    def taken(self, word: str) -> str:
+        """Why a number without a row is not free; empty for one that is, and for what is no number."""
+        occupied = self.subject.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
+        return next((why for _, _, why in occupied), "")
+
+    def known(self) -> list[str]:
+        """What rows can be called by."""
+        return [name for row in self.subject.table.rows for name in (row.name, row.topic, row.proto, row.ros)]
+
+    def explain(self, row: Row) -> dict[str, Any]:
+        """All of it, ready for JSON; the order is that in which it is told."""
+        bridge = self.compiled.bridge
+        route = next(one for one in bridge.routes if one.number == row.number)
+        return {
+            "number": row.number,
+            "name": row.name,
+            "envelope": {"message": bridge.envelope.message, "file": self._proto(bridge.envelope.file)},
+            "proto": {"message": row.proto, "file": self._proto(self._member(row.number).file)},
+            "ros": self._ros(route),
+            "topic": row.topic,
+            "direction": row.direction,
+            "peer": self._peer(row.peer),
+            "forward": [self._peer(name) for name in row.forward],
+            "qos": {
+                "reliability": route.qos.reliability,
+                "durability": route.qos.durability,
+                "history": route.qos.history,
+                "depth": route.qos.depth,
+            },
+            "size": self._size(row),
+            "fields": [self._field(field, row) for field in (route.conversion.fields if route.conversion else ())],
+            "standard": [self._standard(feed) for feed in route.feeds],
+            "ignored": list(row.ignore),
+            "published": self._published(row.number),
+            "history": self._history(row.number),
+            "files": self._files(route),
+            "example": self._example(row),
+        }
+
+    def _member(self, number: int) -> ir.Member:
+        return next(member for member in self.compiled.bridge.envelope.members if member.number == number)
+
+    def _ros(self, route: ir.Route) -> dict[str, Any]:
+        """The row's own message; ROS 2 itself knows the hash of a standard one."""
+        if route.conversion is None:
+            return {"message": route.feeds[0].message, "type_hash": None}
+        name = route.conversion.ros
+        return {"message": f"{self.compiled.bridge.package}/msg/{name}", "type_hash": self.hashes[name]}
+
+    @staticmethod
+    def _standard(feed: ir.Feed) -> dict[str, Any]:
+        """A topic with a standard message, and what fills it."""
+        fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(feed)]
+        return {"topic": feed.topic, "message": feed.message, "fields": fields, "way_back": feed.obstacle or "yes"}
+
+    def _proto(self, file: str) -> str:
+        return f"{self.subject.table.proto.root}/{file}"
+
+    def _peer(self, name: str) -> dict[str, Any]:
+        peer = self.subject.table.peers_by_name()[name]
+        return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
+
+    def _size(self, row: Row) -> dict[str, Any]:
+        """The largest encodings, as nanopb reckons them; None, with the reason, where there is no bound."""
+        schema, bounds = self.subject.schema, self.subject.bounds
+        if schema is None or bounds is None or row.proto not in schema.messages:
+            return {"payload": None, "envelope": None, "unbounded": "not known"}
+        payload = largest_size(schema, bounds, row.proto)
+        if isinstance(payload, Unbounded):
+            return {"payload": None, "envelope": None, "unbounded": f"{payload.path}: {payload.reason}"}
+        envelope = envelope_size(schema, bounds, self.subject.table.envelope.message, row.number, payload)
+        return {"payload": payload, "envelope": envelope, "unbounded": None}
+
+    def _field(self, field: ir.FieldConversion, row: Row) -> dict[str, Any]:
+        proto = self._proto_field(row.proto, field.proto_path)
+        type = field.ros.type
+        return {
+            "proto": ".".join(field.proto_path),
+            "number": proto.number if proto else None,
+            "proto_type": " ".join(filter(None, (proto.label, proto.wire_type))) if proto else "",
+            "ros": field.ros.name,
+            "ros_type": f"{type.name}[]" if type.is_sequence else type.name,
+            "conversion": field.kind.value,
+            "comment": field.ros.comment,
+        }
+
+    def _proto_field(self, message: str, path: tuple[str, ...]) -> ProtoField | None:
+        """The field that a path leads to."""
+        found: ProtoField | None = None
+        for name in path:
+            declared = self.subject.schema.messages.get(message) if self.subject.schema else None
+            found = next((one for one in declared.fields if one.name == name), None) if declared else None
+            message = found.type_name if found else ""
+        return found
+
+    def _published(self, number: int) -> list[str]:
+        """What the ledger has of the number."""
+        entries = [entry for entry in self.subject.ledger.entries if entry.number == number]
+        return [f"{entry.name} ({entry.proto}){', retired' if entry.retired else ''}" for entry in entries]
+
+    def _history(self, number: int) -> list[str] | None:
+        """The lives of the number in git; None where they were not asked for."""
+        if self.subject.past is None:
+            return None
+        usages = self.subject.past.history.numbers(self.subject.table.envelope.message).get(number, ())
+        return [
+            f"{usage.type} {usage.name}, since {usage.came}" + (f", until {usage.went}" if usage.went else "")
+            for usage in usages
+        ]
+
+    def _files(self, route: ir.Route) -> list[str]:
+        """The generated files that are about it and its message alone."""
+        bridge = self.compiled.bridge
+        file = self._member(route.number).file
+        wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
+        wanted += [f"generated/feeds/{one.file}.py" for one in named_feeds(bridge) if one.route.number == route.number]
+        if route.conversion:
+            wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
+            wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")
+        folder = spelling.proto_package(FOLDER, file).replace(".", "/")
+        wanted.append(f"{folder}/{spelling.proto_module(file)}.py")
+        return [path for path in (placed(path, bridge) for path in wanted) if path in self.compiled.files]
+
+    def _example(self, row: Row) -> dict[str, Any]:
+        """The bytes of an envelope that a simulated board would send; else the reason why there are none."""
+        try:
+            registry = load_project(self.folder)
+            handler = registry.by_name[row.name]
+            envelope = registry.envelope(**{row.name: payload_at(handler.payload_type, _EXAMPLE_S)})
+        except (RoverlinkError, KeyError, RecursionError) as error:
+            return {"bytes": None, "lines": [], "missing": f"{error}; run `roverlink generate`"}
+        data = envelope.SerializeToString(deterministic=True)
+        lines = [line._asdict() for line in wire_lines(data, envelope.DESCRIPTOR)]
+        return {"bytes": data.hex(), "lines": lines, "missing": None}

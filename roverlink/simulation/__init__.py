@@ -1,0 +1,1 @@
+"""Simulated boards and basestations, and the account of what they sent."""

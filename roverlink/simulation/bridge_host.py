@@ -1,0 +1,133 @@
+"""A bridge to work with: in a process of its own over DDS, or in this process where there is no ROS 2 wire."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import IO, Any, Protocol, cast
+
+from roverlink.runtime import NODE, Bridge, Registry, SetupError
+from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.node import parameters
+
+_STOP_TIMEOUT_S = 20.0  # it drains what has arrived, on a machine that is busy
+
+
+class BridgeHost(Protocol):
+    """A running bridge. A context manager."""
+
+    port: int
+    """The UDP port on which it listens."""
+    pid: int
+    """The process that it runs in."""
+
+    def middleware(self, node: NodeIdentity) -> Middleware:
+        """A middleware that sees the bridge's topics."""
+
+    def stop(self) -> dict[str, Any]:
+        """Stop the bridge and return its account."""
+
+    def __enter__(self) -> BridgeHost: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+class BridgeProcess:
+    """``roverlink run`` as a child, over DDS."""
+
+    def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
+        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
+        command += [
+            "--project",
+            str(project),
+            "--ros-args",
+            "-p",
+            "listen_port:=0",
+            "-p",
+            "listen_address:='127.0.0.1'",
+        ]
+        command += ["--log-level", log_level]
+        for name, port in ports.items():
+            command += ["-p", f"{name}:={port}"]
+        self._command = command
+        self.port = self.pid = 0
+
+    def __enter__(self) -> BridgeProcess:
+        self._child = subprocess.Popen(  # noqa: S603  # our own program
+            self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self.pid = self._child.pid
+        self._output = cast(IO[str], self._child.stdout)
+        self._log = cast(IO[str], self._child.stderr)
+        threading.Thread(target=self._pass_on, daemon=True).start()
+        ready = self._output.readline()
+        if not ready:
+            self._child.wait()
+            raise SetupError("the bridge did not start")
+        self.port = json.loads(ready)["port"]
+        return self
+
+    def _pass_on(self) -> None:
+        """Show what the bridge warns of."""
+        for line in self._log:
+            if not line.startswith("[INFO]"):
+                sys.stderr.write(line)
+
+    def middleware(self, node: NodeIdentity) -> Middleware:
+        """DDS, as the bridge's."""
+        return open_middleware("dds", node)
+
+    def stop(self) -> dict[str, Any]:
+        """Interrupt the child, as an operator would. Raises `SetupError` where it does not end well."""
+        self._child.send_signal(signal.SIGINT)
+        try:
+            code = self._child.wait(_STOP_TIMEOUT_S)  # its account is far less than a pipe holds
+        except subprocess.TimeoutExpired as error:
+            raise SetupError(f"the bridge did not stop within {_STOP_TIMEOUT_S} s") from error
+        if code:
+            raise SetupError(f"the bridge ended with exit code {code}")
+        account: dict[str, Any] = json.load(self._output)
+        return account
+
+    def __exit__(self, *_: object) -> None:
+        if self._child.poll() is None:
+            self._child.kill()
+            self._child.wait()
+
+
+class BridgeThread:
+    """A bridge in a thread of this process, over memory."""
+
+    def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
+        self._graph = Graph()
+        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports})
+        logger = logging.getLogger("bridge")
+        logger.setLevel(log_level.upper())
+        self._bridge = Bridge(registry, settings, MemoryMiddleware(self._graph), NodeIdentity(NODE).topic, logger)
+        self.port, self.pid = self._bridge.port, os.getpid()
+        self._thread = threading.Thread(target=self._bridge.run, daemon=True)
+
+    def __enter__(self) -> BridgeThread:
+        self._bridge.__enter__()
+        self._thread.start()
+        return self
+
+    def middleware(self, node: NodeIdentity) -> Middleware:  # noqa: ARG002  # memory has no nodes
+        """The bridge's own topics."""
+        return MemoryMiddleware(self._graph)
+
+    def stop(self) -> dict[str, Any]:
+        """Let the bridge finish."""
+        self._bridge.stop()
+        self._thread.join()
+        return self._bridge.account.as_dict()
+
+    def __exit__(self, *_: object) -> None:
+        self._bridge.__exit__(None, None, None)

@@ -1,0 +1,77 @@
+"""What has crossed the bridge, counted row by row, and the table that shows it."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from rich.table import Table
+
+from roverlink.runtime.core.registry import AnyHandler
+
+_WINDOW_S = 2.0
+_SHOWN_FIELDS = 4
+
+
+@dataclass
+class Crossing:
+    """One row of the table of messages: how often it has crossed, and what it said last."""
+
+    handler: AnyHandler
+    count: int = 0
+    last: Callable[[], dict[str, Any]] = dict
+    """Decodes the last message; only called when it is shown."""
+    _times: deque[float] = field(default_factory=deque)
+
+    def add(self, last: Callable[[], dict[str, Any]]) -> None:
+        """Count a message."""
+        self.count += 1
+        self.last = last
+        self._times.append(time.monotonic())
+
+    def rate(self) -> float:
+        """Messages a second, over the last two seconds."""
+        horizon = time.monotonic() - _WINDOW_S
+        while self._times and self._times[0] < horizon:
+            self._times.popleft()
+        return len(self._times) / _WINDOW_S
+
+
+def table(crossings: Iterable[Crossing], title: str) -> Table:
+    """The crossings as they stand."""
+    shown = Table(title=title, expand=True)
+    shown.add_column("no.", justify="right", no_wrap=True)
+    shown.add_column("payload", no_wrap=True)
+    shown.add_column("direction", no_wrap=True)
+    shown.add_column("rate", justify="right", no_wrap=True)
+    shown.add_column("count", justify="right", no_wrap=True)
+    shown.add_column("last value", no_wrap=True, overflow="ellipsis", ratio=1)
+    for crossing in crossings:
+        route = crossing.handler.route
+        shown.add_row(
+            str(route.number),
+            route.name,
+            route.direction.replace("_to_", "→"),
+            f"{crossing.rate():.1f}/s",
+            str(crossing.count),
+            brief(crossing.last()),
+            style="" if crossing.count else "dim",
+        )
+    return shown
+
+
+def brief(values: dict[str, Any]) -> str:
+    """The first fields of a message on one line."""
+    parts = [f"{name} {_short(value)}" for name, value in list(values.items())[:_SHOWN_FIELDS]]
+    return ", ".join([*parts, "…"] if len(values) > _SHOWN_FIELDS else parts)
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(_short(part) for part in list(value.values())[:2]) + "…}"
+    if isinstance(value, list):
+        return f"[{len(value)}]"
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

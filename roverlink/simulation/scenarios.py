@@ -1,0 +1,245 @@
+"""What simulated boards and a simulated basestation say, in good days and in bad ones.
+
+A scenario is a function from a stream of datagrams to a stream of datagrams, so that scenarios can be combined. All
+chance comes from one seeded generator: the same seed gives the same stream.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import heapq
+import itertools
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from roverlink.runtime import Registry
+from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.core.wire_format import DELIMITED, VARINT
+from roverlink.simulation.payloads import payload_at
+
+
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """One datagram that a peer sends."""
+
+    at: float
+    """Seconds since the start."""
+    peer: str
+    name: str
+    """The payload that it has, or was made from."""
+    datagram: bytes
+    life: int = 0
+    """How often the peer has been started anew; every life has a port of its own."""
+
+
+Stream = Iterator[Emission]
+
+
+@dataclass(frozen=True)
+class World:
+    """What scenarios know besides the stream."""
+
+    registry: Registry
+    rng: random.Random
+    longest: int
+    """The longest datagram in bytes that the bridge takes."""
+
+    def datagram(self, name: str, seconds: float) -> bytes:
+        """The envelope with a payload as it is some time after its peer was started."""
+        payload = payload_at(self.registry.by_name[name].payload_type, seconds)
+        return bytes(self.registry.envelope(**{name: payload}).SerializeToString())
+
+    @property
+    def inbound(self) -> list[AnyHandler]:
+        """The rows that peers send."""
+        return [handler for handler in self.registry.handlers if handler.route.inbound]
+
+    def unused_number(self) -> int:
+        """A number that no row has; a retired one where there is any."""
+        candidates = itertools.chain(self.registry.retired, itertools.count(1))
+        return next(number for number in candidates if number not in self.registry.by_number)
+
+
+def steady(world: World, rate: float) -> Stream:
+    """Every row that peers send, one after the other, ``rate`` datagrams a second in all. Endless."""
+    rows = world.inbound
+    for index in itertools.count():
+        route = rows[index % len(rows)].route
+        at = index / rate
+        yield Emission(at, route.peer, route.name, world.datagram(route.name, at))
+
+
+# --- scenarios --------------------------------------------------------------------------------------------------
+
+
+def lossy(stream: Stream, world: World) -> Stream:
+    """A radio link: a tenth is lost, some come twice, some late and out of order."""
+    late: list[tuple[float, int, Emission]] = []
+    for index, emission in enumerate(stream):
+        while late and late[0][0] <= emission.at:
+            at, _, held = heapq.heappop(late)
+            yield dataclasses.replace(held, at=at)
+        chance = world.rng.random()
+        if chance < _LOST:
+            continue
+        if chance < _LOST + _LATE:
+            heapq.heappush(late, (emission.at + world.rng.uniform(0, _DELAY_S), index, emission))
+            continue
+        yield emission
+        if chance > 1 - _TWICE:
+            yield emission
+
+
+_LOST, _LATE, _TWICE, _DELAY_S = 0.1, 0.05, 0.05, 0.2
+
+
+def stale(stream: Stream, world: World) -> Stream:
+    """A program on a board that hangs behind its sender: the same values, for seconds."""
+    held: dict[str, Emission] = {}
+    for emission in stream:
+        before = held.get(emission.name)
+        if before is None or emission.at - before.at > world.rng.uniform(1, 5):
+            held[emission.name] = before = emission
+        yield dataclasses.replace(emission, datagram=before.datagram)
+
+
+def old_schema(stream: Stream, world: World) -> Stream:
+    """Boards with other protos than the rover's: fields that it does not know, others missing, payloads of no row."""
+    for emission in stream:
+        chance = world.rng.random()
+        if chance < _OF_NO_ROW:
+            content = b"\x08" + bytes([world.rng.randrange(128)])
+            yield dataclasses.replace(emission, datagram=_delimited(world.unused_number(), content))
+        elif chance < 0.5:
+            yield dataclasses.replace(emission, datagram=_of_other_protos(emission, world))
+        else:
+            yield emission
+
+
+_OF_NO_ROW = 0.1
+_NEWER_FIELD = 1000
+
+
+def _of_other_protos(emission: Emission, world: World) -> bytes:
+    """A payload without its last field, and with one more that the rover does not know."""
+    handler = world.registry.by_name[emission.name]
+    payload = payload_at(handler.payload_type, emission.at)
+    fields = handler.payload_type.DESCRIPTOR.fields
+    if fields:
+        payload.ClearField(fields[-1].name)
+    newer = _tag(_NEWER_FIELD, VARINT) + b"\x2a"
+    return _delimited(handler.route.number, payload.SerializeToString() + newer)
+
+
+def _tag(number: int, wire_type: int) -> bytes:
+    return _varint(number << 3 | wire_type)
+
+
+def _delimited(number: int, content: bytes) -> bytes:
+    return _tag(number, DELIMITED) + _varint(len(content)) + content
+
+
+def _varint(value: int) -> bytes:
+    encoded = bytearray()
+    while value > 0x7F:
+        encoded.append(value & 0x7F | 0x80)
+        value >>= 7
+    return bytes([*encoded, value])
+
+
+def padded(stream: Stream, world: World) -> Stream:
+    """Boards that send their whole buffer, others that strip trailing zeros, and some that do neither."""
+    for emission in stream:
+        datagram = emission.datagram
+        size = world.rng.choice((0, 0, _BUFFER))
+        changed = datagram.ljust(min(size, world.longest), b"\0") if size else datagram
+        if not size and world.rng.random() < 0.5:
+            changed = strip_trailing_zeros(datagram)
+        yield dataclasses.replace(emission, datagram=changed)
+
+
+_BUFFER = 256
+
+
+def malformed(stream: Stream, world: World) -> Stream:
+    """A fifth is no envelope any more: cut, with a flipped bit, too long, empty, noise, or of the other direction."""
+    for emission in stream:
+        if emission.datagram and world.rng.random() < _DAMAGED:
+            damage = world.rng.choice(_DAMAGES)
+            emission = dataclasses.replace(emission, datagram=damage(emission.datagram, world))
+        yield emission
+
+
+_DAMAGED = 0.2
+
+
+def _cut(datagram: bytes, world: World) -> bytes:
+    return datagram[: world.rng.randrange(len(datagram))]
+
+
+def _flipped(datagram: bytes, world: World) -> bytes:
+    changed = bytearray(datagram)
+    changed[world.rng.randrange(len(changed))] ^= 1 << world.rng.randrange(8)
+    return bytes(changed)
+
+
+def _too_long(datagram: bytes, world: World) -> bytes:
+    return datagram.ljust(world.longest + 1 + world.rng.randrange(100), b"\0")
+
+
+def _noise(datagram: bytes, world: World) -> bytes:
+    return world.rng.randbytes(1 + world.rng.randrange(2 * len(datagram)))
+
+
+def _of_the_other_direction(datagram: bytes, world: World) -> bytes:
+    outbound = [handler.route.name for handler in world.registry.handlers if not handler.route.inbound]
+    return world.datagram(world.rng.choice(outbound), 1.0) if outbound else _noise(datagram, world)
+
+
+_DAMAGES = (_cut, _flipped, _too_long, _noise, _of_the_other_direction)
+
+
+def flood(stream: Stream, world: World) -> Stream:
+    """One row gone mad: each of its datagrams comes a hundred times."""
+    mad = world.rng.choice(world.inbound).route.name
+    for emission in stream:
+        yield from itertools.repeat(emission, _MANY if emission.name == mad else 1)
+
+
+_MANY = 100
+
+
+def reboot(stream: Stream, world: World) -> Stream:
+    """Peers that are silent for a second now and then, and start again at 0, from another port."""
+    lives: dict[str, tuple[int, float, float]] = {}
+    for emission in stream:
+        life, born, dies = lives.get(emission.peer, (0, 0.0, world.rng.uniform(2, 6)))
+        if emission.at >= dies:
+            life, born, dies = life + 1, dies + _OUTAGE_S, dies + world.rng.uniform(3, 8)
+        lives[emission.peer] = life, born, dies
+        if emission.at >= born:
+            datagram = world.datagram(emission.name, emission.at - born) if life else emission.datagram
+            yield dataclasses.replace(emission, life=life, datagram=datagram)
+
+
+_OUTAGE_S = 1.0
+
+SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
+    "lossy": lossy,
+    "stale": stale,
+    "old-schema": old_schema,
+    "padded": padded,
+    "malformed": malformed,
+    "flood": flood,
+    "reboot": reboot,
+}
+
+
+def emissions(world: World, rate: float, names: list[str]) -> Stream:
+    """The stream of some scenarios, each applied to what the one before it gives. Endless, in the order of time."""
+    stream = steady(world, rate)
+    for name in names:
+        stream = SCENARIOS[name](stream, world)
+    return stream

@@ -1,0 +1,89 @@
+"""Which type a topic has, and how a message is printed: shared by ``echo`` and ``pub``."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from roverlink.runtime import NODE, Qos, Registry, SetupError
+from roverlink.runtime.core.errors import nearest
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import from_rosbags
+from roverlink.runtime.middleware import NodeIdentity
+
+_UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
+_TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+
+
+def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
+    """Type and quality of service of a topic: those of its row, or of a type that is named.
+
+    Raises `SetupError` where there is neither, and for what is no topic.
+    """
+    if not _TOPIC.fullmatch(topic):
+        raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
+    if type_name is not None:
+        return _named_type(registry, type_name), Qos()
+    known = registry.by_topic.values()
+    handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
+    if handler is None:
+        hint = nearest(topic.removeprefix("/"), registry.by_topic)
+        raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
+    return handler.message_type, handler.route.qos
+
+
+def _named_type(registry: Registry, type_name: str) -> type[Message]:
+    wanted = from_rosbags.full_name(type_name)
+    for handler in registry.by_topic.values():
+        if handler.message_type.__msgtype__ == wanted:
+            own: type[Message] = handler.message_type
+            return own
+    return from_rosbags.message_type(wanted)
+
+
+def full_topic(topic: str) -> str:
+    """A topic as the graph knows it, where the bridge runs under its own name."""
+    return NodeIdentity(NODE).topic(topic)
+
+
+def identity(command: str) -> NodeIdentity:
+    """A name of our own on the graph, different for every process."""
+    return NodeIdentity(f"roverlink_{command}_{os.getpid()}")
+
+
+def yaml_text(values: Mapping[str, Any]) -> str:
+    """A message as ``ros2 topic echo`` prints it, which is as PyYAML writes it: a block, no line folded."""
+    return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
+
+
+class _Dumper(yaml.SafeDumper):
+    """PyYAML's, but for texts with line breaks of Unicode's, which it would not read back as it writes them."""
+
+    def represent_text(self, text: str) -> yaml.ScalarNode:
+        style = '"' if _UNICODE_BREAKS.intersection(text) else None
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_Dumper.add_representer(str, _Dumper.represent_text)
+
+
+def json_text(values: Mapping[str, Any]) -> str:
+    """A message as one JSON object on one line; what JSON has no number for is a string, as protobuf's JSON has it."""
+    return json.dumps(_json_ready(values), allow_nan=False)
+
+
+def _json_ready(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _json_ready(part) for name, part in value.items()}
+    if isinstance(value, list):
+        return [_json_ready(element) for element in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else ("Infinity" if value > 0 else "-Infinity")
+    return value

@@ -1,0 +1,108 @@
+"""The bytes of a protobuf message, a line a field: what stands where in a datagram."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from roverlink.runtime.core.wire_format import (
+    DELIMITED,
+    FIXED32,
+    FIXED64,
+    GROUP_END,
+    GROUP_START,
+    VARINT,
+    fields,
+    varint,
+)
+
+if TYPE_CHECKING:
+    from google.protobuf.descriptor import FieldDescriptor
+
+
+class WireLine(NamedTuple):
+    """A few bytes, and what they mean."""
+
+    depth: int
+    """In how many messages they stand."""
+    bytes: str
+    """In hexadecimal."""
+    meaning: str
+
+
+def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
+    """A line for each field; of a message, one for its beginning, and those of its fields deeper.
+
+    ``message`` is the descriptor.
+    """
+    start = 0
+    groups: list[Any] = []  # that have begun; their fields follow as if they stood outside
+    for number, kind, content, end in fields(data):
+        here = data[start:end].hex(" ")
+        if kind == GROUP_END:
+            yield WireLine(depth + len(groups) - 1, here, f"end of {groups.pop().name}")
+        else:
+            field = (groups[-1].message_type if groups else message).fields_by_number[number]
+            below, name = depth + len(groups), f"{field.name} = {number}"
+            if kind == GROUP_START:
+                yield WireLine(below, here, f"{name}, {field.message_type.name} as a group")
+                groups.append(field)
+            elif kind == DELIMITED and field.message_type is not None:
+                size = f"{field.message_type.name} of {end - content} bytes"
+                yield WireLine(below, data[start:content].hex(" "), f"{name}, {size}")
+                yield from wire_lines(data[content:end], field.message_type, below + 1)
+            else:
+                yield WireLine(below, here, f"{name}: {_content(data[content:end], kind, field)}")
+        start = end
+
+
+def _content(content: bytes, kind: int, field: FieldDescriptor) -> str:
+    return _delimited(content, field) if kind == DELIMITED else _value(content, 0, kind, field)[0]
+
+
+def _value(data: bytes, position: int, kind: int, field: FieldDescriptor) -> tuple[str, int]:
+    """A value of a fixed size or of a varint, as text, and where the next thing starts."""
+    if kind == VARINT:
+        raw, end = varint(data, position)
+        return _of_varint(raw, field), end
+    size = 8 if kind == FIXED64 else 4
+    return str(_fixed(data[position : position + size], field)), position + size
+
+
+def _fixed(data: bytes, field: FieldDescriptor) -> Any:
+    formats = {
+        field.TYPE_DOUBLE: "<d",
+        field.TYPE_FLOAT: "<f",
+        field.TYPE_FIXED64: "<Q",
+        field.TYPE_SFIXED64: "<q",
+        field.TYPE_FIXED32: "<I",
+        field.TYPE_SFIXED32: "<i",
+    }
+    (value,) = struct.unpack(formats[field.type], data)
+    return float(f"{value:.7g}") if field.type == field.TYPE_FLOAT else value
+
+
+def _of_varint(raw: int, field: FieldDescriptor) -> str:
+    if field.type == field.TYPE_BOOL:
+        return "true" if raw else "false"
+    if field.type in (field.TYPE_SINT32, field.TYPE_SINT64):
+        return str(raw >> 1 ^ -(raw & 1))
+    value = raw - (1 << 64) if raw >> 63 and field.type not in (field.TYPE_UINT32, field.TYPE_UINT64) else raw
+    known = field.enum_type.values_by_number.get(value) if field.enum_type is not None else None
+    return f"{value} ({known.name})" if known else str(value)
+
+
+def _delimited(content: bytes, field: FieldDescriptor) -> str:
+    """A text, bytes, or a packed list of numbers."""
+    if field.type == field.TYPE_STRING:
+        return repr(content.decode("utf-8", errors="replace"))
+    if field.type == field.TYPE_BYTES:
+        return f"{len(content)} bytes"
+    values, position = [], 0
+    kinds = {field.TYPE_DOUBLE: FIXED64, field.TYPE_FIXED64: FIXED64, field.TYPE_SFIXED64: FIXED64}
+    kinds |= {field.TYPE_FLOAT: FIXED32, field.TYPE_FIXED32: FIXED32, field.TYPE_SFIXED32: FIXED32}
+    while position < len(content):
+        value, position = _value(content, position, kinds.get(field.type, VARINT), field)
+        values.append(value)
+    return f"[{', '.join(values)}]"

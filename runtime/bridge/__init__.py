@@ -1,0 +1,1 @@
+"""The bridge: datagrams from the peers to topics, and topics to datagrams for the peers."""

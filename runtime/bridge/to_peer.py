@@ -1,0 +1,175 @@
+"""One row's way from its topic to its peer: translated, at its rate, watched, sent and counted.
+
+`take` is called by the middleware's thread, `tend` by the timekeeper's. The lock keeps what is sent in order; `tend`
+never waits for it, since the other thread may stand still while it holds it, and that is when the stop has to go out.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.bridge.watchdog import Watchdog
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.handler import Deadman
+from roverlink.runtime.core.registry import AnyHandler
+from roverlink.runtime.core.translator import Translator
+from roverlink.runtime.middleware import Subscription
+from roverlink.runtime.text.assignments import payload_from_assignments
+
+_FAREWELLS = 3
+"""How often a peer is told to stop at the end: nobody will repeat it, and a datagram may be lost."""
+_FAREWELL_PAUSE_S = 0.02
+
+Send = Callable[[Sequence[bytes]], int]
+"""Sends datagrams to the row's peer; returns how many the network took."""
+
+
+class Outlet:
+    """Takes the messages of one topic and sends them to a peer."""
+
+    def __init__(
+        self, handler: AnyHandler, translator: Translator, send: Send, account: Account, warnings: ThrottledWarnings
+    ) -> None:
+        self._handler, self._translator, self._send = handler, translator, send
+        self._account, self._warnings = account, warnings
+        self._name = handler.route.name
+        self._lock = threading.Lock()
+        rate, deadman = handler.route.max_rate, handler.route.deadman
+        self._pacer: Pacer[bytes] | None = Pacer(rate) if rate else None
+        self._guard = (
+            _Guard(deadman, _stop_of(handler, deadman, translator), self._warn_of_silence) if deadman else None
+        )
+        self._wake: Callable[[], None] = lambda: None
+
+    @property
+    def is_tended(self) -> bool:
+        """Whether a timekeeper has to look after it."""
+        return self._pacer is not None or self._guard is not None
+
+    def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
+        """Know whom to wake when something is due earlier; gives what looks after the publishers of a guarded topic."""
+        self._wake = wake
+        return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
+
+    def take(self, messages: Sequence[bytes]) -> None:
+        """Send what the topic says; at a limited rate, the newest of it."""
+        with self._lock:
+            self._account.taken[self._name] += len(messages)
+            if self._pacer is not None:
+                messages = self._newest(messages, self._pacer)
+            if messages:
+                self._pass_on(messages)
+
+    def tend(self, now: float) -> None:
+        """Send what has waited for its time; tell the peer to stop where the topic has fallen silent."""
+        if self._guard and self._guard.is_due(now):
+            self._tell_to_stop(self._guard.stop)
+        elif self._pacer is not None and self._lock.acquire(blocking=False):
+            try:
+                if (message := self._pacer.take(now)) is not None:
+                    self._pass_on([message])
+            finally:
+                self._lock.release()
+
+    @property
+    def next_due(self) -> float:
+        """When `tend` has something to do, if nothing happens until then."""
+        slot = self._pacer.next_slot if self._pacer else None
+        stop = self._guard.watchdog.next_due if self._guard else math.inf
+        return stop if slot is None else min(slot, stop)
+
+    def end(self) -> None:
+        """The topic says nothing more: send what waits, or tell the peer to stop."""
+        message = self._pacer.withdraw() if self._pacer else None
+        if self._guard is None:
+            if message is not None:
+                self._pass_on([message])
+            return
+        self._account.superseded[self._name] += message is not None
+        for _ in range(_FAREWELLS):
+            self._account.stops[self._name] += self._send([self._guard.stop])
+            time.sleep(_FAREWELL_PAUSE_S)
+
+    def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
+        """The newest message, if its time has come; the others are superseded."""
+        before = pacer.superseded
+        passes = pacer.offer(messages[-1], time.monotonic())
+        self._account.superseded[self._name] += len(messages) - 1 + pacer.superseded - before
+        if passes:
+            return messages[-1:]
+        self._wake()
+        return ()
+
+    def _pass_on(self, messages: Sequence[bytes]) -> None:
+        datagrams = []
+        for message in messages:
+            try:
+                datagrams.append(self._translator.send(self._handler, message))
+            except ConversionError as error:
+                self._account.refused[self._name] += 1
+                self._warnings.warn(self._name, f"not sent: {error}")
+        sent = self._send(datagrams)
+        if sent:
+            self._account.sent[self._name] += sent
+            if self._guard:
+                self._guard.watchdog.spoke(time.monotonic())
+        if failed := len(datagrams) - sent:
+            self._account.failed[self._name] += failed
+
+    def _tell_to_stop(self, stop: bytes) -> None:
+        """Send the stop, and nothing older behind it."""
+        if self._pacer is not None and self._lock.acquire(blocking=False):
+            self._account.superseded[self._name] += self._pacer.withdraw() is not None
+            self._lock.release()
+        self._account.stops[self._name] += self._send([stop])
+
+    def _warn_of_silence(self) -> None:
+        self._warnings.warn(f"silent {self._name}", f"{self._name}: the topic is silent; its peer is told to stop")
+
+
+class _Guard:
+    """Watches one topic, and knows what stops its peer."""
+
+    def __init__(self, deadman: Deadman, stop: bytes, warn: Callable[[], None]) -> None:
+        self.stop, self._warn = stop, warn
+        self.watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
+
+    def is_due(self, now: float) -> bool:
+        """Whether the peer has to be told to stop now."""
+        was_silent = self.watchdog.silent
+        if not self.watchdog.is_due(now):
+            return False
+        if not was_silent:
+            self._warn()
+        return True
+
+
+class PublisherWatch:
+    """Tells a watchdog when the last publisher of its topic has gone.
+
+    Asking the middleware may wait for a thread of its own that stands still, so whoever sends the stop does not ask.
+    """
+
+    next_due = math.inf
+
+    def __init__(self, subscription: Subscription, watchdog: Watchdog, wake: Callable[[], None]) -> None:
+        self._subscription, self._watchdog, self._wake = subscription, watchdog, wake
+        self._published = False
+
+    def tend(self, _: float) -> None:
+        """Look who publishes."""
+        published = self._subscription.has_publishers()
+        if self._published and not published:
+            self._watchdog.lost_publisher()
+            self._wake()
+        self._published = published
+
+
+def _stop_of(handler: AnyHandler, deadman: Deadman, translator: Translator) -> bytes:
+    """The datagram that stops a peer."""
+    return translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))

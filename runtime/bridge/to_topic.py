@@ -1,0 +1,73 @@
+"""One row's way from its peer to its topic: at its rate, published and counted."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.middleware import Publisher
+
+Drop = Callable[[DatagramError], None]
+
+
+class Inlet:
+    """Publishes the messages of one row. For the receiving thread."""
+
+    def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop) -> None:
+        self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
+
+    def take(self, messages: Sequence[bytes]) -> None:
+        """Publish messages, in order."""
+        accepted = self._publish(messages)
+        self._account.published[self._route.name] += accepted
+        for _ in messages[accepted:]:
+            what = f"{self._route.name} ({self._route.number})"
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: its subscribers are too slow", self._route.name))
+
+
+class PacedInlet(Inlet):
+    """Publishes at a limited rate, and the newest wins. For the receiving thread and the timekeeper's."""
+
+    def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
+        super().__init__(route, publisher, account, drop)
+        self._pacer: Pacer[bytes] = Pacer(rate)
+        self._lock = threading.Lock()
+        self.wake: Callable[[], None] = lambda: None
+
+    def take(self, messages: Sequence[bytes]) -> None:
+        """Publish the newest message, or let it wait; the others are superseded."""
+        with self._lock:
+            before = self._pacer.superseded
+            passes = self._pacer.offer(messages[-1], time.monotonic())
+            superseded = len(messages) - 1 + self._pacer.superseded - before
+            self._account.dropped[Reason.SUPERSEDED.value] += superseded
+            if passes:
+                super().take(messages[-1:])
+        if not passes:
+            self.wake()
+
+    def tend(self, now: float) -> None:
+        """Publish what has waited for its time."""
+        if self._lock.acquire(blocking=False):
+            try:
+                if (message := self._pacer.take(now)) is not None:
+                    super().take([message])
+            finally:
+                self._lock.release()
+
+    @property
+    def next_due(self) -> float:
+        """When `tend` has something to do."""
+        slot = self._pacer.next_slot
+        return math.inf if slot is None else slot
+
+    def end(self) -> None:
+        """Nothing more arrives: publish what waits."""
+        if (message := self._pacer.withdraw()) is not None:
+            super().take([message])

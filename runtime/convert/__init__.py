@@ -1,0 +1,1 @@
+"""Conversions that generated code imports: well-known types, oneofs, maps and rotations."""

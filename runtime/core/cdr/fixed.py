@@ -1,0 +1,104 @@
+"""Messages whose fields all have a fixed size: one `struct.Struct` each."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from operator import attrgetter
+from typing import Any, NamedTuple, TypeVar
+
+from roverlink.runtime.core.cdr.codec import BOOL, LITTLE_ENDIAN, Codec, check_flags
+from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence, Text, fields_of
+
+M = TypeVar("M", bound=Message)
+
+
+class Leaf(NamedTuple):
+    """A primitive somewhere in a message, with the dotted path to it."""
+
+    path: str
+    primitive: Primitive
+
+
+def leaves_of(message_type: type[Message]) -> list[Leaf] | None:
+    """Every primitive of a message in wire order; None where a part has no fixed size."""
+    leaves = list(_leaves(message_type))
+    return None if None in leaves else [leaf for leaf in leaves if leaf is not None]
+
+
+def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | None]:
+    """Every primitive of a message in wire order; None for a part that has no fixed size."""
+    fields = fields_of(message_type)
+    if not fields:
+        yield None
+    for field in fields:
+        if isinstance(field.type, Primitive):
+            yield Leaf(prefix + field.name, field.type)
+        elif isinstance(field.type, (Text, Sequence, Array)):
+            yield None
+        else:
+            yield from _leaves(field.type, f"{prefix}{field.name}.")
+
+
+def layout(primitives: list[Primitive]) -> str:
+    """The `struct` format, without byte order, of primitives that follow each other, with CDR's padding.
+
+    >>> layout([Primitive("bool", "?", 1), Primitive("float64", "d", 8)])
+    '?7xd'
+    """
+    position, parts = 0, []
+    for primitive in primitives:
+        padding = -position % primitive.size
+        parts.append(f"{padding}x" if padding else "")
+        parts.append(primitive.format)
+        position += padding + primitive.size
+    return "".join(parts)
+
+
+def fixed_layout(message_type: type[Message]) -> struct.Struct:
+    """The layout of a message of fixed size: pack it with `LITTLE_ENDIAN` and the values in wire order.
+
+    Raises `TypeError` for a message that has a part of variable size.
+    """
+    leaves = leaves_of(message_type)
+    if leaves is None:
+        raise TypeError(f"{message_type.__msgtype__} has no fixed size")
+    return _struct("<", leaves)
+
+
+def _struct(order: str, leaves: list[Leaf]) -> struct.Struct:
+    return struct.Struct(order + "4s" + layout([leaf.primitive for leaf in leaves]))
+
+
+def fixed_codec(message_type: type[M], order: str, leaves: list[Leaf]) -> Codec[M]:
+    """The codec of a message whose leaves are all of it."""
+    packer = _struct(order, leaves)
+    paths = [leaf.path for leaf in leaves]
+    values_of = attrgetter(*paths) if len(paths) > 1 else _one(attrgetter(paths[0]))
+    flags = [index for index, leaf in enumerate(leaves) if leaf.primitive.format == BOOL]
+    build = _builder(message_type)
+
+    def encode_fixed(message: M) -> bytes:
+        values = values_of(message)
+        check_flags(values[index] for index in flags)
+        return packer.pack(LITTLE_ENDIAN, *values)
+
+    def decode_fixed(data: bytes) -> M:
+        values = iter(packer.unpack_from(data))
+        next(values)
+        message: M = build(values)
+        return message
+
+    return Codec(encode_fixed, decode_fixed)
+
+
+def _one(getter: Callable[[Any], Any]) -> Callable[[Any], tuple[Any]]:
+    return lambda message: (getter(message),)
+
+
+def _builder(message_type: type[Message]) -> Callable[[Iterator[Any]], Any]:
+    """A function that makes a message of fixed size from its values in wire order."""
+    parts: list[Callable[[Iterator[Any]], Any]] = [
+        _builder(field.type) if isinstance(field.type, type) else next for field in fields_of(message_type)
+    ]
+    return lambda values: message_type(*[part(values) for part in parts])

@@ -1,0 +1,52 @@
+"""Which value of a message does not fit its type, for an error that names the field."""
+
+from __future__ import annotations
+
+import reprlib
+import struct
+from typing import Any
+
+from roverlink.runtime.core.cdr.variable import part_of
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
+
+UNWRITABLE = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
+"""What writing a value that does not fit its type raises."""
+
+
+def misfit(message: Message, prefix: str = "") -> ConversionError | None:
+    """The error of the first field whose value cannot be written, found by writing them one at a time."""
+    for field in fields_of(type(message)):
+        found = _value_misfit(field.type, getattr(message, field.name), prefix + field.name)
+        if found is not None:
+            return found
+    return None
+
+
+def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionError | None:
+    if isinstance(field_type, type) and isinstance(value, field_type):
+        return misfit(value, f"{path}.")
+    if isinstance(field_type, (Sequence, Array)) and isinstance(value, list):
+        for index, element in enumerate(value):
+            found = _value_misfit(field_type.element, element, f"{path}[{index}]")
+            if found is not None:
+                return found
+    try:
+        part_of(field_type, "<").write(bytearray(), value)
+    except UNWRITABLE as error:
+        return ConversionError(f"{reprlib.repr(value)} does not fit {type_name(field_type)} ({error})", path)
+    return None
+
+
+def type_name(field_type: FieldType) -> str:
+    """A field's type as a .msg file spells it: ``float32``, ``uint8[<=4]``, ``comms/msg/BoundingBox``."""
+    if isinstance(field_type, Primitive):
+        return field_type.name
+    if isinstance(field_type, Text):
+        return "string" if field_type.bound is None else f"string<={field_type.bound}"
+    if isinstance(field_type, Sequence):
+        bound = "" if field_type.bound is None else f"<={field_type.bound}"
+        return f"{type_name(field_type.element)}[{bound}]"
+    if isinstance(field_type, Array):
+        return f"{type_name(field_type.element)}[{field_type.length}]"
+    return field_type.__msgtype__

@@ -1,0 +1,123 @@
+"""The registry: what the generated code says of the table, as the bridge reads it."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from google.protobuf.runtime_version import VersionError
+
+from roverlink.runtime.core.errors import RegistryError
+from roverlink.runtime.core.feed import Feed
+from roverlink.runtime.core.handler import Handler
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+AnyHandler = Handler[Any, Any]
+AnyFeed = Feed[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """A machine at the other end of the datagrams."""
+
+    name: str
+    port_parameter: str
+    """The node's parameter that holds the peer's UDP port."""
+    port: int
+    """The default of that parameter."""
+    strip_trailing_zeros: bool = False
+    """Whether datagrams to this peer are sent without their trailing zero bytes."""
+    sources: tuple[str, ...] = ()
+    """IPv4 addresses and networks from which it speaks; empty for any."""
+    source_rate: int | None = None
+    """Datagrams a second that are taken from each of its sources; None for any number."""
+
+
+@dataclass(frozen=True)
+class Registry:
+    """Every row's handler, by number and by name, with the envelope they travel in."""
+
+    package: str
+    envelope: type[ProtoMessage]
+    oneof: str
+    peers: tuple[Peer, ...]
+    handlers: tuple[AnyHandler, ...]
+    fingerprint: str
+    """SHA-256 over the table and the wire schema from which the code was generated."""
+    feeds: tuple[AnyFeed, ...] = ()
+    """The rows' further topics, with messages of the common interfaces."""
+    retired: Mapping[int, str] = field(default_factory=dict)
+    """Numbers that were used once and never will be again, with the name that each had."""
+
+    @cached_property
+    def by_number(self) -> dict[int, AnyHandler]:
+        """The handlers by their number in the envelope."""
+        return {handler.route.number: handler for handler in self.handlers}
+
+    @cached_property
+    def by_name(self) -> dict[str, AnyHandler]:
+        """The handlers by their name in the envelope's oneof."""
+        return {handler.route.name: handler for handler in self.handlers}
+
+    @cached_property
+    def by_topic(self) -> dict[str, AnyHandler]:
+        """The handlers and the feeds by their topic, as the table spells it."""
+        return {handler.route.topic: handler for handler in (*self.handlers, *self.feeds)}
+
+    @cached_property
+    def peers_by_name(self) -> dict[str, Peer]:
+        """The peers by name."""
+        return {peer.name: peer for peer in self.peers}
+
+
+def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:
+    """Import the generated registry and check that it fits the descriptors that are loaded.
+
+    ``project`` is the folder of the table; without it, the package is taken from the import path. ``package`` is the
+    import name of the generated package, as the table has it under ``python``. Raises `RegistryError` if there is no
+    generated code, if it does not import, if a package of that name is loaded from elsewhere (of two projects in one
+    process, each needs a name of its own), or if a loaded descriptor is not the one from which it was generated.
+    """
+    if project is not None:
+        _put_first(Path(project).resolve(), package)
+    try:
+        registry = importlib.import_module(f"{package}.registry").REGISTRY
+        check: Callable[[], None] = importlib.import_module(f"{package}.checks").check
+    except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
+        if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
+            where = project if project is not None else "the import path"
+            raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
+        raise RegistryError(f"the generated code does not load: {error}; run `roverlink generate`") from error
+    if not isinstance(registry, Registry):
+        raise RegistryError(f"{package}.registry.REGISTRY is no registry; run `roverlink generate`")
+    check()
+    return registry
+
+
+def _concerns(module: str, package: str) -> bool:
+    """Return whether a module is the package, holds it, or is in it."""
+    return f"{package}.".startswith(f"{module}.") or module.startswith(f"{package}.")
+
+
+def _put_first(project: Path, package: str) -> None:
+    """Let the import of the package find the project's own code before any other of that name."""
+    if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
+        raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
+    folder = project
+    for name in itertools.accumulate(package.split("."), "{}.{}".format):
+        folder /= name.rpartition(".")[2]
+        loaded = [Path(path).resolve() for path in getattr(sys.modules.get(name), "__path__", [folder])]
+        if folder not in loaded:
+            what = "generated code" if name == package else f"package {name}"
+            where = ", ".join(map(str, loaded))
+            raise RegistryError(f"the {what} of another project is loaded already: {where}; one process loads one")
+    if str(project) not in sys.path:
+        sys.path.insert(0, str(project))

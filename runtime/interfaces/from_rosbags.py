@@ -1,0 +1,84 @@
+"""Messages of ROS 2's common interfaces, as classes made at run time from the definitions in the rosbags package."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.messages import PRIMITIVES, Bound, Length, Message, UInt8, default_of, type_of
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+_PLACEHOLDER = "structure_needs_at_least_one_member"
+
+
+def full_name(type_name: str) -> str:
+    """``sensor_msgs/Imu`` as ``sensor_msgs/msg/Imu``. Raises `SetupError` for what is no type name."""
+    parts = type_name.split("/")
+    if len(parts) == 2:
+        parts.insert(1, "msg")
+    if len(parts) != 3 or not all(parts):
+        raise SetupError(f"{type_name!r} is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu")
+    return "/".join(parts)
+
+
+@cache
+def message_type(type_name: str) -> type[Message]:
+    """The class of a standard message, by its full name.
+
+    Raises `SetupError` where rosbags is not installed, or does not know the type.
+    """
+    store = _store()
+    if type_name not in store.fielddefs:
+        from roverlink.runtime.core.errors import nearest
+
+        raise SetupError(f"no standard ROS 2 type {type_name!r}; {nearest(type_name, store.fielddefs)}")
+    _, definitions = store.fielddefs[type_name]
+    fields = [_field(name, definition) for name, definition in definitions if name != _PLACEHOLDER]
+    name = type_name.rpartition("/")[2]
+    known = {"__msgtype__": type_name, "__typehash__": store.hash_rihs01(type_name)}
+    return dataclasses.make_dataclass(name, fields, bases=(Message,), namespace=known)
+
+
+@cache
+def _store() -> Typestore:
+    try:
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise SetupError(
+            "standard ROS 2 types need the rosbags package; install it with `pip install 'roverlink[standard]'`"
+        ) from error
+    distribution = os.environ.get("ROS_DISTRO", "humble").upper()
+    return get_typestore(getattr(Stores, f"ROS2_{distribution}", Stores.ROS2_HUMBLE))
+
+
+def _field(name: str, definition: Any) -> tuple[str, Any, Any]:
+    annotation = _annotation(definition)
+    return name, annotation, dataclasses.field(default_factory=default_of(type_of(annotation)))
+
+
+def _annotation(definition: Any) -> Any:
+    """The annotation of a definition as rosbags has it: its kind, and what belongs to the kind."""
+    kind, detail = definition
+    if kind.name == "NAME":
+        return message_type(detail)
+    if kind.name == "BASE":
+        base, bound = detail
+        if base in ("string", "wstring"):
+            return _text(base, bound)
+        return PRIMITIVES["byte" if base == "octet" else base]
+    element, count = _annotation(detail[0]), detail[1]
+    container: Any = bytes if element is UInt8 else list.__class_getitem__(element)
+    if kind.name == "ARRAY":
+        return Annotated[container, Length(count)]
+    return Annotated[container, Bound(count)] if count else container
+
+
+def _text(base: str, bound: int) -> Any:
+    if base == "wstring":
+        raise SetupError("wide strings have no conversion yet")
+    return Annotated[str, Bound(bound)] if bound else str

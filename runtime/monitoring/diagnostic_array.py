@@ -1,0 +1,80 @@
+"""The state of a bridge as ``diagnostic_msgs/msg/DiagnosticArray``, and back: a status for the node, and one a row."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces import Time
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
+from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.runtime.middleware import Middleware
+from roverlink.runtime.monitoring.state import RowState, State
+
+TOPIC = "/diagnostics"
+QOS = Qos(depth=10)
+
+
+def publisher(
+    middleware: Middleware, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
+) -> Callable[[State], None]:
+    """A function that publishes a state. Raises `MiddlewareError` where diagnostic_msgs are not there (rclpy)."""
+    publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
+
+    def tell(state: State) -> None:
+        publish([cdr.encode(array_of(state, clock()))])  # what a slow subscriber has no room for comes in a second
+
+    return tell
+
+
+def array_of(state: State, now: int) -> DiagnosticArray:
+    """The message, stamped with nanoseconds since 1970."""
+    header = Header(Time(now // 10**9, now % 10**9))
+    return DiagnosticArray(header, [_node_status(state), *(_row_status(state.node, row) for row in state.rows)])
+
+
+def _node_status(state: State) -> DiagnosticStatus:
+    values: dict[str, Any] = {
+        "fingerprint": state.fingerprint,
+        "received": state.received,
+        "received_rate": f"{state.received_rate:.2f}",
+        **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
+        **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
+        "kernel_drops": state.kernel_drops,
+        "socket_waiting_bytes": state.socket_waiting,
+        "socket_size_bytes": state.socket_size,
+    }
+    for share in (50, 99):
+        if (quantile := state.latencies.quantile(share / 100)) is not None:
+            values[f"handling_p{share}_us"] = f"{quantile * 1e6:.0f}"
+    if recording := state.recording:
+        values |= {
+            "recording": recording.path,
+            "recording_bytes": recording.bytes,
+            "recording_waiting": recording.waiting,
+            "recording_lost": recording.lost,
+        }
+    return _status(state.level, state.node, state.message, "", values)
+
+
+def _row_status(node: str, row: RowState) -> DiagnosticStatus:
+    values: dict[str, Any] = {
+        "number": row.number,
+        "direction": row.direction,
+        "topic": row.topic,
+        "count": row.count,
+        "rate": f"{row.rate:.2f}",
+        **({} if row.age is None else {"age": f"{row.age:.2f}"}),
+        **({} if row.expect_rate is None else {"expect_rate": f"{row.expect_rate:g}"}),
+        **{f"dropped.{reason}": count for reason, count in row.dropped.items()},
+    }
+    return _status(row.level, f"{node}: {row.name}", row.message, row.peer, values)
+
+
+def _status(level: int, name: str, message: str, hardware: str, values: Mapping[str, Any]) -> DiagnosticStatus:
+    pairs = [KeyValue(key, str(value)) for key, value in values.items()]
+    return DiagnosticStatus(int(level), name, message, hardware, pairs)

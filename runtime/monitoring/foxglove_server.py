@@ -1,0 +1,59 @@
+"""The topics of a bridge live in Foxglove, over its WebSocket protocol, with their schemas."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.recording.message_definitions import definition_of
+
+PORT = 8765
+"""Where Foxglove looks, unless it is told otherwise."""
+
+
+class FoxgloveServer:
+    """A server to which Foxglove connects. A context manager, and a `Listener` of topics.
+
+    Messages are handed to the SDK on the bridge's thread, which queues them; only topics that somebody has opened are.
+    """
+
+    def __init__(self, name: str, address: str, port: int) -> None:
+        """Port 0 takes a free one. Raises `SetupError` where foxglove-sdk is missing, or the port cannot be had."""
+        try:
+            import foxglove
+        except ImportError as error:
+            raise SetupError(
+                "--foxglove needs the foxglove-sdk package; install it with `pip install 'roverlink[foxglove]'`"
+            ) from error
+        self._foxglove = foxglove
+        self._context = foxglove.Context()
+        try:
+            self._server = foxglove.start_server(name=name, host=address, port=port, context=self._context)
+        except (RuntimeError, OSError, ValueError) as error:
+            raise SetupError(f"Foxglove cannot be served on TCP port {port} of {address}: {error}") from error
+        self.port: int = self._server.port
+
+    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # a socket has none
+        """Offer a topic."""
+        schema = self._foxglove.Schema(
+            name=message_type.__msgtype__, encoding="ros2msg", data=definition_of(message_type).encode()
+        )
+        channel = self._foxglove.Channel(topic, schema=schema, message_encoding="cdr", context=self._context).base
+        wanted, log, now = channel.has_sinks, channel.log, time.time_ns
+
+        def tap(messages: Sequence[bytes]) -> None:
+            if wanted():
+                for message in messages:
+                    log(message, now())
+
+        return tap
+
+    def __enter__(self) -> FoxgloveServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.stop()

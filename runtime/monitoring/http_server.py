@@ -1,0 +1,40 @@
+"""An HTTP server beside what a program does otherwise."""
+
+from __future__ import annotations
+
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import TypeVar
+
+from roverlink.runtime.core.errors import SetupError
+
+Self = TypeVar("Self", bound="HttpServer")
+
+
+class HttpServer:
+    """Takes requests in a thread of its own, and answers each in another. A context manager."""
+
+    def __init__(
+        self,
+        address: str,
+        port: int,
+        what: str,
+        handler: type[BaseHTTPRequestHandler],
+        kind: type[ThreadingHTTPServer] = ThreadingHTTPServer,
+    ) -> None:
+        """Port 0 takes a free one; `what` is served. Raises `SetupError` where the port cannot be had."""
+        try:
+            self._server = kind((address, port), handler)
+        except (OSError, OverflowError) as error:
+            raise SetupError(f"the {what} cannot be served on TCP port {port} of {address}: {error}") from error
+        self.port: int = self._server.server_address[1]
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name=what, daemon=True)
+
+    def __enter__(self: Self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()

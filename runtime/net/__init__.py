@@ -1,0 +1,1 @@
+"""UDP sockets, addresses, and who may speak."""

@@ -1,0 +1,1 @@
+"""The command line and the parameters of the ROS 2 node."""

@@ -1,0 +1,216 @@
+"""The command line of a ROS 2 node: what stands after ``--ros-args``.
+
+As rcl has it: ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` with ``__ns`` and ``__node``, and
+``--log-level``, closed by ``--`` or by the end of the line. Of its switches, ``--disable-stdout-logs`` silences the
+console; those for what this node does not have are taken and have no effect. A rule or a parameter may name the node
+that it is for (``node:name:=value``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import NodeIdentity
+from roverlink.runtime.text import strict_yaml
+
+LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
+_NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
+_TOPIC = re.compile(r"(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+_LEFT_SIDE = re.compile(r"((?P<node>\w+):(?!//))?(?P<name>.+)")  # the colon of rostopic://topic names no node
+
+
+@dataclass(frozen=True, slots=True)
+class _Remap:
+    source: str
+    target: str
+
+
+@dataclass(slots=True)
+class RosArguments:
+    """What a ROS 2 command line says of one node."""
+
+    node: NodeIdentity
+    parameters: dict[str, Any] = field(default_factory=dict)
+    log_level: str = "info"
+    logs_to_console: bool = True
+    remaps: list[_Remap] = field(default_factory=list)
+
+    def topic(self, name: str) -> str:
+        """The fully qualified name of a topic, remapped. The first rule that matches decides, as in rcl."""
+        full = self.node.topic(name)
+        for remap in self.remaps:
+            if self.node.topic(remap.source) == full:
+                return self.node.topic(remap.target)
+        return full
+
+
+def split(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """A command line as the program's own arguments, and those between ``--ros-args`` and ``--``."""
+    own: list[str] = []
+    ros: list[str] = []
+    target = own
+    for argument in arguments:
+        if argument == "--ros-args":
+            target = ros
+        elif argument == "--" and target is ros:
+            target = own
+        else:
+            target.append(argument)
+    return own, ros
+
+
+def parse(arguments: list[str], default_name: str) -> RosArguments:
+    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes what it does not understand."""
+    options = list(_options(arguments))
+    parsed = RosArguments(_identity(options, default_name))
+    for option, value in options:
+        if option == "params-file":
+            parsed.parameters.update(_read_params_file(Path(value), parsed.node))
+        elif option == "parameter":
+            _set_parameter(parsed, value)
+        elif option == "remap":
+            _add_remap(parsed, value)
+        elif option == "log-level":
+            parsed.log_level = _log_level(value)
+    parsed.logs_to_console = _last_of(_CONSOLE_SWITCHES, arguments) != "--disable-stdout-logs"
+    return parsed
+
+
+def _last_of(switches: tuple[str, ...], arguments: list[str]) -> str:
+    """Which of some switches was given last; empty for none."""
+    return next((argument for argument in reversed(arguments) if argument in switches), "")
+
+
+_OPTIONS = {
+    "-p": "parameter",
+    "--param": "parameter",
+    "--params-file": "params-file",
+    "-r": "remap",
+    "--remap": "remap",
+    "--log-level": "log-level",
+    "-e": "ignored",
+    "--enclave": "ignored",
+    "--log-config-file": "ignored",
+}
+_CONSOLE_SWITCHES = ("--enable-stdout-logs", "--disable-stdout-logs")
+# Every ROS 2 node takes these; they speak of what this one does not have: a security enclave, /rosout, rcl's log files.
+_SWITCHES = (
+    *_CONSOLE_SWITCHES,
+    *("--enable-rosout-logs", "--disable-rosout-logs", "--enable-external-lib-logs", "--disable-external-lib-logs"),
+)
+
+
+def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
+    remaining = iter(arguments)
+    for argument in remaining:
+        if argument in _SWITCHES:
+            continue
+        option = _OPTIONS.get(argument)
+        if option is None:
+            known = ", ".join((*_OPTIONS, *_SWITCHES))
+            raise SetupError(f"--ros-args does not take {argument!r}; it takes {known}")
+        value = next(remaining, None)
+        if value is None:
+            raise SetupError(f"{argument} wants a value after it")
+        yield option, value
+
+
+def _assignment(text: str, what: str) -> tuple[str, str, str]:
+    """``[node:]name:=value`` as node (or empty), name and value."""
+    left, separator, value = text.partition(":=")
+    found = _LEFT_SIDE.fullmatch(left)
+    if not separator or found is None:
+        raise SetupError(f"{what} {text!r} is not of the form name:=value")
+    return found["node"] or "", found["name"], value
+
+
+def _identity(options: list[tuple[str, str]], default_name: str) -> NodeIdentity:
+    given: dict[str, str] = {}
+    for option, text in options:
+        if option == "remap":
+            node, source, target = _assignment(text, "the remap")
+            if node in ("", default_name):
+                given.setdefault("__node" if source == "__name" else source, target)  # the first rule decides
+    name, namespace = given.get("__node", default_name), given.get("__ns", "/")
+    if not _NODE_NAME.fullmatch(name):
+        raise SetupError(f"{name!r} is not a node name: letters, digits and underscores, not starting with a digit")
+    if not _NAMESPACE.fullmatch(namespace):
+        raise SetupError(f"{namespace!r} is not a namespace: a slash, then names that are separated by slashes")
+    return NodeIdentity(name, namespace)
+
+
+def _set_parameter(parsed: RosArguments, text: str) -> None:
+    node, name, value = _assignment(text, "the parameter")
+    if node not in ("", parsed.node.name):
+        return
+    try:
+        parsed.parameters[name] = strict_yaml.load(value)
+    except strict_yaml.YamlTextError as error:
+        raise SetupError(f"the value of the parameter {name}: {error}") from error
+
+
+def _add_remap(parsed: RosArguments, text: str) -> None:
+    node, source, target = _assignment(text, "the remap")
+    if node not in ("", parsed.node.name) or source.startswith("__"):
+        return
+    source, target = source.removeprefix("rostopic://"), target.removeprefix("rostopic://")
+    for name in (source, target):
+        if not _TOPIC.fullmatch(name):
+            raise SetupError(f"{name!r} in the remap {text!r} is not a topic name")
+    parsed.remaps.append(_Remap(source, target))
+
+
+def _log_level(text: str) -> str:
+    """The level of ``level`` or ``logger:=level``; there is one logger."""
+    level = text.rpartition(":=")[2].lower()
+    if level not in LOG_LEVELS:
+        raise SetupError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
+    return level
+
+
+def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
+    """The parameters that a file has for a node: under its name, its full name, or a wildcard."""
+    try:
+        content = strict_yaml.load(path.read_text(encoding="utf-8"))
+    except strict_yaml.YamlTextError as error:
+        raise SetupError(error.in_file(path)) from error
+    except (OSError, UnicodeError) as error:
+        raise SetupError(f"{path}: cannot be read: {error}") from error
+    if not isinstance(content, Mapping):
+        raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
+    parameters: dict[str, Any] = {}
+    for pattern, section in _sections(content):
+        found = _section_parameters(path, pattern, section)
+        if _matches(pattern, node):
+            parameters.update(found)
+    return parameters
+
+
+def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """The node sections of a parameter file, namespaces nested as mappings included."""
+    for key, value in content.items():
+        name = f"{prefix.rstrip('/')}/{str(key).strip('/')}" if prefix else str(key)
+        if isinstance(value, Mapping) and "ros__parameters" not in value and value:
+            yield from _sections(value, name if name.startswith("/") else f"/{name}")
+        else:
+            yield name, value
+
+
+def _matches(pattern: str, node: NodeIdentity) -> bool:
+    if not pattern.startswith("/"):
+        pattern = f"/{pattern}"
+    escaped = re.escape(pattern).replace(r"/\*\*", "(/[^/]+)*").replace(r"\*", "[^/]+")
+    return re.fullmatch(escaped, node.full_name) is not None
+
+
+def _section_parameters(path: Path, pattern: str, section: object) -> dict[str, Any]:
+    parameters = section.get("ros__parameters") if isinstance(section, Mapping) else None
+    if not isinstance(parameters, Mapping):
+        raise SetupError(f"{path}: {pattern} has no `ros__parameters:` with names and values below it")
+    return {str(name): value for name, value in parameters.items()}

@@ -1,0 +1,131 @@
+"""ROS 2 message definitions as MCAP has them (``ros2msg``), from message classes, and message classes from them.
+
+A definition is the text of a .msg file, followed by those of the messages that it uses, each behind a line of ``=`` and
+``MSG: package/Name``. Reading one needs nothing of today's table: a recording explains itself.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from roverlink.runtime.core.cdr import type_name
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.messages import (
+    PRIMITIVES,
+    Array,
+    Bound,
+    FieldType,
+    Length,
+    Message,
+    Sequence,
+    UInt8,
+    default_of,
+    fields_of,
+    type_of,
+)
+
+_SEPARATOR = "=" * 80
+_FIELD = re.compile(
+    r"(?P<base>[\w/]+)(<=(?P<characters>\d+))?(?P<list>\[(?P<most><=)?(?P<count>\d*)\])?\s+(?P<name>\w+)\s*(?P<rest>.*)"
+)
+
+
+# --- writing ----------------------------------------------------------------------------------------------------
+
+
+def definition_of(message_type: type[Message]) -> str:
+    """The definition of a message class, with those of all messages in it."""
+    parts = [_fields_text(message_type)]
+    for nested in _nested(message_type):
+        parts += [_SEPARATOR, f"MSG: {_short(nested.__msgtype__)}", _fields_text(nested)]
+    return "\n".join(parts)
+
+
+def _fields_text(message_type: type[Message]) -> str:
+    return "\n".join(f"{_short(type_name(field.type))} {field.name}" for field in fields_of(message_type))
+
+
+def _short(type_name: str) -> str:
+    """``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, which every reader of definitions takes."""
+    return type_name.replace("/msg/", "/")
+
+
+def _nested(message_type: type[Message]) -> list[type[Message]]:
+    """The messages inside a message, at any depth, each once, in the order in which they are met."""
+    found: dict[type[Message], None] = {}
+    for part in _parts(message_type):
+        found.setdefault(part)
+    return list(found)
+
+
+def _parts(message_type: type[Message]) -> Iterator[type[Message]]:
+    for field in fields_of(message_type):
+        inner: FieldType = field.type
+        while isinstance(inner, (Sequence, Array)):
+            inner = inner.element
+        if isinstance(inner, type):
+            yield inner
+            yield from _parts(inner)
+
+
+# --- reading ----------------------------------------------------------------------------------------------------
+
+
+def message_type_from(name: str, definition: str) -> type[Message]:
+    """The class of a recorded message, made of its definition.
+
+    Raises `SetupError` where the definition lacks a message that it uses, or has what we do not know (wide strings).
+    """
+    first, *others = re.split(r"^=+\n", definition, flags=re.MULTILINE)
+    texts = {_short(name): first}
+    for other in others:
+        title, _, text = other.partition("\n")
+        texts[_short(title.removeprefix("MSG:").strip())] = text
+    return _Reader(texts).message_type(_short(name))
+
+
+class _Reader:
+    """Makes each of a definition's messages once."""
+
+    def __init__(self, texts: dict[str, str]) -> None:
+        self._texts = texts
+        self._made: dict[str, type[Message]] = {}
+
+    def message_type(self, name: str) -> type[Message]:
+        if name not in self._made:
+            if name not in self._texts:
+                raise SetupError(f"the recorded definition does not say what {name} is")
+            package, _, short = name.rpartition("/")
+            fields = [field for line in self._texts[name].splitlines() for field in self._fields(line, package)]
+            namespace = {"__msgtype__": f"{package}/msg/{short}"}
+            self._made[name] = dataclasses.make_dataclass(short, fields, bases=(Message,), namespace=namespace)
+        return self._made[name]
+
+    def _fields(self, line: str, package: str) -> Iterator[tuple[str, Any, Any]]:
+        found = _FIELD.fullmatch(line.partition("#")[0].strip())
+        if found is None or found["rest"].startswith("="):  # an empty line, a comment, or a constant
+            return
+        annotation = self._annotation(found, package)
+        yield found["name"], annotation, dataclasses.field(default_factory=default_of(type_of(annotation)))
+
+    def _annotation(self, found: re.Match[str], package: str) -> Any:
+        element = self._element(found["base"], found["characters"], package)
+        if found["list"] is None:
+            return element
+        container: Any = bytes if element is UInt8 else list.__class_getitem__(element)
+        if not found["count"]:
+            return container
+        count = int(found["count"])
+        return Annotated[container, Bound(count) if found["most"] else Length(count)]
+
+    def _element(self, base: str, characters: str | None, package: str) -> Any:
+        if base == "string":
+            return Annotated[str, Bound(int(characters))] if characters else str
+        if base in PRIMITIVES:
+            return PRIMITIVES[base]
+        if base == "wstring":
+            raise SetupError("the recorded definition has a wide string, for which there is no conversion yet")
+        return self.message_type(_short(base) if "/" in base else f"{package}/{base}")

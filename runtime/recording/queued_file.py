@@ -1,0 +1,118 @@
+"""One of the two files of a recording, and the queue in front of it."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.recording import file_names
+from roverlink.runtime.recording.mcap_file import Channel, Entry, McapFile
+
+QUEUE = 65_536
+"""Messages of each of the two files that may wait for the disk; at 10,000 a second, more than six seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How to record."""
+
+    compression: str = "zstd"
+    """``zstd``, ``lz4`` or ``none``."""
+    rotate_bytes: int | None = None
+    """Size at which a file ends and the next begins."""
+    queue: int = QUEUE
+    """Messages of each file that may wait for the disk."""
+
+
+class Half:
+    """One of the two files, in as many parts as it needs, and the queue in front of it."""
+
+    def __init__(
+        self,
+        path: Path,
+        kind: str,
+        settings: Settings,
+        metadata: Mapping[str, str],
+        sort: Callable[[Entry], Entry] | None = None,
+    ) -> None:
+        """``sort`` may move a message to another channel, in the writing thread."""
+        self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
+        self.limit = settings.queue
+        self.waiting: deque[Entry] = deque()
+        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 is ours
+        self.channels: list[Channel] = []
+        self._declared = 0
+        self._parts = 0
+        self._ended = False
+        self.counts: Counter[int] = Counter()
+        self._bytes_before = 0
+        self.file = self._next_file()
+
+    def channel(self, topic: str, encoding: str, **schema: Any) -> Tap:
+        """Add a channel; what it returns is called by the bridge's threads."""
+        channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
+        self.channels.append(channel)
+        number, waiting, now = channel.id, self.waiting, time.time_ns
+
+        def tap(messages: Sequence[bytes]) -> None:
+            if len(waiting) >= self.limit:
+                self.lost[number] += len(messages)
+                return
+            arrived = now()
+            for message in messages:
+                waiting.append((arrived, number, message))
+
+        return tap
+
+    def take(self) -> None:
+        """Hand what waits to the file, and begin the next file where this one is large enough."""
+        entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
+        if not entries:
+            return
+        while self._declared < len(self.channels):
+            self.file.add_channel(self.channels[self._declared])
+            self._declared += 1
+        self.file.add(entries if self._sort is None else map(self._sort, entries))
+        if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
+            self.finish()
+            self._bytes_before += self.file.size
+            self.file, self._ended = self._next_file(), False
+
+    def finish(self) -> None:
+        """End the file; more than once does no harm."""
+        if not self._ended:
+            self.file.finish()
+            self._end()
+
+    def give_up(self) -> None:
+        """End the file, without what does not fit on the disk any more."""
+        self.limit = 0  # from now on, everything is lost and counted
+        self.lost[0] += len(self.waiting) + self.file.forget_chunk()
+        self.waiting.clear()
+        with contextlib.suppress(OSError):
+            self.finish()
+        if not self._ended:
+            self.file.close()
+            self._end()
+
+    def _end(self) -> None:
+        self._ended = True
+        self.counts.update(self.file.counts)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes on disk."""
+        return self._bytes_before + self.file.size
+
+    def _next_file(self) -> McapFile:
+        path = file_names.part_of(self._path, self._kind, self._parts)
+        self._parts += 1
+        self._declared = 0
+        profile = "ros2" if self._kind == file_names.TOPICS else ""
+        return McapFile(path, profile, self._settings.compression, self._metadata)

@@ -1,0 +1,238 @@
+"""A recording, read back: what is in it, and its messages in the order of time.
+
+A recording that a kill cut short has no summary, and may end within a record: it is read up to there. Other programs'
+MCAP files are read as well, chunked or not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import heapq
+import itertools
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from io import BytesIO
+from operator import attrgetter, itemgetter
+from pathlib import Path
+from typing import IO, NamedTuple
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.recording import file_names, mcap_file
+from roverlink.runtime.recording.mcap_file import Channel, McapError, ReadDataStream, lz4, records, zstandard
+from roverlink.runtime.recording.mcap_file import Opcode as Op
+
+_RECORD = struct.Struct("<BQ")
+_MESSAGE = struct.Struct("<HIQQ")
+
+
+class Recorded(NamedTuple):
+    """A message of a recording."""
+
+    time: int
+    """Nanoseconds since 1970."""
+    channel: Channel
+    data: bytes
+
+
+@dataclass
+class Contents:
+    """What is in one file."""
+
+    profile: str = ""
+    metadata: dict[str, str] = field(default_factory=dict)
+    """What the recorder said of the run; empty for other programs' files."""
+    channels: dict[int, Channel] = field(default_factory=dict)
+    counts: Counter[int] = field(default_factory=Counter)
+    """Messages by channel."""
+    start: int = 0
+    end: int = 0
+    complete: bool = False
+    """Whether the file was ended; else the program that wrote it was killed, or still writes."""
+
+
+class RecordingFile:
+    """One MCAP file."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises `SetupError` where it is no MCAP file, or cannot be read."""
+        self.path = path
+        try:
+            with path.open("rb") as file:
+                start = file.read(len(mcap_file.MAGIC))
+        except OSError as error:
+            raise SetupError(f"{path}: cannot be read: {error.strerror}") from error
+        if start != mcap_file.MAGIC:
+            raise SetupError(f"{path}: not an MCAP file")
+
+    @contextlib.contextmanager
+    def _open(self) -> Iterator[IO[bytes]]:
+        """The file, whose damage is told as such."""
+        try:
+            with self.path.open("rb") as file:
+                yield file
+        except (McapError, struct.error, UnicodeError) as error:
+            raise SetupError(f"{self.path}: damaged: {error or type(error).__name__}") from error
+        except OSError as error:
+            raise SetupError(f"{self.path}: cannot be read: {error.strerror}") from error
+
+    @property
+    def _size(self) -> int:
+        return self.path.stat().st_size
+
+    @cached_property
+    def contents(self) -> Contents:
+        """Channels, counts and times, from the summary where there is one, else from every message."""
+        contents = Contents()
+        with self._open() as file:
+            for opcode, body in _records(file, self._size, skip=(Op.CHUNK, Op.MESSAGE, Op.ATTACHMENT)):
+                self._note(opcode, body, contents)
+        if not contents.complete:
+            for message in self._scan(contents):
+                contents.counts[message.channel.id] += 1
+                contents.start = min(contents.start or message.time, message.time)
+                contents.end = max(contents.end, message.time)
+        return contents
+
+    def messages(self) -> Iterator[Recorded]:
+        """Every message; those of a chunk in the order of time. Raises `SetupError` where the file is damaged."""
+        return self._scan(Contents())
+
+    def _scan(self, contents: Contents) -> Iterator[Recorded]:
+        with self._open() as file:
+            for opcode, body in _records(file, self._size):
+                if opcode == Op.CHUNK:
+                    yield from self._chunk(records.Chunk.read(_stream(body)), contents)
+                elif opcode == Op.MESSAGE:
+                    yield self._message(body, contents)
+                else:
+                    self._note(opcode, body, contents)
+
+    def _chunk(self, chunk: records.Chunk, contents: Contents) -> list[Recorded]:
+        found: list[Recorded] = []
+        plain = self._plain(chunk)
+        for opcode, body in _records(BytesIO(plain), len(plain)):
+            if opcode == Op.MESSAGE:
+                found.append(self._message(body, contents))
+            else:
+                self._note(opcode, body, contents)
+        return sorted(found, key=itemgetter(0))
+
+    def _plain(self, chunk: records.Chunk) -> bytes:
+        try:
+            plain: bytes = _PLAIN[chunk.compression](chunk)
+        except KeyError:
+            raise SetupError(f"{self.path}: its compression {chunk.compression!r} is not known here") from None
+        except (zstandard.ZstdError, RuntimeError) as error:
+            raise SetupError(f"{self.path}: damaged: {error}") from error
+        if chunk.uncompressed_crc and zlib.crc32(plain) != chunk.uncompressed_crc:
+            raise SetupError(f"{self.path}: damaged: a chunk does not have the checksum that was written with it")
+        return plain
+
+    def _message(self, body: bytes, contents: Contents) -> Recorded:
+        channel, _, time, _ = _MESSAGE.unpack_from(body)
+        if channel not in contents.channels:
+            raise SetupError(f"{self.path}: damaged: a message of channel {channel}, which is not declared")
+        return Recorded(time, contents.channels[channel], body[_MESSAGE.size :])
+
+    def _note(self, opcode: int, body: bytes, contents: Contents) -> None:
+        """Take from a record what it says of the file."""
+        if opcode == Op.HEADER:
+            contents.profile = records.Header.read(_stream(body)).profile
+        elif opcode == Op.SCHEMA:
+            schema = records.Schema.read(_stream(body))
+            self._schemas[schema.id] = schema
+        elif opcode == Op.CHANNEL:
+            channel = _channel(records.Channel.read(_stream(body)), self._schemas)
+            contents.channels.setdefault(channel.id, channel)
+        elif opcode == Op.METADATA:
+            metadata = records.Metadata.read(_stream(body))
+            if metadata.name == mcap_file.METADATA:
+                contents.metadata = metadata.metadata
+        elif opcode == Op.STATISTICS:
+            statistics = records.Statistics.read(_stream(body))
+            contents.counts = Counter(statistics.channel_message_counts)
+            contents.start, contents.end = statistics.message_start_time, statistics.message_end_time
+            contents.complete = True
+
+    @cached_property
+    def _schemas(self) -> dict[int, records.Schema]:
+        return {}
+
+
+_PLAIN: Mapping[str, Callable[[records.Chunk], bytes]] = {
+    "": attrgetter("data"),
+    "zstd": lambda chunk: zstandard.ZstdDecompressor().decompress(chunk.data, chunk.uncompressed_size),
+    "lz4": lambda chunk: lz4.frame.decompress(chunk.data),
+}
+
+
+def _stream(body: bytes) -> ReadDataStream:
+    return ReadDataStream(BytesIO(body))
+
+
+def _channel(channel: records.Channel, schemas: Mapping[int, records.Schema]) -> Channel:
+    schema = schemas.get(channel.schema_id)
+    name, encoding, data = (schema.name, schema.encoding, schema.data) if schema else ("", "", b"")
+    return Channel(channel.id, channel.topic, channel.message_encoding, name, encoding, data, channel.metadata)
+
+
+def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator[tuple[int, bytes]]:
+    """Opcode and body of every whole record in so many bytes; of those to skip, nothing is read."""
+    if file.tell() == 0 and file.read(len(mcap_file.MAGIC)) != mcap_file.MAGIC:
+        file.seek(0)  # the inside of a chunk
+    while len(head := file.read(_RECORD.size)) == _RECORD.size:
+        opcode, length = _RECORD.unpack(head)
+        if head[:8] == mcap_file.MAGIC or length > size - file.tell():
+            return
+        if opcode in skip:
+            file.seek(length, 1)
+            continue
+        yield opcode, file.read(length)
+
+
+class Recording:
+    """All files of a recording."""
+
+    def __init__(self, path: Path) -> None:
+        """``path`` is any of its files. Raises `SetupError` where it is not there, or is no recording."""
+        self.files = [RecordingFile(file) for file in file_names.files_of(path)]
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """What the recorder said of the run."""
+        return next((file.contents.metadata for file in self.files if file.contents.metadata), {})
+
+    @property
+    def start(self) -> int:
+        """The time of the first message, in nanoseconds since 1970; 0 where there is none."""
+        return min((file.contents.start for file in self.files if file.contents.start), default=0)
+
+    @property
+    def end(self) -> int:
+        """The time of the last message."""
+        return max((file.contents.end for file in self.files), default=0)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every file was ended."""
+        return all(file.contents.complete for file in self.files)
+
+    def channels(self) -> dict[str, tuple[Channel, int]]:
+        """Each topic's channel and its number of messages, over all files."""
+        found: dict[str, tuple[Channel, int]] = {}
+        for file in self.files:
+            for channel in file.contents.channels.values():
+                known, count = found.get(channel.topic, (channel, 0))
+                found[channel.topic] = known, count + file.contents.counts[channel.id]
+        return found
+
+    def messages(self) -> Iterator[Recorded]:
+        """Every message of every file, in the order of time."""
+        halves = itertools.groupby(self.files, key=lambda file: file_names.is_datagrams(file.path))
+        # A half's parts follow each other; its messages are taken as they are wanted.
+        streams = [itertools.chain.from_iterable(map(RecordingFile.messages, list(parts))) for _, parts in halves]
+        return heapq.merge(*streams, key=itemgetter(0))

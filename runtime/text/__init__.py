@@ -1,0 +1,1 @@
+"""Messages, payloads and YAML as people write and read them."""

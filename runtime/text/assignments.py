@@ -1,0 +1,156 @@
+"""A payload from assignments of values to dotted paths: what ``roverlink send`` takes."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import yaml
+from google.protobuf.descriptor import FieldDescriptor
+
+from roverlink.runtime.core.descriptor_check import scalar_name
+from roverlink.runtime.core.errors import ConversionError, nearest
+from roverlink.runtime.text import strict_yaml
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
+
+P = TypeVar("P", bound="ProtoMessage")
+
+_FLOATS = {FieldDescriptor.CPPTYPE_FLOAT: "<f", FieldDescriptor.CPPTYPE_DOUBLE: "<d"}
+_INTEGERS = {
+    FieldDescriptor.CPPTYPE_INT32: range(-(2**31), 2**31),
+    FieldDescriptor.CPPTYPE_INT64: range(-(2**63), 2**63),
+    FieldDescriptor.CPPTYPE_UINT32: range(2**32),
+    FieldDescriptor.CPPTYPE_UINT64: range(2**64),
+    FieldDescriptor.CPPTYPE_ENUM: range(-(2**31), 2**31),
+}
+
+
+def payload_from_assignments(payload_type: type[P], assignments: Mapping[str, Any]) -> P:
+    """The payload that assignments of values to dotted paths describe.
+
+    A value that is a text is read as its field's type asks: enum values by name or number, bytes in hexadecimal, a
+    string as it stands, numbers, lists and nested messages as YAML. Raises `ConversionError` for a path that leads
+    nowhere, or a value that does not fit.
+    """
+    values: dict[str, Any] = {}
+    for path, value in assignments.items():
+        *holders, name = path.split(".")
+        descriptor, target = payload_type.DESCRIPTOR, values
+        for holder in holders:
+            descriptor = _nested(descriptor, holder, path)
+            target = target.setdefault(holder, {})
+        field = _field(descriptor, name, path)
+        if name in target:
+            raise ConversionError(f"{name} is assigned more than once", path)
+        target[name] = _field_value(field, value, path)
+    return payload_type(**values)
+
+
+def _field(descriptor: Any, name: object, path: str) -> Any:
+    field = descriptor.fields_by_name.get(name)
+    if field is None:
+        raise ConversionError(
+            f"{descriptor.name} has no field {name!r}; {nearest(str(name), descriptor.fields_by_name)}", path
+        )
+    return field
+
+
+def _nested(descriptor: Any, name: str, path: str) -> Any:
+    field = _field(descriptor, name, path)
+    if field.message_type is None:
+        raise ConversionError(f"{descriptor.name}.{name} is no message, so it has no fields", path)
+    if field.is_repeated:
+        raise ConversionError(f"{descriptor.name}.{name} is a list; give it as {name}=[{{...}}, ...]", path)
+    return field.message_type
+
+
+def _field_value(field: Any, value: Any, path: str) -> Any:
+    """The value as the payload's class takes it."""
+    if field.message_type is not None and field.message_type.GetOptions().map_entry:
+        raise ConversionError("is a map, which cannot be given here", path)
+    if not field.is_repeated:
+        return _item_value(field, value, path)
+    values = _yaml(value, path) if isinstance(value, str) else value
+    if not isinstance(values, list):
+        values = [values]
+    return [_item_value(field, item, f"{path}[{index}]") for index, item in enumerate(values)]
+
+
+def _item_value(field: Any, value: Any, path: str) -> Any:
+    if field.message_type is not None:
+        return _message_value(field.message_type, value, path)
+    if field.enum_type is not None:
+        return _enum_value(field.enum_type, value, path)
+    if field.type == field.TYPE_BYTES:
+        return _bytes_value(value, path)
+    if field.type == field.TYPE_STRING:
+        return str(value)
+    return _number_value(field, value, path)
+
+
+def _message_value(descriptor: Any, value: Any, path: str) -> dict[str, Any]:
+    values = _yaml(value, path) if isinstance(value, str) else value
+    if not isinstance(values, Mapping):
+        raise ConversionError(f"{value!r} is no mapping of field names to values", path)
+    return {
+        str(name): _field_value(_field(descriptor, name, path), part, f"{path}.{name}") for name, part in values.items()
+    }
+
+
+def _enum_value(enum: Any, value: Any, path: str) -> int:
+    """The number of an enum's value, of which a text may be the name."""
+    if isinstance(value, str) and value in enum.values_by_name:
+        return int(enum.values_by_name[value].number)
+    number = _scalar(value) if isinstance(value, str) else value
+    if type(number) is int and number in _INTEGERS[FieldDescriptor.CPPTYPE_ENUM]:
+        return number
+    raise ConversionError(f"{enum.name} has no value {value!r}; {nearest(str(value), enum.values_by_name)}", path)
+
+
+def _bytes_value(value: Any, path: str) -> bytes:
+    try:
+        return value if isinstance(value, bytes) else bytes.fromhex(value)
+    except (ValueError, TypeError) as error:
+        raise ConversionError(f"{value!r} is no sequence of bytes in hexadecimal", path) from error
+
+
+def _number_value(field: Any, value: Any, path: str) -> Any:
+    """A bool or a number; of a text, what YAML reads in it."""
+    read = _scalar(value) if isinstance(value, str) else value
+    if not _fits(field, read):
+        raise ConversionError(f"{value!r} is no {scalar_name(field)}", path)
+    return read
+
+
+def _scalar(text: str) -> Any:
+    """What YAML reads in a text; a number such as 1e-3 too, for which YAML wants a point."""
+    try:
+        read = strict_yaml.load(text)
+        return float(text) if read == text else read
+    except ValueError:  # of the former, too
+        return text
+
+
+def _fits(field: Any, number: Any) -> bool:
+    if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL or isinstance(number, bool):
+        return isinstance(number, bool) and field.cpp_type == FieldDescriptor.CPPTYPE_BOOL
+    if field.cpp_type not in _FLOATS:
+        return isinstance(number, int) and number in _INTEGERS[field.cpp_type]
+    if not isinstance(number, (int, float)):
+        return False
+    try:
+        struct.pack(_FLOATS[field.cpp_type], number)
+    except OverflowError:
+        return False
+    return True
+
+
+def _yaml(text: str, path: str) -> Any:
+    """Lists and mappings of texts, which their fields read."""
+    try:
+        return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # it makes nothing but lists, mappings and texts
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ConversionError(f"{text!r} cannot be read", path) from error

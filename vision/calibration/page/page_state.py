@@ -1,0 +1,90 @@
+"""What the page shows, as JSON: the words are made here, the page only places them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from roverlink.vision.calibration.collection import Collection
+from roverlink.vision.calibration.coverage import CELLS, Need
+from roverlink.vision.calibration.report import parameters
+from roverlink.vision.calibration.solution import Calibration, Fitted
+from roverlink.vision.calibration.views import View
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taken:
+    """A view that was taken, with the number that the page calls it by and its picture as a small JPEG."""
+
+    number: int
+    view: View
+    thumbnail: bytes
+
+
+def collected(collection: Collection, taken: Sequence[Taken], calibration: Calibration | None) -> dict[str, Any]:
+    """The views, what they cover, what is missing, and what came of them."""
+    fates = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
+    return {
+        "coverage": _coverage(collection),
+        "goals": list(_goals(collection)),
+        "views": [_view(one, fates.get(id(one.view)), calibrated=calibration is not None) for one in taken],
+        "result": calibration and _result(calibration, taken),
+    }
+
+
+def advice(needs: Sequence[Need]) -> str:
+    """What to do next: about the first of some needs, or to have more views where there are none."""
+    if not needs:
+        return "Next: a few more views, from other sides."
+    first = needs[0]
+    where = {"region": f"bring the board to the {first.name} of the picture", "tilt": f"tilt the board: {first.name}"}
+    distances = {"near": "bring the board closer", "far": "take the board further away"}
+    todo = where.get(first.kind) or distances.get(first.name, "take the board to where it fills half of the picture")
+    return f"Next: {todo}, and hold it still."
+
+
+def _coverage(collection: Collection) -> dict[str, Any]:
+    columns, rows = CELLS
+    cells = [need.cell for need in collection.missing if need.cell]
+    return {"columns": columns, "rows": rows, "missing": [row * columns + column for column, row in cells]}
+
+
+def _goals(collection: Collection) -> Iterator[dict[str, Any]]:
+    """What is wanted, in groups."""
+    needs = collection.coverage.needs()
+    have, regions = len(collection.views), [need for need in needs if need.kind == "region"]
+    met = sum(need.met for need in regions)
+    yield _goal("Views", [(f"{have} of {collection.wanted}", have >= collection.wanted)])
+    yield _goal("Image", [(f"{met} of {len(regions)} parts", met == len(regions))])
+    for kind in ("distance", "tilt"):
+        chosen = [need for need in needs if need.kind == kind]
+        yield _goal(kind.capitalize(), [(_counted(need), need.met) for need in chosen])
+
+
+def _counted(need: Need) -> str:
+    return need.name if need.met else f"{need.name} {need.have}/{need.wanted}"
+
+
+def _goal(name: str, parts: Sequence[tuple[str, bool]]) -> dict[str, Any]:
+    return {"name": name, "parts": [{"text": text, "done": done} for text, done in parts]}
+
+
+def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str, Any]:
+    lines = [taken.view.name, f"{len(taken.view.ids)} corners"]
+    if fitted is not None:
+        lines.append(f"dropped: {fitted.dropped}" if fitted.dropped else f"error {fitted.rms:.3f} px")
+        if fitted.rejected:
+            lines.append(f"{fitted.rejected} corners left out")
+    elif calibrated:
+        lines.append("not in the result yet")
+    return {"number": taken.number, "lines": lines, "bad": bool(fitted and fitted.dropped)}
+
+
+def _result(calibration: Calibration, taken: Sequence[Taken]) -> dict[str, Any]:
+    numbers = [[one.name, one.value, f"± {one.interval}"] for one in parameters(calibration)]
+    kept = sum(not fitted.dropped for fitted in calibration.views)
+    remarks = [f"RMS {calibration.rms:.3f} px over {kept} views; ± holds the truth in 95 % of calibrations."]
+    if {id(one.view) for one in taken} != {id(fitted.view) for fitted in calibration.views}:
+        remarks.append("The views have changed since: calibrate again to use them.")
+    return {"numbers": numbers, "remarks": remarks}

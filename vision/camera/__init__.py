@@ -1,0 +1,1 @@
+"""Camera models and the file of their parameters."""

@@ -1,0 +1,151 @@
+"""How a camera maps directions to pixels: pinhole and lens distortion, after OpenCV's `projectPoints` and `fisheye`.
+
+A *ray* is a direction in the camera's optical frame (x right, y down, z forward: REP-103), given by its point (x, y)
+on the plane z = 1. Integer pixel coordinates are centres of pixels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.runtime.core.errors import SetupError
+
+Floats = NDArray[np.floating[Any]]
+
+_MODELS = {0: "no distortion", 4: "k1 k2 p1 p2", 5: "k1 k2 p1 p2 k3", 8: "k1 k2 p1 p2 k3 k4 k5 k6"}
+_FISHEYE = 4
+_NEWTON_STEPS = 20
+_CONVERGED = 1e-10  # in the plane z = 1: below a millionth of a pixel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraParameters:
+    """Intrinsic parameters. Raises `SetupError` for what cannot be a camera.
+
+    `matrix` is 3x3 in pixels; `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4 of its fisheye
+    model where `fisheye` is set; `size` is (width, height) of the images that it was calibrated with, where known.
+    """
+
+    matrix: Floats
+    distortion: Floats
+    size: tuple[int, int] | None = None
+    fisheye: bool = False
+
+    def __post_init__(self) -> None:
+        matrix = np.asarray(self.matrix, dtype=float)
+        distortion = np.asarray(self.distortion, dtype=float).ravel()
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or min(matrix[0, 0], matrix[1, 1]) <= 0:
+            raise SetupError(f"the camera matrix is {matrix.tolist()}; it is 3x3 with positive focal lengths")
+        if not np.isfinite(distortion).all():
+            raise SetupError(f"the distortion is {distortion.tolist()}; it must be finite")
+        if distortion.size != _FISHEYE if self.fisheye else distortion.size not in _MODELS:
+            known = "k1 k2 k3 k4" if self.fisheye else "; ".join(_MODELS.values())
+            raise SetupError(f"the distortion has {distortion.size} coefficients; known: {known}")
+        object.__setattr__(self, "matrix", matrix)
+        object.__setattr__(self, "distortion", distortion)
+
+    @property
+    def focal(self) -> Floats:
+        """The focal lengths (fx, fy) in pixels."""
+        focal: Floats = self.matrix[[0, 1], [0, 1]]
+        return focal
+
+    @property
+    def centre(self) -> Floats:
+        """The principal point (cx, cy) in pixels."""
+        return self.matrix[:2, 2]
+
+    def distort(self, rays: Floats) -> Floats:
+        """The pixels (..., 2) that rays (..., 2) meet."""
+        pixels: Floats = self._bend(rays)[0] * self.focal + self.centre
+        return pixels
+
+    def undistort(self, pixels: Floats) -> Floats:
+        """The rays (..., 2) that meet pixels (..., 2): Newton's method on `distort`.
+
+        A pixel that no ray meets, far outside of what was calibrated, gives nan.
+        """
+        wanted: Floats = (np.asarray(pixels, dtype=float) - self.centre) / self.focal
+        rays: Floats = wanted.copy()
+        for _ in range(_NEWTON_STEPS):
+            bent, slope = self._bend(rays)
+            miss = wanted - bent
+            if np.abs(miss).max(initial=0) < _CONVERGED:
+                break
+            determinant = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
+            step_x = slope[..., 1, 1] * miss[..., 0] - slope[..., 0, 1] * miss[..., 1]
+            step_y = slope[..., 0, 0] * miss[..., 1] - slope[..., 1, 0] * miss[..., 0]
+            with np.errstate(all="ignore"):
+                rays = rays + np.stack([step_x, step_y], axis=-1) / determinant[..., None]
+        else:
+            rays[~(np.abs(wanted - self._bend(rays)[0]).max(axis=-1) < _CONVERGED)] = np.nan
+        return rays
+
+    def distort_with_slope(self, rays: Floats) -> tuple[Floats, Floats]:
+        """As `distort`, and its derivative (..., 2, 2): pixels by the rays' coordinates."""
+        bent, slope = self._bend(rays)
+        return bent * self.focal + self.centre, slope * self.focal[:, None]
+
+    def project(self, points: Floats) -> Floats:
+        """The pixels (..., 2) of points (..., 3) in the camera's optical frame, in metres; those behind give nan."""
+        points = np.asarray(points, dtype=float)
+        depth = np.where(points[..., 2:] > 0, points[..., 2:], np.nan)
+        return self.distort(points[..., :2] / depth)
+
+    def scaled(self, size: tuple[int, int]) -> CameraParameters:
+        """The same camera with its images resized to (width, height).
+
+        Pixel areas are what scales, and coordinates count from the centre of the first: hence the halves.
+        """
+        if self.size is None:
+            raise SetupError("the camera parameters say no image size, so they cannot be scaled to another")
+        factor = np.array(size) / self.size
+        matrix = self.matrix.copy()
+        matrix[:2] *= factor[:, None]
+        matrix[:2, 2] += (factor - 1) / 2
+        return CameraParameters(matrix, self.distortion, size, self.fisheye)
+
+    def _bend(self, rays: Floats) -> tuple[Floats, Floats]:
+        """Rays (..., 2) after the lens, and the derivative (..., 2, 2)."""
+        return _bend_fisheye(rays, self.distortion) if self.fisheye else _bend(rays, self.distortion)
+
+
+def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+    """OpenCV's rational model: a quotient of polynomials in r^2, and the tangential part of Brown and Conrady."""
+    given: list[float] = coefficients.tolist()
+    k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
+    x, y = rays[..., 0], rays[..., 1]
+    xx, yy, xy = x * x, y * y, x * y
+    r2 = xx + yy
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    # d radial / d r^2, twice: every use has the 2 of d r^2 / dx = 2 x
+    growth = 2 * k1 + r2 * (4 * k2 + 6 * k3 * r2)
+    if k4 or k5 or k6:
+        below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6))
+        radial = radial / below
+        growth = (growth - radial * (2 * k4 + r2 * (4 * k5 + 6 * k6 * r2))) / below
+    bent, slope = np.empty((*np.shape(x), 2)), np.empty((*np.shape(x), 2, 2))
+    bent[..., 0] = x * radial + 2 * p1 * xy + p2 * (r2 + 2 * xx)
+    bent[..., 1] = y * radial + p1 * (r2 + 2 * yy) + 2 * p2 * xy
+    slope[..., 0, 0] = radial + xx * growth + 2 * p1 * y + 6 * p2 * x
+    slope[..., 1, 1] = radial + yy * growth + 6 * p1 * y + 2 * p2 * x
+    slope[..., 0, 1] = slope[..., 1, 0] = xy * growth + 2 * p1 * x + 2 * p2 * y
+    return bent, slope
+
+
+def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+    """OpenCV's fisheye model (Kannala and Brandt): a polynomial in the angle to the axis."""
+    k1, k2, k3, k4 = coefficients
+    r = np.maximum(np.hypot(rays[..., 0], rays[..., 1]), 1e-12)
+    angle = np.arctan(r)
+    a2 = angle * angle
+    radial = angle * (1 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)))) / r
+    by_angle = 1 + a2 * (3 * k1 + a2 * (5 * k2 + a2 * (7 * k3 + a2 * 9 * k4)))
+    growth = (by_angle / (1 + r * r) - radial) / (r * r)
+    slope = rays[..., :, None] * rays[..., None, :] * growth[..., None, None]
+    slope = slope + np.eye(2) * radial[..., None, None]
+    return rays * radial[..., None], slope

@@ -1,0 +1,188 @@
+"""The file of a camera's parameters, `charuco_camera_params.yml`: OpenCV's FileStorage, with the keys of ROS beside.
+
+    %YAML:1.0
+    ---
+    image_width: 1920
+    image_height: 1200
+    camera_matrix: !!opencv-matrix
+       rows: 3
+       cols: 3
+       dt: d
+       data: [ 1163.311, 0.0, 941.628, 0.0, 1168.458, 618.535, 0.0, 0.0, 1.0 ]
+    distortion_model: "plumb_bob"
+    distortion_coefficients: !!opencv-matrix
+       rows: 1
+       cols: 5
+       dt: d
+       data: [ 0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651 ]
+
+Only `camera_matrix` and `distortion_coefficients` are needed; keys that are not known are left to whoever wrote them.
+The size of the images and the distortion's model are named as ROS's `camera_calibration` names them, so its files are
+read as well. The text is read as YAML, not by OpenCV, to know the line of a mistake; and it is not written by OpenCV,
+whose 5.0 begins the file otherwise than 4.x.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from roverlink.runtime.atomic_files import write_whole
+from roverlink.runtime.core.errors import SetupError, nearest
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.yaml_file import LARGEST, Item, parse
+
+PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
+"""The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""
+_MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}
+"""How many coefficients each has."""
+
+_LINE = 120  # columns; OpenCV before 4.5.4 takes no longer line than 4096
+_TAG = "!!opencv-matrix"
+
+Fact = str | int | float | Floats
+"""What a key of the file may hold; an array is one of two dimensions."""
+
+
+def model_name(camera: CameraParameters) -> str:
+    """The name of a camera's distortion model in ROS, as `sensor_msgs/CameraInfo` has it."""
+    if camera.fisheye:
+        return EQUIDISTANT
+    return RATIONAL if camera.distortion.size > max(_MODELS[PLUMB_BOB]) else PLUMB_BOB
+
+
+def read_parameters(path: Path) -> CameraParameters:
+    """Read a camera's parameters.
+
+    Raises `SetupError`, with the line where there is one, for a file that is missing, is no YAML, or is of no possible
+    camera.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise SetupError(f"{path}: there are no camera parameters; `roverlink aruco calibrate` makes them") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise SetupError(f"{path}: cannot be read: {error}") from error
+    entries = _Entries(path, text)
+    matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
+    size, fisheye = entries.size(), entries.model(distortion.size) == EQUIDISTANT
+    try:
+        return CameraParameters(matrix, distortion, size, fisheye)
+    except SetupError as error:
+        raise SetupError(f"{path}: {error}") from error
+
+
+def write_parameters(path: Path, camera: CameraParameters, facts: Mapping[str, Fact] | None = None) -> None:
+    """Write a camera's parameters, whole or not at all, and facts about them under keys of their own.
+
+    The same values give the same bytes. Raises `SetupError` where the file cannot be written.
+    """
+    entries: dict[str, Fact] = {}
+    if camera.size is not None:
+        entries["image_width"], entries["image_height"] = camera.size
+    entries["camera_matrix"] = camera.matrix
+    entries["distortion_model"] = model_name(camera)
+    none = np.zeros(max(_MODELS[PLUMB_BOB]))
+    entries["distortion_coefficients"] = (camera.distortion if camera.distortion.size else none).reshape(1, -1)
+    entries |= facts or {}
+    lines = (line for key, fact in entries.items() for line in _lines(key, fact))
+    write_whole(path, "\n".join(["%YAML:1.0", "---", *lines, ""]).encode())
+
+
+def _lines(key: str, fact: Fact) -> Iterator[str]:
+    if not isinstance(fact, np.ndarray):
+        yield f"{key}: {_scalar(fact)}"
+        return
+    rows, columns = fact.shape
+    yield f"{key}: {_TAG}"
+    yield from (f"   rows: {rows}", f"   cols: {columns}", "   dt: d")
+    line = "   data: ["
+    for place, number in enumerate(fact.ravel().tolist(), 1):
+        word = f" {_scalar(float(number))}{',' if place < fact.size else ' ]'}"
+        if len(line) + len(word) > _LINE:
+            yield line
+            line = "      "
+        line += word
+    yield line if fact.size else f"{line} ]"
+
+
+def _scalar(value: str | int | float) -> str:
+    """A value as both YAML and OpenCV read it."""
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, int) or math.isfinite(value):
+        return repr(value)
+    return ".Nan" if math.isnan(value) else ".Inf" if value > 0 else "-.Inf"
+
+
+class _Entries:
+    """The keys of a file with their values, and where each stands."""
+
+    def __init__(self, path: Path, text: str) -> None:
+        self._path = path
+        if text.startswith("%YAML"):  # OpenCV's first line is none of YAML's, and must not move the others
+            text = "#" + text
+        whole = parse(path, text)
+        self._items = whole.entries() if whole.is_mapping else {}
+        if not self._items:
+            raise SetupError(f"{path}: no camera parameters, for it has no keys such as camera_matrix")
+
+    def matrix(self, key: str) -> Floats:
+        """A matrix under a key: of OpenCV, or as ROS writes it, without a tag."""
+        item = self._items.get(key)
+        if item is None:
+            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, map(str, self._items))}")
+        parts = item.entries() if item.is_mapping else {}
+        data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
+        if data is None:
+            raise item.error(f"{key} is no matrix of rows, cols and data")
+        rows, columns = (_whole(parts[name], name) for name in ("rows", "cols"))
+        numbers = [_number(number) for number in data]
+        if len(numbers) != rows * columns:
+            raise parts["data"].error(f"{key} is {rows}x{columns}, and has {len(numbers)} numbers")
+        return np.array(numbers).reshape(rows, columns)
+
+    def size(self) -> tuple[int, int] | None:
+        """The images' width and height, where the file says them."""
+        keys = ("image_width", "image_height")
+        given = [key for key in keys if key in self._items]
+        if not given:
+            return None
+        if len(given) == 1:
+            raise self._items[given[0]].error(f"there is {given[0]} alone; width and height go together")
+        width, height = (_whole(self._items[key], key) for key in keys)
+        return width, height
+
+    def model(self, coefficients: int) -> str:
+        """The distortion's model: what the file says, else what so many coefficients mean."""
+        item = self._items.get("distortion_model")
+        if item is None:
+            return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
+        name = item.text or ""
+        if name not in _MODELS:
+            raise item.error(f"no distortion model {name!r}; {nearest(name, _MODELS)}")
+        if coefficients not in _MODELS[name]:
+            wanted = " or ".join(map(str, _MODELS[name]))
+            raise item.error(f"{name} has {wanted} coefficients, and there are {coefficients}")
+        return name
+
+
+def _whole(item: Item, what: str) -> int:
+    number = item.value
+    if isinstance(number, bool) or not isinstance(number, int) or number <= 0:
+        raise item.error(f"{what} is {item.said}; it is a whole number above 0")
+    return number
+
+
+def _number(item: Item) -> float:
+    """A number as OpenCV writes it, some of which YAML takes for text."""
+    try:
+        number = float(item.text or "")
+    except ValueError:
+        number = math.nan
+    if not abs(number) <= LARGEST:  # nan, too
+        raise item.error(f"{item.name} is {item.said}; it is a finite number, and not larger than {LARGEST:g}")
+    return number

@@ -1,0 +1,1 @@
+"""The field: its landmarks, and where the camera is among them."""

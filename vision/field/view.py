@@ -1,0 +1,78 @@
+"""What one frame showed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.field.landmarks import Landmarks
+from roverlink.vision.field.localization import FieldPose, localize
+from roverlink.vision.frames import Frame
+from roverlink.vision.markers.tracker import Sighting, Tracker
+from roverlink.vision.poses.pose import Pose, quaternion_of
+
+_DIGITS = 9  # far more than is known; a covariance has small numbers, so it is digits, not places
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """A frame, the landmarks in it, and where those put the camera."""
+
+    frame: Frame
+    sightings: tuple[Sighting, ...]
+    place: FieldPose | None = None
+    """Where the camera is on the field; None without known landmarks in the frame."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The view as JSON has it: metres, pixels, quaternions x y z w, covariances row by row."""
+        markers = [_sighting(one) for one in self.sightings]
+        found = {"stamp": self.frame.stamp, "frame": self.frame.number, "markers": markers}
+        return {**found, "camera": _place(self.place)} if self.place else found
+
+
+def look(frames: Iterable[Frame], tracker: Tracker, landmarks: Landmarks | None = None) -> Iterator[View]:
+    """Track the markers through frames, and place the camera where there are landmarks."""
+    for frame in frames:
+        sightings = tracker.track(frame.image, frame.stamp)
+        yield View(frame, sightings, localize(sightings, landmarks) if landmarks else None)
+
+
+def _sighting(one: Sighting) -> Mapping[str, Any]:
+    return {
+        "id": one.id,
+        **_pose(one.pose, one.covariance),
+        "corners": [_numbers(corner) for corner in one.corners],
+        "error": _number(one.error),
+        "other_pose": _other(one),
+    }
+
+
+def _other(one: Sighting) -> Mapping[str, Any] | None:
+    """The pose that was decided against, and how many times its reprojection error is that of the pose."""
+    for solution in one.solutions:
+        if solution.pose is not one.pose:
+            return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(one.ambiguity)}
+    return None
+
+
+def _place(place: FieldPose) -> Mapping[str, Any]:
+    known = {"used": list(place.used), "rejected": list(place.rejected)}
+    return {"frame": place.frame, **_pose(place.pose, place.covariance), **known}
+
+
+def _pose(pose: Pose, covariance: Floats) -> Mapping[str, Any]:
+    return {
+        "position": _numbers(pose.translation),
+        "orientation": _numbers(quaternion_of(pose.rotation)),
+        "covariance": _numbers(covariance.ravel()),
+    }
+
+
+def _numbers(values: Floats) -> list[float]:
+    return [_number(float(value)) for value in values]
+
+
+def _number(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")

@@ -1,0 +1,16 @@
+"""Where frames come from: a camera, a stream of the network, a video file, a folder of images.
+
+    with open_source("192.168.0.7:8080", say=print) as source:
+        for frame in source:
+            tracker.track(frame.image, frame.stamp)
+
+Recorded sources end, and their frames are stamped from the beginning of the recording; `live` ones go on until they are
+closed, and their frames are stamped with the time at which they were taken.
+"""
+
+from roverlink.vision.frames.frame import RATE, Frame, FrameSource
+from roverlink.vision.frames.open_source import open_source
+from roverlink.vision.frames.playing import play
+from roverlink.vision.frames.recorded import ImageFiles
+
+__all__ = ["RATE", "Frame", "FrameSource", "ImageFiles", "open_source", "play"]

@@ -1,0 +1,146 @@
+"""Sources without an end: cameras and streams.
+
+A thread takes every frame as it comes, so that none waits in a queue and grows old, and stamps it; whoever iterates
+gets the newest. What stalls or ends is opened again, after pauses that double.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.frames.frame import Frame, rate_of
+from roverlink.vision.opencv import cv2
+
+STALLED_S = 3.0
+"""Without a frame for so long, a stream is opened again; cameras by V4L2 tell after ten seconds of their own."""
+OPENING_S = 5.0
+"""How long a stream may take to answer."""
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
+_OLDEST_S = 1.0  # a driver's own stamp that is older is on another clock
+_CLOSING_S = 1.0
+
+Say = Callable[[str], None]
+
+
+class LiveSource:
+    """A camera or a stream that is read by a thread."""
+
+    live = True
+    total: int | None = None
+
+    def __init__(self, name: str, connect: Callable[[], Any], say: Say) -> None:
+        """`connect` gives an open `VideoCapture`, or None. Raises `SetupError` where it does, or no frame comes."""
+        self.name = name
+        self._connect, self._say = connect, say
+        self._news = threading.Condition()
+        self._newest: Frame | None = None
+        self._closed = threading.Event()
+        self._number = 0
+        self._capture = connect()
+        if self._capture is None:
+            raise SetupError(f"{name} cannot be opened")
+        if not self._take():
+            self._capture.release()
+            raise SetupError(f"{name} can be opened, and gives no frame")
+        self.rate = rate_of(self._capture)
+        self._thread = threading.Thread(target=self._read, name="frames", daemon=True)
+        self._thread.start()
+
+    def __iter__(self) -> Iterator[Frame]:
+        """The newest frame, again and again, none twice."""
+        while True:
+            with self._news:
+                self._news.wait_for(lambda: self._newest is not None or self._closed.is_set())
+                frame, self._newest = self._newest, None
+            if frame is None or self._closed.is_set():
+                return
+            yield frame
+
+    def __enter__(self) -> LiveSource:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._closed.set()
+        with self._news:
+            self._news.notify_all()
+        self._thread.join(_CLOSING_S)  # one that waits for a stream goes when that has been silent long enough
+
+    def _read(self) -> None:
+        while not self._closed.is_set():
+            before = time.monotonic()
+            if not self._take():
+                self._reopen(time.monotonic() - before)
+        if self._capture is not None:
+            self._capture.release()
+
+    def _take(self) -> bool:
+        """Take a frame and hand it on."""
+        if self._capture is None or not self._capture.grab():
+            return False
+        stamp = _taken_at(self._capture)
+        there, image = self._capture.retrieve()
+        if not there:
+            return False
+        if image.ndim == 2:
+            image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        with self._news:
+            self._newest = Frame(image, stamp, self._number)
+            self._number += 1
+            self._news.notify_all()
+        return True
+
+    def _reopen(self, waited: float) -> None:
+        """Open what has gone, until it is there again or nobody wants it any more."""
+        what = f"has stalled: no frame for {waited:.0f} s" if waited > STALLED_S / 2 else "has ended"
+        self._say(f"{self.name} {what}; opening it again")
+        lost, pause = time.monotonic(), FIRST_PAUSE_S
+        self._capture.release()
+        while not self._closed.wait(pause):
+            self._capture = self._connect()
+            if self._capture is not None and self._take():
+                self._say(f"{self.name} is back after {time.monotonic() - lost:.1f} s")
+                return
+            pause = min(2 * pause, LONGEST_PAUSE_S)
+            self._say(f"{self.name} is not there; trying again in {pause:g} s")
+
+
+def _taken_at(capture: Any) -> int:
+    """When the frame was taken that was grabbed last: the driver's stamp where it has one, else now."""
+    now = time.time_ns()
+    if capture.getBackendName() != "V4L2":
+        return now
+    age = time.monotonic() - capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # V4L2 stamps by the monotonic clock
+    return now - round(age * 1e9) if 0 <= age < _OLDEST_S else now
+
+
+def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSource:
+    """A camera by its number, asked for images of `size`. Raises `SetupError` where there is none."""
+
+    def connect() -> Any:
+        capture = cv2.VideoCapture(index)
+        if not capture.isOpened():
+            return None
+        if size is not None:
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
+        return capture
+
+    return LiveSource(f"camera {index}", connect, say)
+
+
+def open_stream(urls: tuple[str, ...], say: Say) -> LiveSource:
+    """The first of the URLs that opens. Raises `SetupError` where none does."""
+    limits = [
+        *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(OPENING_S * 1e3)),
+        *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(STALLED_S * 1e3)),
+    ]
+
+    def connect() -> Any:
+        captures = (cv2.VideoCapture(url, cv2.CAP_FFMPEG, limits) for url in urls)
+        return next((capture for capture in captures if capture.isOpened()), None)
+
+    return LiveSource(urls[0], connect, say)

@@ -1,0 +1,56 @@
+"""Which source a text names."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from urllib.parse import urlsplit, urlunsplit
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.frames.frame import RATE, FrameSource
+from roverlink.vision.frames.live import Say, open_camera, open_stream
+from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
+
+SCHEMES = ("http", "https", "rtsp")
+_WEBCAM = "/video"
+"""Where the app IP Webcam has its stream; people give its page."""
+_DEVICE = re.compile(r"/dev/video(\d+)")
+_HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])(:\d+)?([/?].*)?")
+
+
+def open_source(
+    text: str, *, size: tuple[int, int] | None = None, rate: float = RATE, say: Say = lambda _: None
+) -> FrameSource:
+    """Open what a text names: a camera's number, a device, a file, a folder of images, or a URL.
+
+    A camera is asked for images of `size` (width, height); a folder's images were taken `rate` a second; `say` hears
+    of a live source that has stalled or ended, and of its return. Raises `SetupError` for what cannot be opened.
+    """
+    text = text.strip()
+    path = Path(text).expanduser()
+    device = _DEVICE.fullmatch(str(path.resolve())) if text.startswith("/dev/") else None
+    if device or text.isdecimal():
+        return open_camera(int(device[1] if device else text), size, say)
+    if "://" in text:
+        return open_stream(_urls(text), say)
+    if text and path.exists():
+        images = path.is_dir() or path.suffix.lower() in IMAGES
+        return ImageFiles(path, rate) if images else VideoFile(path)
+    if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
+        return open_stream(_urls(f"http://{text}"), say)
+    raise SetupError(
+        f"there is no file or folder {text!r}; a source is also the number of a camera, or a URL ({', '.join(SCHEMES)})"
+    )
+
+
+def _urls(text: str) -> tuple[str, ...]:
+    """A URL, and where else its stream may be."""
+    try:
+        parts = urlsplit(text)
+    except ValueError as error:
+        raise SetupError(f"{text}: no URL: {error}") from error
+    if parts.scheme.lower() not in SCHEMES:
+        raise SetupError(f"{text}: frames come by {', '.join(SCHEMES)}, not by {parts.scheme}")
+    if parts.scheme.lower() == "rtsp" or parts.path.endswith(_WEBCAM):
+        return (text,)
+    return text, urlunsplit(parts._replace(path=parts.path.rstrip("/") + _WEBCAM))

@@ -1,0 +1,1 @@
+"""Images that are drawn, written as a film, or rendered."""

@@ -1,0 +1,81 @@
+"""Draws what was seen into the image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.field.localization import FieldPose
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.tracker import Sighting
+from roverlink.vision.opencv import cv2
+
+Colour = tuple[int, int, int]
+
+SEEN: Colour = (80, 220, 60)
+"""Blue, green, red: the outline of a landmark."""
+REJECTED: Colour = (40, 40, 235)
+"""The outline of a landmark that does not fit the others."""
+AXES: tuple[Colour, Colour, Colour] = ((40, 40, 235), (60, 200, 60), (235, 120, 40))
+"""x red, y green, z blue, as RViz has them."""
+_INK, _PAPER = (255, 255, 255), (30, 30, 30)
+_SHIFT = 4  # OpenCV draws at sixteenths of a pixel
+_LINE = 720  # pixels of height that a line of one pixel suits
+_FONT = 0
+
+
+def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
+    """A copy of an image (H, W, 3) with each landmark's outline, axes, name and distance, and the camera's place."""
+    drawn: Image = image.copy()
+    rejected = place.rejected if place else ()
+    for one in sightings:
+        _outline(drawn, one, REJECTED if one.id in rejected else SEEN)
+        _axes(drawn, camera, one)
+        low = one.corners.min(axis=0)
+        _write(drawn, f"{one.id}: {np.linalg.norm(one.pose.translation):.2f} m", (low[0], low[1] - 4 * _width(drawn)))
+    if place:
+        x, y, z = place.pose.translation
+        text = f"{place.frame}: x {x:.2f}  y {y:.2f}  z {z:.2f} m, by {len(place.used)}"
+        _write(drawn, text, (6 * _width(drawn), drawn.shape[0] - 8 * _width(drawn)))
+    return drawn
+
+
+def _width(image: Image) -> int:
+    height: int = image.shape[0]
+    return max(1, round(height / _LINE))
+
+
+def _outline(image: Image, one: Sighting, colour: Colour) -> None:
+    for corners in one.corners.reshape(-1, 4, 2):
+        cv2.polylines(image, [_fixed(corners)], True, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+        cv2.circle(image, _fixed(corners[0]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
+
+
+def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
+    """The landmark's axes at its own origin, half as long as a marker's side."""
+    length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
+    ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
+    if not np.isfinite(ends).all():
+        return
+    start, *tips = _fixed(ends).tolist()
+    for tip, colour in zip(tips, AXES):
+        cv2.line(image, start, tip, colour, _width(image) + 1, cv2.LINE_AA, _SHIFT)
+
+
+def _write(image: Image, text: str, place: tuple[float, float]) -> None:
+    """Light on dark, in a box whose lower left corner is at a place, and which is wholly in the image."""
+    width = _width(image)
+    (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
+    rim = 2 * width
+    x = int(np.clip(place[0], rim, max(image.shape[1] - long - rim, rim)))
+    y = int(np.clip(place[1], high + rim + below, max(image.shape[0] - 1, high + rim + below))) - below
+    cv2.rectangle(image, (x - rim, y - high - rim), (x + long + rim, y + below), _PAPER, -1)
+    cv2.putText(image, text, (x, y), _FONT, 0.5 * width, _INK, width, cv2.LINE_AA)
+
+
+def _fixed(points: Floats) -> Floats:
+    """Pixels as OpenCV wants them with `_SHIFT`."""
+    fixed: Floats = np.rint(points * (1 << _SHIFT)).astype(np.int32)
+    return fixed

@@ -1,0 +1,242 @@
+"""Renders printed planes as a camera would see them, with a known truth.
+
+Every pixel is the mean of several rays. A ray goes from a place on the sensor, through the inverse of the lens
+distortion and the pinhole, to the plane, and brings back the grey of the print there. The rays are blurred by the
+lens's point spread before they are averaged, noise is added, and the result is rounded to 8 bits. Integer coordinates
+are centres of pixels. Nothing here uses the rest of the package, so that its mistakes are not repeated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.vision.opencv import cv2
+
+Floats = NDArray[np.floating[Any]]
+Grey = NDArray[np.uint8]
+
+RAYS = 5
+"""Rays a pixel and axis."""
+PSF_SIGMA = 0.8
+"""Standard deviation of the point spread in pixels; the area of a pixel blurs on top of it."""
+NOISE_SIGMA = 2.0
+"""Standard deviation of the noise in grey levels."""
+_MARGIN = 5  # pixels around a print that its blurred rim may reach
+_TILE = 64  # pixels a side that are painted together: what is computed of them stays in the processor's cache
+_OUTLINE = 16  # points on each side of a print's outline, which a lens may bend
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A pinhole camera with the distortion k1 k2 p1 p2 k3 of OpenCV.
+
+    `matrix` is 3x3 in pixels, `size` (width, height).
+    """
+
+    matrix: Floats
+    distortion: tuple[float, float, float, float, float]
+    size: tuple[int, int]
+
+    def distorted(self, rays: Floats) -> Floats:
+        """The pixels (..., 2) where rays (..., 2), given by their points on the plane z = 1, meet the sensor."""
+        x, y = rays[..., 0], rays[..., 1]
+        k1, k2, p1, p2, k3 = self.distortion
+        r2 = x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+        bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+        (fx, _, cx), (_, fy, cy), _ = self.matrix
+        return np.stack([fx * bent_x + cx, fy * bent_y + cy], axis=-1)
+
+    def rays(self, pixels: Floats) -> Floats:
+        """The rays (..., 2), as points on the plane z = 1, that meet the sensor at pixels (..., 2)."""
+        rays = (pixels - self.matrix[:2, 2]) / self.matrix.diagonal()[:2]
+        focal = self.matrix.diagonal()[:2]
+        for _ in range(50):
+            miss = (pixels - self.distorted(rays)) / focal
+            rays = rays + miss
+            if np.abs(miss).max() < 1e-12:
+                break
+        return rays
+
+
+@dataclass(frozen=True, slots=True)
+class Print:
+    """An image on a plane: its centre is the plane's origin, x goes right, y up the page and z out of it."""
+
+    image: Grey
+    metres_per_pixel: float
+
+    @property
+    def half_size(self) -> tuple[float, float]:
+        """Half the width and half the height in metres."""
+        rows, columns = self.image.shape
+        return columns / 2 * self.metres_per_pixel, rows / 2 * self.metres_per_pixel
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where a plane is: `rotation` (3x3) and `translation` (3, metres) take its points to the camera's frame.
+
+    The camera's frame is the optical one: x right, y down, z forward.
+    """
+
+    rotation: Floats
+    translation: Floats
+
+
+def marker_print(
+    dictionary: int, number: int, side: float, *, quiet: int = 1, texels: int = 24, black: int = 25, white: int = 225
+) -> Print:
+    """A marker with `side` metres between its outer edges, and a white rim of `quiet` modules around it.
+
+    `texels` is the number of the print's pixels a module: about as many as rays that fall on a module is best.
+    """
+    bits = cv2.aruco.getPredefinedDictionary(dictionary)
+    modules = bits.markerSize + 2
+    pattern = np.pad(np.asarray(bits.generateImageMarker(number, modules)), quiet, constant_values=255)
+    grey = np.where(pattern > 127, white, black).astype(np.uint8)
+    return Print(np.kron(grey, np.ones((texels, texels), np.uint8)), side / modules / texels)
+
+
+def texels_for(side_px: float, modules: int = 7) -> int:
+    """How many texels a module suit a marker that is `side_px` pixels wide: somewhat fewer than rays."""
+    return max(4, round(0.75 * RAYS * side_px / modules))
+
+
+def texture(size: tuple[int, int], rng: np.random.Generator) -> Floats:
+    """A scene without markers: clouds at every scale, and boxes, strokes and chequers with sharp corners."""
+    width, height = size
+    scene = np.full((height, width), rng.uniform(80, 170))
+    for cell in (160, 80, 40, 20, 10, 5, 2):
+        noise = rng.normal(0, 5 + cell**0.5, (height // cell + 2, width // cell + 2)).astype(np.float32)
+        scene += cv2.resize(noise, (width, height), interpolation=cv2.INTER_CUBIC)
+    scene = scene.astype(np.float32)
+    for _ in range(60):
+        _scribble(scene, rng)
+    blurred: Floats = np.clip(cv2.GaussianBlur(scene, (0, 0), PSF_SIGMA), 0, 255).astype(np.float64)
+    return blurred
+
+
+def _scribble(scene: NDArray[np.float32], rng: np.random.Generator) -> None:
+    height, width = scene.shape
+    x, y = int(rng.integers(width)), int(rng.integers(height))
+    grey = float(rng.uniform(0, 255))
+    kind = rng.integers(3)
+    if kind == 0:
+        corners = cv2.boxPoints(((x, y), tuple(rng.uniform(8, 90, 2)), rng.uniform(0, 90)))
+        cv2.fillConvexPoly(scene, corners.astype(np.int32), grey)
+    elif kind == 1:
+        end = rng.integers(-120, 120, 2) + np.array([x, y])
+        cv2.line(scene, (x, y), (int(end[0]), int(end[1])), grey, int(rng.integers(1, 6)))
+    else:
+        cells, cell = rng.integers(0, 2, (6, 6)), int(rng.integers(2, 9))
+        block = np.kron(cells, np.ones((cell, cell))) * 180 + 40
+        place = scene[y : y + block.shape[0], x : x + block.shape[1]]
+        place[:] = block[: place.shape[0], : place.shape[1]]
+
+
+def render(
+    lens: Lens,
+    background: Floats,
+    planes: Sequence[tuple[Print, Pose]],
+    rng: np.random.Generator,
+    *,
+    psf_sigma: float = PSF_SIGMA,
+    noise_sigma: float = NOISE_SIGMA,
+) -> Grey:
+    """A frame: the prints before a background (height, width) that is blurred already. Later prints hide earlier."""
+    frame = background.astype(np.float32)
+    for plane, pose in planes:
+        _paint(frame, lens, plane, pose, psf_sigma)
+    frame += np.float32(noise_sigma) * rng.standard_normal(frame.shape, np.float32)
+    return np.clip(np.rint(frame), 0, 255).astype(np.uint8)
+
+
+def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
+    """Pixels (N, 2) along the rim of a print."""
+    half_width, half_height = plane.half_size
+    steps = np.linspace(-1, 1, _OUTLINE)
+    ones = np.ones(_OUTLINE)
+    rim = np.concatenate(
+        [np.stack([steps, s * ones], -1) for s in (-1, 1)] + [np.stack([s * ones, steps], -1) for s in (-1, 1)]
+    )
+    return project(lens, pose, np.column_stack([rim * (half_width, half_height), np.zeros(len(rim))]))
+
+
+def project(lens: Lens, pose: Pose, points: Floats) -> Floats:
+    """The pixels (N, 2) of points (N, 3) of a plane's frame."""
+    seen = points @ pose.rotation.T + pose.translation
+    return lens.distorted(seen[:, :2] / seen[:, 2:])
+
+
+def _paint(frame: NDArray[np.float32], lens: Lens, plane: Print, pose: Pose, psf_sigma: float) -> None:
+    height, width = frame.shape
+    rim = outline(lens, plane, pose)
+    left, top = np.maximum(np.floor(rim.min(axis=0)).astype(int) - _MARGIN, 0)
+    right, bottom = np.minimum(np.ceil(rim.max(axis=0)).astype(int) + _MARGIN + 1, (width, height))
+    before = frame.copy()
+    for row in range(top, bottom, _TILE):
+        for column in range(left, right, _TILE):
+            tile = (slice(row, min(row + _TILE, bottom)), slice(column, min(column + _TILE, right)))
+            around = tuple(slice(max(part.start - _MARGIN, 0), part.stop + _MARGIN) for part in tile)
+            inside = tuple(
+                slice(part.start - whole.start, part.stop - whole.start) for part, whole in zip(tile, around)
+            )
+            rays = _ray_grid(lens, around[1].start, around[0].start, *before[around].shape[::-1])
+            frame[tile] = _painted(before[around], plane, pose, rays, psf_sigma)[inside]
+
+
+def _painted(
+    place: NDArray[np.float32], plane: Print, pose: Pose, rays: Floats, psf_sigma: float
+) -> NDArray[np.float32]:
+    """A part of a frame (H, W) with the print before it, exact but for `_MARGIN` pixels at the rim."""
+    grey, cover = _sample(plane, pose, rays)
+    if not cover.any():
+        return place
+    behind = cv2.resize(place, None, fx=RAYS, fy=RAYS, interpolation=cv2.INTER_LINEAR)
+    seen = behind + cover * (grey - behind)
+    blurred = cv2.GaussianBlur(seen, (0, 0), psf_sigma * RAYS, borderType=cv2.BORDER_REPLICATE)
+    mean = blurred.reshape(place.shape[0], RAYS, place.shape[1], RAYS).mean(axis=(1, 3))
+    near = cv2.GaussianBlur(cover, (0, 0), psf_sigma * RAYS).reshape(*place.shape[:1], RAYS, -1, RAYS).max(axis=(1, 3))
+    painted: NDArray[np.float32] = np.where(near > 1e-4, mean, place)  # the background is blurred already
+    return painted
+
+
+def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Floats:
+    """Rays (height * RAYS, width * RAYS, 2) of a region: exact at the pixels' corners, linear between."""
+    x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
+    corners = lens.rays(np.stack([x, y], axis=-1))
+    return _between(_between(corners, 0), 1)
+
+
+def _between(borders: Floats, axis: int) -> Floats:
+    """From values at the pixels' borders along an axis to those at the rays, of which each pixel has `RAYS`."""
+    places = (np.arange((borders.shape[axis] - 1) * RAYS) + 0.5) / RAYS
+    low = places.astype(np.intp)
+    part = np.expand_dims(places - low, tuple(range(1, borders.ndim - axis)))
+    values: Floats = borders.take(low, axis) * (1 - part) + borders.take(low + 1, axis) * part
+    return values
+
+
+def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """What the rays (H, W, 2) bring from a plane: the grey (H, W), and how far (0 to 1) it is the print's."""
+    to_plane = np.linalg.inv(np.column_stack([pose.rotation[:, :2], pose.translation]))
+    x, y, w = np.moveaxis(rays @ to_plane[:, :2].T + to_plane[:, 2], -1, 0)
+    rows, columns = plane.image.shape
+    column = x / w / plane.metres_per_pixel + columns / 2 - 0.5
+    row = -y / w / plane.metres_per_pixel + rows / 2 - 0.5
+    rim = np.minimum(np.minimum(column, columns - 1 - column), np.minimum(row, rows - 1 - row)) + 1  # in texels
+    cover = np.where(w > 0, np.clip(rim, 0, 1), 0)
+    column, row = np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)
+    c, r = np.minimum(column.astype(int), columns - 2), np.minimum(row.astype(int), rows - 2)
+    a, b = (column - c).astype(np.float32), (row - r).astype(np.float32)
+    image = plane.image.astype(np.float32)
+    grey = (1 - b) * ((1 - a) * image[r, c] + a * image[r, c + 1])
+    grey += b * ((1 - a) * image[r + 1, c] + a * image[r + 1, c + 1])
+    return grey, cover.astype(np.float32)

@@ -1,0 +1,1 @@
+"""Markers: which there are, how they are found, and how they are followed."""

@@ -1,0 +1,264 @@
+"""Fits the edges of markers: their four corners to hundredths of a pixel, and how uncertain they are.
+
+The number of a marker says where all its edges are, the outer ones and those between its bits. Pixels along them are
+compared with what a camera sees of the `pattern` at a homography. Gauss-Newton steps move the homography, the width of
+the blur, and the brightness, which may change linearly over the marker. It is the pixels themselves that are compared,
+nothing is interpolated, so their noise is independent, and the residuals' variance, through the fit's normal matrix, is
+the corners' covariance.
+
+All markers of a frame are fitted together: arrays are (K, ..., N) for K markers with up to N pixels each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.markers.edge_samples import (
+    LIFTED,
+    SQUARE,
+    Pixels,
+    Views,
+    apply,
+    choose_pixels,
+    homographies,
+    make_views,
+    product,
+)
+from roverlink.vision.markers.pattern import Pattern, look
+
+COARSE = 3
+"""The first steps take every third pixel."""
+COARSE_STEPS = 3
+"""The most steps with every third pixel."""
+FINE_STEPS = 8
+"""The most steps with all pixels."""
+NEAR = 0.2
+"""Pixels that corners move in a step: from here on all pixels are taken."""
+SETTLED = 0.05
+"""Pixels that corners move in a step: the next one moves them by next to nothing."""
+UNSETTLED = 0.5
+"""Pixels that corners still move after the last step of those that run away."""
+OUTLIER = 4.0
+"""Pixels are dropped whose residual is so many standard deviations."""
+FIRST_BLUR = 0.85
+"""Standard deviation of a focused lens's blur in pixels, a pixel's area included."""
+BLURS = (0.4, 4.0)
+_LOG_BLURS = (math.log(BLURS[0]), math.log(BLURS[1]))
+_LARGEST_CHANGE = 0.5  # of the blur's logarithm in one step
+_UNKNOWNS = 15
+_FEWEST = 4 * _UNKNOWNS  # pixels
+_MAD_TO_SIGMA = 1.4826
+_ROUNDING = 0.3  # standard deviation of rounding to whole grey levels
+_RIDGE = 1e-9  # so that a marker without contrast does not stop the others
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guess:
+    """A marker to be fitted: about where it is."""
+
+    pattern: Pattern
+    corners: Floats
+    """(4, 2) in pixels."""
+    blur: float = FIRST_BLUR
+    """Standard deviation of the blur in pixels, as in the frame before."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """The outcome for one marker."""
+
+    rays: Floats
+    """The corners (4, 2) as rays, in OpenCV's order."""
+    covariance: Floats
+    """Of the corners' rays (8, 8): x and y of the first, x and y of the second..."""
+    noise: float
+    """Standard deviation of the residuals in grey levels."""
+    contrast: float
+    """White minus black in grey levels; negative where they are swapped."""
+    explained: float
+    """Part of the pixels' variance that the pattern explains, outliers included: 1 is a perfect marker."""
+    blur: float
+    """Standard deviation of the blur in pixels."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _State:
+    """What the steps move, besides the brightness."""
+
+    homography: Floats
+    """(K, 3, 3) from (-1, -1)...(1, 1), v down, to scaled rays; the last element is 1."""
+    log_blur: Floats
+    """(K,)"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outcome:
+    """How K patterns fit before a step, and what the step leaves."""
+
+    normal: Floats
+    """(K, 15, 15)"""
+    contrast: Floats
+    """(K,) in grey levels, as in `Fit`."""
+    residuals: Floats
+    """(K, N) in grey levels, before the step."""
+    weights: Floats
+    """(K, N): 0 for pixels that stand out."""
+    left: Floats
+    """(K, N), the residuals after it; 0 of pixels that stand out."""
+
+    def variance(self) -> Floats:
+        """(K,) of the residuals that are left."""
+        variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - _UNKNOWNS, 1.0)
+        return variance
+
+    def explained(self, pixels: Pixels) -> Floats:
+        """(K,), the part of the pixels' variance."""
+        mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
+        spread = pixels.grey - mean[:, None] * pixels.real
+        explained: Floats = 1 - _squares(self.residuals) / np.maximum(_squares(spread), 1e-9)
+        return explained
+
+
+def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
+    """Fit each marker near its guess in a grey image (H, W). None where too little of it is seen, or it is none."""
+    if not guesses:
+        return []
+    rays = camera.undistort(np.stack([guess.corners for guess in guesses]))
+    visible = np.isfinite(rays).all(axis=(1, 2))
+    rays[~visible] = SQUARE.T  # anything that can be computed with
+    views = make_views([guess.pattern for guess in guesses], rays)
+    scaled = (rays - views.centre[:, None]) / views.scale[:, None, None]
+    blurs = np.clip([guess.blur for guess in guesses], *BLURS)
+    state = _State(homographies(scaled.transpose(0, 2, 1)), np.log(blurs))
+    with np.errstate(all="ignore"):  # of a guess that was wrong anything may come; it is left out below
+        pixels = choose_pixels(image, camera, views, state.homography)
+        coarse = pixels.every(COARSE)
+        pixel = views.scale * float(np.max(camera.focal))  # of scaled rays
+        for _ in range(COARSE_STEPS):
+            before, (state, _unused) = state, _step(views, state, coarse)
+            if not (_shift(before, state) * pixel > NEAR)[visible].any():
+                break
+        for _ in range(FINE_STEPS):
+            before, (state, outcome) = state, _step(views, state, pixels)
+            shift = _shift(before, state) * pixel
+            if not (shift > SETTLED)[visible].any():
+                break
+        visible &= (pixels.real.sum(axis=1) >= _FEWEST) & (shift < UNSETTLED)
+        variance, explained = outcome.variance(), outcome.explained(pixels)
+    return [
+        _fit(views, state, outcome, k, float(variance[k]), float(explained[k])) if visible[k] else None
+        for k in range(len(guesses))
+    ]
+
+
+def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome]:
+    """One Gauss-Newton step, without the pixels that stand out."""
+    design, square = _design(views, state, pixels)
+    light = design[:, 9:]
+    level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
+    residuals = pixels.grey - (level[:, None] @ light)[:, 0]
+    contrast = level[:, 3, None] + (level[:, None, 4:] @ square)[:, 0]
+    design[:, :9] *= contrast[:, None]
+    weights = _weights(residuals, pixels.real)
+    weighted = design * weights[:, None]
+    normal = weighted @ design.transpose(0, 2, 1)
+    change = _solve(normal, weighted @ residuals[:, :, None])
+    left = weights * (residuals - (change[:, None] @ design)[:, 0])
+    homography = state.homography.copy()
+    homography.reshape(-1, 9)[:, :8] += change[:, :8]
+    log_blur = state.log_blur + np.clip(change[:, 8], -_LARGEST_CHANGE, _LARGEST_CHANGE)
+    moved = _State(homography, np.clip(log_blur, *_LOG_BLURS))
+    return moved, _Outcome(normal, level[:, 3], residuals, weights, left)
+
+
+def _shift(before: _State, after: _State) -> Floats:
+    """How far (K,) the corners moved, in scaled rays."""
+    places = [lifted[:, :2] / lifted[:, 2:] for lifted in (before.homography @ LIFTED, after.homography @ LIFTED)]
+    distance: Floats = np.hypot(*(places[1] - places[0]).transpose(1, 0, 2)).max(axis=1)
+    return distance
+
+
+def _squares(values: Floats) -> Floats:
+    total: Floats = np.einsum("kn,kn->k", values, values)
+    return total
+
+
+def _solve(normal: Floats, right: Floats) -> Floats:
+    """The solutions (K, n) of normal equations (K, n, n) with right sides (K, n, 1)."""
+    diagonal = np.einsum("kii->ki", normal)
+    diagonal += _RIDGE * (diagonal + 1)
+    return np.linalg.solve(normal, right)[..., 0]
+
+
+def _weights(residuals: Floats, real: Floats) -> Floats:
+    """1 (K, N) for pixels near the others in terms of their median, 0 for those that stand out."""
+    sizes = np.abs(residuals) - (1 - real)  # what fills up rows comes first
+    count = real.sum(axis=1).astype(np.intp)
+    middle = np.sort(sizes, axis=1)[
+        np.arange(len(sizes)), np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)
+    ]
+    limit = OUTLIER * (_MAD_TO_SIGMA * middle + _ROUNDING)
+    return np.where(np.abs(residuals) < limit[:, None], real, 0.0)
+
+
+def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats]:
+    """The derivatives (K, 15, N) by homography, logarithm of the blur and brightness; the pixels' places in the square.
+
+    The first nine are for a contrast of 1. A point that stays while the homography moves sees the pattern move the
+    other way.
+    """
+    square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
+    by_pixel = product(by_point, pixels.by_pixel) * views.half
+    seen = look(views.differences, square * views.half + views.half, by_pixel, np.exp(state.log_blur))
+    w = (state.homography[:, 2:, :2] @ square)[:, 0] + 1
+    by_place = seen.by_u[:, None] * by_point[:, 0] + seen.by_v[:, None] * by_point[:, 1]
+    by_place *= (-views.half * pixels.real / w)[:, None]
+    design = np.empty((len(square), _UNKNOWNS, square.shape[2]))
+    design[:, 0:2] = by_place[:, :1] * square
+    design[:, 2] = by_place[:, 0]
+    design[:, 3:5] = by_place[:, 1:] * square
+    design[:, 5] = by_place[:, 1]
+    design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
+    design[:, 8] = seen.by_blur * pixels.real
+    design[:, 9] = pixels.real
+    design[:, 10:12] = square * pixels.real[:, None]
+    design[:, 12] = seen.grey * pixels.real
+    design[:, 13:15] = design[:, 12, None] * square
+    return design, square
+
+
+def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
+    """What came out for one marker."""
+    try:
+        covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
+    except np.linalg.LinAlgError:
+        return None
+    corners, by_homography = _corners(state.homography[k])
+    if not np.isfinite(covariance).all() or not np.isfinite(corners).all():
+        return None
+    scale = float(views.scale[k])
+    return Fit(
+        rays=corners * scale + views.centre[k],
+        covariance=by_homography @ covariance @ by_homography.T * scale**2,
+        noise=math.sqrt(variance),
+        contrast=float(outcome.contrast[k]),
+        explained=explained,
+        blur=math.exp(state.log_blur[k]),
+    )
+
+
+def _corners(homography: Floats) -> tuple[Floats, Floats]:
+    """The corners (4, 2), and their derivative (8, 8) by the homography's first eight elements."""
+    lifted = homography @ LIFTED
+    corners = (lifted[:2] / lifted[2]).T
+    place = (LIFTED / lifted[2]).T
+    derivative = np.zeros((4, 2, 8))
+    derivative[:, 0, :3] = derivative[:, 1, 3:6] = place
+    derivative[:, :, 6:] = -corners[:, :, None] * place[:, None, :2]
+    return corners, derivative.reshape(8, 8)

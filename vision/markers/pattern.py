@@ -1,0 +1,104 @@
+"""What a camera sees of a marker's pattern: every edge in it, blurred.
+
+The pattern's grey at (u, v), in modules from the upper left outer corner, is 1 + sum over the lattice's corners (i, j)
+of D[j, i] * P((u - i) / su, (v - j) / sv): D the mixed differences of the black (0) and white (1) modules, P the normal
+distribution of two variables, and su, sv the blur measured across the lines of u and of v. P is taken by Mehler's
+series in the correlation, which is 0 where the lattice's lines meet at right angles.
+
+Several markers are looked at together, for numpy's sake: K markers, N pixels each.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.vision.camera.camera_model import Floats
+
+Singles = NDArray[np.float32]
+
+ALONG = (1 / 4, 3 / 4)
+"""Where along a module's edge pixels are taken, in modules."""
+
+_REACH = 5.0  # standard deviations
+_RESOLUTION = 1600  # table entries a standard deviation: the rounding is below a fortieth of a grey level
+_GRID = np.arange(-_REACH, _REACH + 0.5 / _RESOLUTION, 1 / _RESOLUTION)
+_STEP = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in _GRID], np.float32)
+_BELL = (np.exp(-0.5 * _GRID**2) / math.sqrt(2 * math.pi)).astype(np.float32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """What a marker's modules are, prepared for the fit."""
+
+    modules: int
+    """Modules a side, the black rim included."""
+    differences: Floats
+    """Mixed differences (modules + 1, modules + 1) of white (1) and black (0), by v and u."""
+    places: Floats
+    """Points (2, M) on the edges, in modules."""
+    across_u: NDArray[np.bool_]
+    """Which of the points' edges (M,) are crossed along u; the others along v."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """What pixels see of patterns, (K, N) each: black 0, white 1; and the derivatives of that."""
+
+    grey: Floats
+    by_u: Floats
+    """By the place in modules."""
+    by_v: Floats
+    by_blur: Floats
+    """By the logarithm of the blur."""
+
+
+def make_pattern(white: NDArray[np.bool_]) -> Pattern:
+    """Prepare a pattern of modules (n, n), rim included, upper row first."""
+    around = np.pad(white.astype(float), 1, constant_values=1.0)
+    along = np.array(ALONG)
+    places, across_u = [], []
+    for axis in (0, 1):
+        rows, columns = np.nonzero(np.diff(around, axis=axis))
+        step = np.tile(along, rows.size)
+        row, column = np.repeat(rows, along.size), np.repeat(columns, along.size)
+        places.append(np.stack([column, row - 1 + step] if axis else [column - 1 + step, row]))
+        across_u.append(np.full(row.size, axis == 1))
+    differences = np.diff(np.diff(around, axis=0), axis=1)
+    return Pattern(len(white), differences, np.concatenate(places, axis=1).astype(float), np.concatenate(across_u))
+
+
+def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) -> Look:
+    """What is seen at places (K, 2, N) in modules, whose derivative by the pixels is (K, 2, 2, N).
+
+    `differences` is (K, n, n); `blur` (K,) is the standard deviation in pixels. The many values, one for each line of
+    the lattice, are of single precision, which is exact to some hundredths of a grey level, and faster.
+    """
+    spread = np.sqrt(by_pixel[:, :, 0] ** 2 + by_pixel[:, :, 1] ** 2)
+    correlation = (by_pixel[:, 0] * by_pixel[:, 1]).sum(axis=1) / (spread[:, 0] * spread[:, 1])
+    spread *= blur[:, None, None]
+    lattice = np.arange(differences.shape[1], dtype=np.float32)[:, None]
+    narrow = (1 / spread).astype(np.float32)
+    offsets = (places.astype(np.float32)[:, :, None] - lattice) * narrow[:, :, None]  # (K, 2, lattice, N)
+    np.clip(offsets, -_REACH, _REACH, out=offsets)
+    index = (offsets * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
+    step, bell = _STEP.take(index), _BELL.take(index)
+    curve = offsets * bell  # minus the bell's derivative
+    differences = differences.astype(np.float32)
+    of_step, of_bell, of_curve = (differences @ part[:, 0] for part in (step, bell, curve))
+    crossing, bending = _sum(of_bell, bell), _sum(of_curve, curve)
+    return Look(
+        grey=1 + _sum(of_step, step) + correlation * (crossing + correlation / 2 * bending),
+        by_u=_sum(of_bell, step) / spread[:, 0],
+        by_v=_sum(of_step, bell) / spread[:, 1],
+        by_blur=-_sum(of_curve, step) - _sum(of_step, curve),
+    )
+
+
+def _sum(of_u: Singles, both: Singles) -> Floats:
+    """The sum over the lattice's lines of v."""
+    total: Floats = np.einsum("kin,kin->kn", of_u, both[:, 1]).astype(np.float64)
+    return total

@@ -1,0 +1,1 @@
+"""Poses, and how they are computed from points."""

@@ -1,0 +1,251 @@
+"""Where a marker or a board is, from its corners (perspective-n-point): both solutions, and how uncertain each is.
+
+Corners are taken as rays, so that no lens enters here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.markers.marker_set import square
+from roverlink.vision.opencv import cv2
+from roverlink.vision.poses.pose import Pose, predict_all, rotation_of
+
+STEPS = 30
+HOPELESS = 1000.0
+"""A start is not refined whose chi squared is so many times the best start's: IPPE's solutions are nearly minima."""
+_CONVERGED = 1e-3
+"""Change of chi squared, in parts of it, at which a refinement ends."""
+_SAME = np.radians(0.05)
+"""Solutions whose rotations differ less are one."""
+_MOST_DAMPED = 1e6
+_NORMAL_QUANTILE = 3.09  # 99.9 %
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Corners:
+    """What was seen of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
+
+    points: Floats
+    rays: Floats
+    covariance: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """A pose (landmark to camera) at which the corners fit best among the poses near it."""
+
+    pose: Pose
+    covariance: Floats
+    """(6, 6): x y z rotX rotY rotZ."""
+    chi2: float
+    """Squared residuals in standard deviations; about 2N - 6 where all is as assumed."""
+    error: float
+    """Root of the mean squared distance between corners and their projections, in the plane z = 1."""
+
+
+def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
+    """Both poses of each of K markers, squares anywhere in their landmarks' frames (K, 4, 3), seen at rays (K, 4, 2).
+
+    IPPE (Collins and Bartoli, 2014), by OpenCV.
+    """
+    right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
+    sides = np.sqrt((right * right).sum(axis=1))
+    right, up = right / sides[:, None], up / sides[:, None]
+    to_marker = np.stack([right, up, np.cross(right, up)], axis=1)
+    middles = points.mean(axis=1)
+    found = [_ippe(float(side), own) for side, own in zip(sides, rays)]
+    owners = [owner for owner, solutions in enumerate(found) for _ in solutions]
+    turns, shifts = (
+        np.array([solution for solutions in found for solution in solutions]).reshape(-1, 2, 3).swapaxes(0, 1)
+    )
+    rotations = rotation_of(turns) @ to_marker[owners]
+    translations = shifts - (rotations @ middles[owners][..., None])[..., 0]
+    usable = np.isfinite(rotations).all(axis=(1, 2)) & (shifts[:, 2] > 0)
+    poses: list[list[Pose]] = [[] for _ in found]
+    for index in np.flatnonzero(usable):
+        poses[owners[index]].append(Pose(rotations[index], translations[index]))
+    return poses
+
+
+def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
+    """Turns (3,) and shifts (3,) from a marker's own frame, x right and y up from its middle, to the camera's."""
+    _, turns, shifts, _ = cv2.solvePnPGeneric(
+        square(side), rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
+    return [(turn.ravel(), shift.ravel()) for turn, shift in zip(turns, shifts)]
+
+
+def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[list[Solution]]:
+    """Refine the starts of each landmark; its different outcomes, best first.
+
+    Landmarks of as many corners are refined together, for numpy's sake.
+    """
+    found: list[list[Solution]] = [[] for _ in seen]
+    by_count: dict[int, list[_Start]] = {}
+    for owner, (corners, poses) in enumerate(zip(seen, starts)):
+        if (whitening := _whitening(corners)) is not None:
+            group = by_count.setdefault(len(corners.points), [])
+            group += [_Start(owner, corners, whitening, pose) for pose in poses]
+    for group in by_count.values():
+        for start, solution in zip(group, _solutions(group)):
+            if solution:
+                found[start.owner].append(solution)
+    return [_different(solutions) for solutions in found]
+
+
+class _Start(NamedTuple):
+    """Where the refinement of a landmark's pose begins."""
+
+    owner: int
+    """Which landmark's."""
+    corners: Corners
+    whitening: Floats
+    pose: Pose
+
+
+def _whitening(corners: Corners) -> Floats | None:
+    """What makes the corners' errors independent and of variance 1; None where their covariance is none."""
+    try:
+        return np.linalg.inv(np.linalg.cholesky(corners.covariance))
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _different(solutions: list[Solution]) -> list[Solution]:
+    """The solutions, best first, without those that are one with a better one."""
+    kept: list[Solution] = []
+    for solution in sorted(solutions, key=lambda one: one.chi2):
+        if all(solution.pose.angle_to(other.pose) > _SAME for other in kept):
+            kept.append(solution)
+    return kept
+
+
+class _Problem:
+    """The corners (P, N, ...) to which P poses are fitted."""
+
+    def __init__(self, starts: Sequence[_Start]) -> None:
+        self.owners = np.array([start.owner for start in starts])
+        self.points = np.stack([start.corners.points for start in starts])
+        self.rays = np.stack([start.corners.rays for start in starts])
+        self.whitening = np.stack([start.whitening for start in starts])
+
+    def at(self, rotation: Floats, translation: Floats) -> _Places:
+        """How poses fit."""
+        rays, derivative = predict_all(rotation, translation, self.points)
+        missed = self.rays - rays
+        count = len(missed)
+        residuals = (self.whitening @ missed.reshape(count, -1, 1))[..., 0]
+        derivative = self.whitening @ derivative.reshape(count, -1, 6)
+        return _Places(rotation, translation, missed, residuals, derivative, (residuals**2).sum(axis=1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Places:
+    """How P poses fit."""
+
+    rotation: Floats
+    """(P, 3, 3)"""
+    translation: Floats
+    """(P, 3)"""
+    missed: Floats
+    """(P, N, 2), the rays less their predictions."""
+    residuals: Floats
+    """(P, 2N) in standard deviations."""
+    derivative: Floats
+    """Of the prediction (P, 2N, 6), in standard deviations."""
+    chi2: Floats
+    """(P,)"""
+
+    def normal(self) -> Floats:
+        """The normal matrices (P, 6, 6)."""
+        matrices: Floats = np.swapaxes(self.derivative, 1, 2) @ self.derivative
+        return matrices
+
+    def where(self, chosen: NDArray[np.bool_], other: _Places) -> _Places:
+        """These where chosen, else the others."""
+        pairs = ((getattr(self, part.name), getattr(other, part.name)) for part in fields(self))
+        return _Places(*(np.where(chosen.reshape(-1, *[1] * (one.ndim - 1)), one, two) for one, two in pairs))
+
+
+def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
+    """Refine starts of landmarks with as many corners; None where the corners determine no pose."""
+    if not starts:
+        return []
+    problem = _Problem(starts)
+    with np.errstate(all="ignore"):  # of what is behind the camera, or leaves for infinity
+        places = problem.at(
+            np.stack([start.pose.rotation for start in starts]), np.stack([start.pose.translation for start in starts])
+        )
+        least = np.full(problem.owners.max() + 1, np.inf)
+        np.fmin.at(least, problem.owners, places.chi2)
+        places = _refine(problem, places, places.chi2 < HOPELESS * (1 + least[problem.owners]))
+        normal = places.normal()
+        usable = _invertible(normal)
+        covariance = np.linalg.inv(np.where(usable[:, None, None], normal, np.eye(6)))
+    usable &= covariance.diagonal(axis1=1, axis2=2).min(axis=1) > 0
+    covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
+    error = np.sqrt((places.missed**2).sum(axis=2).mean(axis=1))
+    return [
+        (
+            Solution(
+                Pose(places.rotation[k], places.translation[k]), covariance[k], float(places.chi2[k]), float(error[k])
+            )
+            if usable[k]
+            else None
+        )
+        for k in range(len(starts))
+    ]
+
+
+def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _Places:
+    """Levenberg and Marquardt's method, for those that are `moving`."""
+    damping: Floats = np.full(len(moving), 1e-4)
+    for _ in range(STEPS):
+        normal = places.normal()
+        moving = moving & _invertible(normal)
+        if not moving.any():
+            break
+        normal[:, range(6), range(6)] *= 1 + damping[:, None]
+        normal[~moving] = np.eye(6)
+        change = np.linalg.solve(normal, np.swapaxes(places.derivative, 1, 2) @ places.residuals[..., None])[..., 0]
+        moved = problem.at(rotation_of(change[:, 3:]) @ places.rotation, places.translation + change[:, :3])
+        better = moving & (moved.chi2 <= places.chi2)  # not where it is nan
+        gain = places.chi2 - moved.chi2
+        goes_on = np.where(better, gain >= _CONVERGED * (0.1 + moved.chi2), damping <= _MOST_DAMPED)
+        moving = moving & goes_on
+        damping = np.where(better, damping / 10, damping * 10)
+        places = moved.where(better, places)
+    return places
+
+
+def _invertible(matrices: Floats) -> NDArray[np.bool_]:
+    """Which matrices (P, n, n) have an inverse; one with nan has none."""
+    invertible: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) > 0)
+    return invertible
+
+
+def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
+    """Both with larger covariances where the best chi squared is not chance.
+
+    Then the camera's parameters, the marker's side or its flatness are not what one thinks.
+    """
+    freedom = corners.rays.size - 6
+    chi2 = solutions[0].chi2
+    if chi2 <= chi2_limit(freedom):
+        return corners, list(solutions)
+    factor = chi2 / freedom
+    wider = [replace(one, covariance=one.covariance * factor, chi2=one.chi2 / factor) for one in solutions]
+    return replace(corners, covariance=corners.covariance * factor), wider
+
+
+def chi2_limit(freedom: int) -> float:
+    """What chi squared of so many degrees of freedom exceeds once in a thousand (Wilson and Hilferty, 1931)."""
+    part = 2 / (9 * freedom)
+    return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)

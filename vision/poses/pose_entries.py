@@ -1,0 +1,50 @@
+"""Poses in the files that people write.
+
+A pose has a `position` in metres, and its turn as `rpy` or as `orientation`. `rpy` are degrees about the fixed x, y and
+z axes, in that order (as in URDF); `orientation` is a quaternion x y z w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from roverlink.vision.camera.camera_model import Floats
+from roverlink.vision.camera.yaml_file import Item
+from roverlink.vision.poses.pose import Pose, rotation_of
+
+POSE = frozenset(("position", "rpy", "orientation"))
+"""The keys of a pose."""
+_UNIT = 0.01  # how far a quaternion's length may be from 1
+
+
+def pose(item: Item, entries: Mapping[str, Item]) -> Pose:
+    """The pose that an item has among its entries. Raises `SetupError` where there is none."""
+    if "position" not in entries:
+        raise item.error(f"{item.name} has no position")
+    if ("rpy" in entries) == ("orientation" in entries):
+        raise item.error(f"{item.name} needs either rpy or orientation")
+    rotation = _of_rpy(entries["rpy"]) if "rpy" in entries else _of_quaternion(entries["orientation"])
+    return Pose(rotation, entries["position"].numbers(3))
+
+
+def _of_rpy(rpy: Item) -> Floats:
+    roll, pitch, yaw = (rotation_of(np.radians(angle) * axis) for angle, axis in zip(rpy.numbers(3), np.eye(3)))
+    rotation: Floats = yaw @ pitch @ roll
+    return rotation
+
+
+def _of_quaternion(orientation: Item) -> Floats:
+    quaternion = orientation.numbers(4)
+    length = float(np.linalg.norm(quaternion))
+    if abs(length - 1) > _UNIT:
+        raise orientation.error(f"{orientation.name} has the length {length:.3g}; a quaternion x y z w has length 1")
+    x, y, z, w = quaternion / length
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )

@@ -1,0 +1,141 @@
+"""Where markers, boards and rulers are on sheets of paper."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.vision.calibration.board import CharucoBoard
+from roverlink.vision.markers.marker_set import MarkerSet
+from roverlink.vision.printing.sheet import Label, Rectangle, Sheet, moved
+
+PAPERS = {
+    "A0": (0.841, 1.189),
+    "A1": (0.594, 0.841),
+    "A2": (0.420, 0.594),
+    "A3": (0.297, 0.420),
+    "A4": (0.210, 0.297),
+    "letter": (0.2159, 0.2794),
+    "tabloid": (0.2794, 0.4318),
+}
+"""Width and height upright in metres: ISO 216, and ANSI's."""
+
+RULER = 0.1
+"""Metres."""
+_MARGIN = 0.005
+"""That printers do not reach."""
+_STRIP = 0.004
+"""Of a ruler and the words beside it."""
+_LINE, _TICK, _LONG_TICK = 0.0003, 0.0012, 0.002
+_CAPITALS = 0.0022
+_STEP = 0.01  # between ticks
+
+
+def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
+    """A ChArUco board in the middle of a sheet, with rulers. Raises `SetupError` where it does not fit."""
+    width, height = board.size
+    page_width, page_height = _page(paper, width, height, f"a board of {board.columns}x{board.rows} squares")
+    left, top = (page_width - width) / 2, (page_height - height) / 2
+    words = (
+        f"{board.columns}x{board.rows} squares of {_mm(board.square)}, markers of {_mm(board.marker)}, "
+        f"{board.dictionary}{', legacy' if board.legacy else ''}"
+    )
+    rulers, labels = _rulers(page_height, words)
+    return Sheet(page_width, page_height, (*moved(_board(board), left, top), *rulers), labels)
+
+
+def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> list[Sheet]:
+    """Markers of their sizes on as many sheets as it takes, with a white rim of a module, a number, and rulers.
+
+    Raises `SetupError` for a marker that is larger than the sheet.
+    """
+    sides = {number: float(markers.points(number)[1, 0] - markers.points(number)[0, 0]) for number in numbers}
+    modules = markers.bits.markerSize + 2
+    largest = max(sides.values())
+    cell = largest * (modules + 2) / modules
+    page_width, page_height = _page(paper, cell, cell + _STRIP, f"a marker of {_mm(largest)} with its white rim")
+    inside = (page_width - 2 * (_MARGIN + _STRIP), page_height - 2 * (_MARGIN + _STRIP))
+    columns, rows = max(1, int(inside[0] / cell)), max(1, int(inside[1] / (cell + _STRIP)))
+    sheets = []
+    for first in range(0, len(numbers), columns * rows):
+        rectangles, labels = _rulers(page_height, markers.dictionary)
+        for place, number in enumerate(numbers[first : first + columns * rows]):
+            row, column = divmod(place, columns)
+            left = (page_width - columns * cell) / 2 + column * cell + (cell - sides[number]) / 2
+            top = (page_height - rows * (cell + _STRIP)) / 2 + row * (cell + _STRIP) + (cell - sides[number]) / 2
+            rectangles += moved(_marker(_bits(markers.bits, number), sides[number]), left, top)
+            base = top + sides[number] + sides[number] / modules + _CAPITALS
+            labels += (Label(left, base, _CAPITALS, f"{number}: {_mm(sides[number])}"),)
+        sheets.append(Sheet(page_width, page_height, tuple(rectangles), labels))
+    return sheets
+
+
+def _page(paper: str, width: float, height: float, what: str) -> tuple[float, float]:
+    """The paper upright, or across where only that has the room."""
+    rim = 2 * (_MARGIN + _STRIP)
+    upright = PAPERS[paper]
+    for page in (upright, upright[::-1]):
+        if width + rim <= page[0] + 1e-9 and height + rim <= page[1] + 1e-9:
+            return page
+    fitting = [
+        name
+        for name, (short, long) in sorted(PAPERS.items(), key=lambda one: one[1])
+        if min(width, height) + rim <= short and max(width, height) + rim <= long
+    ]
+    cure = f"take {fitting[0]}, or smaller sides" if fitting else "take smaller sides"
+    raise SetupError(f"{what} is {_mm(width)} x {_mm(height)}, too large for {paper} with its margins; {cure}")
+
+
+def _board(board: CharucoBoard) -> Iterator[Rectangle]:
+    """The black parts of a board; the squares without a marker are black."""
+    opencv = board.opencv
+    white = set()
+    for number, corners in zip(np.ravel(opencv.getIds()).tolist(), opencv.getObjPoints()):
+        left, top = np.reshape(corners, (4, 3))[:, :2].astype(float).min(axis=0)
+        column, row = int(left / board.square), int(top / board.square)
+        white.add((column, row))
+        gap = (board.square - board.marker) / 2
+        marker = _marker(_bits(opencv.getDictionary(), number), board.marker)
+        yield from moved(marker, column * board.square + gap, row * board.square + gap)
+    for column, row in itertools.product(range(board.columns), range(board.rows)):
+        if (column, row) not in white:
+            yield Rectangle(column * board.square, row * board.square, board.square, board.square)
+
+
+def _bits(dictionary: Any, number: int) -> NDArray[np.bool_]:
+    """Which modules (n, n) of a marker are black, its rim included."""
+    return np.asarray(dictionary.generateImageMarker(number, dictionary.markerSize + 2)) < 128
+
+
+def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:
+    """A marker's black modules, those in a row together."""
+    module = side / len(black)
+    for row, modules in enumerate(black):
+        column = 0
+        for is_black, run in itertools.groupby(modules.tolist()):
+            count = len(list(run))
+            if is_black:
+                yield Rectangle(column * module, row * module, count * module, module)
+            column += count
+
+
+def _rulers(height: float, words: str) -> tuple[list[Rectangle], tuple[Label, ...]]:
+    """A ruler along the lower edge and one along the left, and what they are for beside the lower."""
+    lower = height - _MARGIN - _LINE
+    across = [Rectangle(_MARGIN, lower, RULER, _LINE)]
+    down = [Rectangle(_MARGIN, lower - RULER, _LINE, RULER)]
+    for index in range(round(RULER / _STEP) + 1):
+        length, place = (_TICK if index % 5 else _LONG_TICK), index * _STEP
+        across.append(Rectangle(_MARGIN + place - (_LINE if place else 0), lower - length, _LINE, length))
+        down.append(Rectangle(_MARGIN, lower - place, length, _LINE))
+    text = f"Both rulers are {_mm(RULER)} long, or the printer has scaled.  {words}"
+    return across + down, (Label(_MARGIN + RULER + _LONG_TICK, lower + _LINE, _CAPITALS, text),)
+
+
+def _mm(metres: float) -> str:
+    return f"{metres * 1000:g} mm"

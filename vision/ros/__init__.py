@@ -1,0 +1,1 @@
+"""What was seen, as ROS 2 messages on topics."""

@@ -1,0 +1,97 @@
+"""Publishes what is seen on ROS 2's topics.
+
+| topic                   | type                                    | what                                            |
+|-------------------------|-----------------------------------------|-------------------------------------------------|
+| /tf                     | tf2_msgs/TFMessage                      | where each landmark is                          |
+| aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | the same of one, with its covariance            |
+| aruco/detections        | vision_msgs/Detection3DArray            | all landmarks of a frame, both poses of each    |
+| aruco/camera_info       | sensor_msgs/CameraInfo                  | the camera's parameters                         |
+| aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame, with what was seen drawn into it     |
+| aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | where the camera is on the field                |
+
+What takes time to make is made for those who listen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.vision.camera.camera_model import CameraParameters
+from roverlink.vision.field.view import View
+from roverlink.vision.images.drawing import draw
+from roverlink.vision.ros import sighting_messages
+from roverlink.vision.ros.sighting_messages import FrameNames
+
+NODE = "aruco_tracker"
+_TRANSFORMS = Qos(depth=100)  # as tf2's broadcaster has it
+_LATEST = Qos(depth=5)  # of images and what belongs to them, as sensors have it
+
+
+class Publishing:
+    """The topics of one camera."""
+
+    def __init__(
+        self,
+        middleware: Middleware,
+        camera: CameraParameters,
+        names: FrameNames,
+        topic: Callable[[str], str],
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """`topic` gives a topic's full name; `say` hears of one that cannot be published (of an rclpy without it)."""
+        self._middleware, self._camera, self._names, self._topic, self._say = middleware, camera, names, topic, say
+        self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
+        self._detections = self._open("aruco/detections", vision_msgs.Detection3DArray)
+        self._camera_info = self._open("aruco/camera_info", sensor_msgs.CameraInfo, _LATEST)
+        self._image = self._open("aruco/image/compressed", sensor_msgs.CompressedImage, _LATEST)
+        self._camera_pose = self._open("aruco/camera_pose", geometry_msgs.PoseWithCovarianceStamped)
+        self._poses: dict[str, _Output] = {}
+
+    def publish(self, view: View) -> None:
+        """Publish what a frame showed. Without landmarks in it, there is nothing on /tf."""
+        names, stamp, sightings = self._names, view.frame.stamp, view.sightings
+        if sightings:
+            self._transforms.put(lambda: sighting_messages.transforms_of(sightings, names))
+        for one in sightings:
+            self._pose_of(names.of(one.id)).put(partial(sighting_messages.marker_pose_of, one, names))
+        self._detections.put(lambda: sighting_messages.detections_of(sightings, stamp, names))
+        self._camera_info.put(lambda: sighting_messages.camera_info_of(self._camera, view.frame.size, stamp, names))
+        self._image.put(lambda: sighting_messages.compressed_of(self._drawn(view), stamp, names))
+        if place := view.place:
+            self._camera_pose.put(lambda: sighting_messages.camera_pose_of(place, stamp))
+
+    def _drawn(self, view: View) -> Any:
+        return draw(view.frame.image, self._camera, view.sightings, view.place)
+
+    def _pose_of(self, name: str) -> _Output:
+        if name not in self._poses:
+            self._poses[name] = self._open(f"aruco/{name}/pose", geometry_msgs.PoseWithCovarianceStamped)
+        return self._poses[name]
+
+    def _open(self, name: str, message_type: type[Message], qos: Qos = Qos()) -> _Output:  # noqa: B008  # it is frozen
+        topic = self._topic(name)
+        try:
+            return _Output(self._middleware.publisher(topic, message_type, qos))
+        except MiddlewareError as error:
+            self._say(f"nothing is published on {topic}: {error}")
+            return _Output(None)
+
+
+class _Output:
+    """A topic, or none."""
+
+    def __init__(self, publisher: Publisher | None) -> None:
+        self._publisher = publisher
+
+    def put(self, make: Callable[[], Message]) -> None:
+        """Publish a message where somebody listens."""
+        if self._publisher is not None and self._publisher.has_subscribers():
+            self._publisher.publish([cdr.encode(make())])

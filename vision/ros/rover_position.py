@@ -1,0 +1,45 @@
+"""The rover's position on the field, published on the topic that a bridge forwards to the basestation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from roverlink.runtime import Registry
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import fields_of
+from roverlink.runtime.middleware import Middleware
+from roverlink.vision.camera.camera_model import Floats
+
+ROW = "rover_localization"
+"""The table's row that carries the position."""
+AXES = ("x", "y", "z")
+"""The fields of its message, whatever its type is: metres in the field's frame."""
+
+
+def position_publisher(
+    middleware: Middleware,
+    registry: Registry,
+    topic: Callable[[str], str],
+    warn: Callable[[str], object] = lambda _: None,
+) -> Callable[[Floats], None]:
+    """Return a function that publishes a position (3,) as the message that the table has for `ROW`.
+
+    Where the table has no such row, or its message lacks one of `AXES`, ``warn`` hears of it, and the function does
+    nothing: whoever tracks markers may have no peer to tell.
+    """
+    rows = (*registry.handlers, *registry.feeds)
+    handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)
+    if handler is None:
+        warn(f"the table has no row {ROW} that goes to a peer: no peer is told where the rover is")
+        return lambda _: None
+    route, message_type = handler.route, handler.message_type
+    if missing := [axis for axis in AXES if axis not in {field.name for field in fields_of(message_type)}]:
+        name = message_type.__msgtype__
+        warn(f"{name} of the row {ROW} has no field {', '.join(missing)}: no peer is told where the rover is")
+        return lambda _: None
+    publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
+
+    def publish_position(position: Floats) -> None:
+        publish([cdr.encode(message_type(**dict(zip(AXES, position.tolist()))))])
+
+    return publish_position

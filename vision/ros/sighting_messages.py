@@ -1,0 +1,146 @@
+"""What was seen, as ROS 2 messages.
+
+A marker's frame has x to the right of the print, y up and z out of it; the camera's is the optical one (REP-103).
+Covariances are about the axes of the frame that the pose is given in, as `geometry_msgs/PoseWithCovariance` has it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.interfaces import Time, geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
+from roverlink.runtime.interfaces.std_msgs import Header
+from roverlink.vision.camera.camera_model import CameraParameters, Floats
+from roverlink.vision.camera.parameters_file import model_name
+from roverlink.vision.field.localization import FieldPose
+from roverlink.vision.markers.detection import Image
+from roverlink.vision.markers.marker_set import TargetId
+from roverlink.vision.markers.tracker import Sighting
+from roverlink.vision.opencv import cv2
+from roverlink.vision.poses.pnp import Solution
+from roverlink.vision.poses.pose import Pose, quaternion_of
+
+_QUALITY = 80  # of JPEG
+
+
+@dataclass(frozen=True, slots=True)
+class FrameNames:
+    """The names of the coordinate frames."""
+
+    camera: str = "camera_frame"
+    marker: str = "aruco_"
+    """What comes before a marker's number, or before a board's name."""
+
+    def of(self, target: TargetId) -> str:
+        """The frame of a landmark."""
+        return f"{self.marker}{target}"
+
+
+def header_of(stamp: int, frame: str) -> Header:
+    """A header with nanoseconds since 1970."""
+    return Header(Time(stamp // 10**9, stamp % 10**9), frame)
+
+
+def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
+    """Where each landmark is in the camera's frame, for tf2."""
+    return tf2_msgs.TFMessage(
+        [
+            geometry_msgs.TransformStamped(
+                header_of(one.stamp, names.camera),
+                names.of(one.id),
+                geometry_msgs.Transform(geometry_msgs.Vector3(*_plain(one.pose.translation)), _quaternion(one.pose)),
+            )
+            for one in sightings
+        ]
+    )
+
+
+def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
+    """Where a landmark is in the camera's frame."""
+    pose = _with_covariance(one.pose, one.covariance)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
+
+
+def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
+    """Where the camera is on the field."""
+    pose = _with_covariance(place.pose, place.covariance)
+    return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
+
+
+def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> vision_msgs.Detection3DArray:
+    """The landmarks in a frame, with both poses of each: the first result is the one that was decided for."""
+    header = header_of(stamp, names.camera)
+    return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
+
+
+def camera_info_of(
+    camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames
+) -> sensor_msgs.CameraInfo:
+    """The camera's parameters, for images of `size` (width, height) that nobody has rectified."""
+    width, height = size
+    return sensor_msgs.CameraInfo(
+        header=header_of(stamp, names.camera),
+        height=height,
+        width=width,
+        distortion_model=model_name(camera),
+        d=_plain(camera.distortion),
+        k=_plain(camera.matrix.ravel()),
+        r=_plain(np.eye(3).ravel()),
+        p=_plain(np.column_stack([camera.matrix, np.zeros(3)]).ravel()),
+    )
+
+
+def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.CompressedImage:
+    """An image (H, W, 3) as JPEG. Raises `SetupError` for one that JPEG cannot hold."""
+    done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+    if not done:
+        raise SetupError(f"an image of {image.shape[1]}x{image.shape[0]} pixels cannot be compressed")
+    return sensor_msgs.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
+
+
+def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
+    ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
+    results = [
+        vision_msgs.ObjectHypothesisWithPose(
+            vision_msgs.ObjectHypothesis(str(one.id), _score(solution, one.solutions)),
+            _with_covariance(solution.pose, solution.covariance),
+        )
+        for solution in ordered
+    ]
+    low, high = one.seen.points.min(axis=0), one.seen.points.max(axis=0)
+    centre = Pose(one.pose.rotation, one.pose.apply((low + high) / 2))
+    return vision_msgs.Detection3D(
+        header,
+        results,
+        vision_msgs.BoundingBox3D(_pose(centre), geometry_msgs.Vector3(*_plain(high - low))),
+        names.of(one.id),
+    )
+
+
+def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
+    """How likely this frame alone makes a solution among all, from their chi squared."""
+    least = min(one.chi2 for one in solutions)
+    weights = [math.exp((least - one.chi2) / 2) for one in solutions]
+    return math.exp((least - solution.chi2) / 2) / sum(weights)
+
+
+def _with_covariance(pose: Pose, covariance: Floats) -> geometry_msgs.PoseWithCovariance:
+    return geometry_msgs.PoseWithCovariance(_pose(pose), _plain(covariance.ravel()))
+
+
+def _pose(pose: Pose) -> geometry_msgs.Pose:
+    return geometry_msgs.Pose(geometry_msgs.Point(*_plain(pose.translation)), _quaternion(pose))
+
+
+def _quaternion(pose: Pose) -> geometry_msgs.Quaternion:
+    return geometry_msgs.Quaternion(*_plain(quaternion_of(pose.rotation)))
+
+
+def _plain(values: Floats) -> list[float]:
+    numbers: list[float] = values.astype(float).tolist()
+    return numbers
