@@ -25,7 +25,7 @@ _SHARED_NAMES = {
         "registry",
         "routes",
     ),  # of each target
-    *("reader", "writer"),  # of the files of their folder
+    "reader",  # of the table, of a recording
     "board",  # the command, and what it prints
 }
 LINKED = ("generator", "runtime", "vision")

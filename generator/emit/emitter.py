@@ -8,10 +8,10 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
-from roverlink.generator.emit import envelope_file, targets, user_templates
+from roverlink.generator.emit import envelope_file, mapping_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from roverlink.generator.emit.render import Files
-from roverlink.generator.table import Table, json_schema
+from roverlink.generator.table import Table
 
 FOLDER = "generated"
 """The folder of what is generated, as targets name it; `placed` tells where it is."""
@@ -29,7 +29,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
     Raises `DiagnosticsError` with everything that is wrong with targets and templates.
     """
     collected = _Collected()
-    collected.add(Span(bridge.table), [(f"{bridge.folder}/{json_schema.FILE}", json_schema.text())])
+    collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_schema.FILE}", mapping_schema.text())])
     collected.add(Span(bridge.table), [(lock.NAME, lock.render(bridge, published))])
     if bridge.envelope.ours:
         path = f"{table.proto.root}/{bridge.envelope.file}"

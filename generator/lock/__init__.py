@@ -7,8 +7,8 @@ lines of both sides, and the next generate writes them in order.
 """
 
 from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum
-from roverlink.generator.lock.reader import read
-from roverlink.generator.lock.writer import render, schema_lines
+from roverlink.generator.lock.ledger_reader import read
+from roverlink.generator.lock.ledger_text import render, schema_lines
 
 __all__ = [
     "NAME",

@@ -11,7 +11,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.ir import ros_names
 from roverlink.generator.table.keys import FeedSettings, PeerSettings, Row, Table
 from roverlink.generator.table.parts import Form, build, object_of
-from roverlink.generator.table.table_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
+from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
 from roverlink.generator.table.yaml_items import read_form, read_text
 
 _FIRST_PORT = 6000

@@ -16,7 +16,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from roverlink.generator.table.parts import Form
-from roverlink.generator.table.table_rules import (
+from roverlink.generator.table.reading_rules import (
     BAD_VALUE,
     DUPLICATE_KEY,
     MISSING_KEY,

@@ -11,7 +11,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
 from roverlink.generator.table.parts import Form
-from roverlink.generator.table.table_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
+from roverlink.generator.table.reading_rules import BAD_VALUE, SURPRISING_SCALAR, WRONG_TYPE
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,

@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.deadman import Watchdog
 from roverlink.runtime.bridge.pacing import Pacer
-from roverlink.runtime.bridge.watchdog import Watchdog
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.core.registry import AnyHandler

@@ -1,4 +1,4 @@
-"""The bridge's pure core: datagram bytes to serialized ROS 2 messages and back. No socket, no ROS, no clock."""
+"""Dispatches datagrams to handlers: bytes to serialized ROS 2 messages, and back. No socket, no ROS, no clock."""
 
 from __future__ import annotations
 

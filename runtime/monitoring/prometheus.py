@@ -9,8 +9,8 @@ from typing import Any
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
-from roverlink.runtime.monitoring.http_server import HttpServer
 from roverlink.runtime.monitoring.state import State
+from roverlink.runtime.net.http_server import HttpServer
 
 try:
     from prometheus_client import CollectorRegistry, generate_latest

@@ -53,9 +53,10 @@ def test_every_rule_has_a_case() -> None:
     assert [rule for rule in sorted(_rules()) if rule not in said] == []
 
 
-def test_rule_ids_are_unique() -> None:
-    """No two rules share an id."""
-    assert len(_rules()) == len({id(rule) for rules in _rules().values() for rule in rules})
+def test_rules_are_told_apart() -> None:
+    """No two rules share an id or a name: `explain` finds them by both."""
+    rules = {id(rule): rule for rules in _rules().values() for rule in rules}.values()
+    assert len(rules) == len({rule.id for rule in rules}) == len({rule.name for rule in rules})
 
 
 def _rules() -> dict[str, list[Rule]]:

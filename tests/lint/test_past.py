@@ -80,7 +80,7 @@ def test_a_number_that_was_reused_is_found_with_its_whole_life(repository: Repos
     code, out, err = run("lint", "--history", root, *_TREE, "--format", "json")
     assert (code, err) == (1, "")
     (found,) = _found(out)
-    assert (found["id"], found["name"], found["severity"]) == ("HIS101", "field-number-reuse", "error")
+    assert (found["id"], found["name"], found["severity"]) == ("HIS101", "number-reused-in-history", "error")
     assert (found["message_type"], found["number"], found["path"], found["line"]) == ("PBEnvelope", 2, _FILE, 10)
     assert [(use["type"], use["name"], use["first_commit"], use["last_commit"]) for use in found["history"]] == [
         ("Gps", "gps", commits["Begin"], commits["Take GPS away"]),
@@ -101,7 +101,7 @@ def test_a_merged_side_branch_is_not_overlooked(repository: RepositoryBuilder, r
     repository.delete_branch("side")
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
-    assert [(one["name"], one["number"]) for one in _found(out)] == [("field-number-reuse", 2)]
+    assert [(one["name"], one["number"]) for one in _found(out)] == [("number-reused-in-history", 2)]
 
 
 def test_today_that_is_reserved_is_said(repository: RepositoryBuilder, run: Run) -> None:

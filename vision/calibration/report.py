@@ -20,7 +20,7 @@ from roverlink.vision.calibration.board import CharucoBoard
 from roverlink.vision.calibration.coverage import Coverage, traits
 from roverlink.vision.calibration.solution import Calibration, Fitted
 
-_TEMPLATES = Path(__file__).parents[2] / "templates"
+_TEMPLATES = Path(__file__).with_name("templates")
 _TEMPLATE = "calibration.html.j2"
 
 

@@ -33,7 +33,7 @@ import numpy as np
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
-from roverlink.vision.camera.yaml_file import LARGEST, Item, parse
+from roverlink.vision.yaml_file import LARGEST, Item, parse
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
 """The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""

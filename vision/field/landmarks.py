@@ -17,10 +17,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from roverlink.vision.camera.yaml_file import Item, read_file
 from roverlink.vision.markers.marker_set import TargetId
 from roverlink.vision.poses.pose import Pose
 from roverlink.vision.poses.pose_entries import POSE, pose
+from roverlink.vision.yaml_file import Item, read_file
 
 FRAME = "field"
 SURVEY_POSITION = 0.01

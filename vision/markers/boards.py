@@ -17,9 +17,9 @@ from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.camera.yaml_file import Item, read_file
 from roverlink.vision.markers.marker_set import Board, square
 from roverlink.vision.poses.pose_entries import POSE, pose
+from roverlink.vision.yaml_file import Item, read_file
 
 
 def read_boards(path: Path) -> tuple[Board, ...]:

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from roverlink.vision.camera.camera_model import Floats
-from roverlink.vision.camera.yaml_file import Item
 from roverlink.vision.poses.pose import Pose, rotation_of
+from roverlink.vision.yaml_file import Item
 
 POSE = frozenset(("position", "rpy", "orientation"))
 """The keys of a pose."""

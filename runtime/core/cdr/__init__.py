@@ -14,7 +14,7 @@ import struct
 from collections.abc import Sequence
 from typing import TypeVar
 
-from roverlink.runtime.core.cdr.codec import LITTLE_ENDIAN, Codec
+from roverlink.runtime.core.cdr.encapsulation import LITTLE_ENDIAN, Codec
 from roverlink.runtime.core.cdr.fixed import fixed_codec, fixed_layout, layout, leaves_of
 from roverlink.runtime.core.cdr.misfit import UNWRITABLE, misfit, type_name
 from roverlink.runtime.core.cdr.template import Template

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar
 
-from roverlink.runtime.core.cdr.codec import BOOL, LITTLE_ENDIAN, Codec, check_flags
+from roverlink.runtime.core.cdr.encapsulation import BOOL, LITTLE_ENDIAN, Codec, check_flags
 from roverlink.runtime.core.messages import Array, Message, Primitive, Sequence, Text, fields_of
 
 M = TypeVar("M", bound=Message)

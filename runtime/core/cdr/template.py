@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from roverlink.runtime.core.cdr.codec import LITTLE_ENDIAN
+from roverlink.runtime.core.cdr.encapsulation import LITTLE_ENDIAN
 from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Text, fields_of
 from roverlink.runtime.core.messages import Sequence as RosSequence
 

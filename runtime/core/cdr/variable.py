@@ -6,7 +6,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
 
-from roverlink.runtime.core.cdr.codec import BOOL, LITTLE_ENDIAN, Codec, check_flags
+from roverlink.runtime.core.cdr.encapsulation import BOOL, LITTLE_ENDIAN, Codec, check_flags
 from roverlink.runtime.core.messages import (
     UINT8,
     Array,

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs, urlsplit
 
 from roverlink.runtime.core.errors import RoverlinkError
-from roverlink.runtime.monitoring.http_server import HttpServer
+from roverlink.runtime.net.http_server import HttpServer
 
 _CONNECTIONS = 24
 """At a time; a browser opens six."""

@@ -27,7 +27,7 @@ from roverlink.generator.lint.context import Subject
 from roverlink.generator.lint.history import Kind
 from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
 
-RULE = Rule("HIS101", "field-number-reuse", __doc__)
+RULE = Rule("HIS101", "number-reused-in-history", __doc__)
 _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 

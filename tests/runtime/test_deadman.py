@@ -7,7 +7,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from roverlink.runtime.bridge.watchdog import Watchdog
+from roverlink.runtime.bridge.deadman import Watchdog
 
 
 def _due(watchdog: Watchdog, *times: float) -> list[float]:

@@ -1,0 +1,69 @@
+"""The wheel installs one package, and works in a project whose folders have the names of our own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the content of the wheel and nothing else of ours."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", folder]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    (wheel,) = folder.glob("*.whl")
+    zipfile.ZipFile(wheel).extractall(folder / "site")
+    return folder / "site"
+
+
+@pytest.fixture
+def roverlink(site: Path, tmp_path: Path) -> Run:
+    """Run the wheel's command line in an empty folder of a user."""
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        environment = {"PYTHONPATH": str(site), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+        command = [sys.executable, "-m", "roverlink", *arguments]
+        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+
+    return run
+
+
+def test_the_wheel_has_one_top_level_module(site: Path) -> None:
+    """Beside the metadata there is `roverlink` alone, with its parts and their data; the sample rover is not in it."""
+    assert sorted(path.name for path in site.iterdir() if path.suffix != ".dist-info") == ["roverlink"]
+    for file in ("py.typed", "templates/handler.py.j2", "cpp/CMakeLists.txt", "runtime/node/node_parameters.yaml"):
+        assert (site / "roverlink" / file).is_file()
+    assert not list(site.rglob("imu_*"))
+
+
+def test_folders_of_a_user_disturb_nothing(site: Path, roverlink: Run, tmp_path: Path) -> None:
+    """A project with its own packages `generator`, `runtime`, `vision` and `templates` can be compiled and linted."""
+    for name in ("generator", "runtime", "vision", "templates"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise RuntimeError('a module of the user was imported')\n")
+    for command in (["init"], ["generate", "--check"], ["lint"], ["explain", "board_status"]):
+        done = roverlink(*command)
+        assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    where = "import generated, roverlink.runtime as r; print(r.__file__, generated.__file__)"
+    told = subprocess.run(
+        [sys.executable, "-c", where], cwd=tmp_path, env={"PYTHONPATH": str(site)}, capture_output=True, text=True
+    )
+    assert told.stdout.split() == [str(site / "roverlink/runtime/__init__.py"), str(tmp_path / "generated/__init__.py")]
+
+
+@pytest.mark.parametrize("command", ["run", "simulate", "demo", "send x", "echo x", "listen --port 0"])
+def test_outside_of_a_project_commands_say_how_to_start_one(command: str, roverlink: Run) -> None:
+    """Exit code 2 and one line that names `roverlink init`; the wheel has no rover to fall back on."""
+    done = roverlink(*command.split())
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert "`roverlink init` starts a project" in done.stderr
