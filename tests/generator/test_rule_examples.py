@@ -59,7 +59,7 @@ def _ids(rule: Rule, findings: Iterable[Diagnostic]) -> set[str]:
     return {one.rule.id for one in findings if one.rule == rule or one.severity is not Severity.HINT}
 
 
-@pytest.mark.parametrize("rule", filter(_runnable, rules().values()), ids=lambda rule: rule.id)
+@pytest.mark.parametrize("rule", list(filter(_runnable, rules().values())), ids=lambda rule: rule.id)
 def test_a_bad_example_raises_the_rule_and_a_good_one_nothing(rule: Rule, tmp_path: Path) -> None:
     """Each example, put through the pipeline and the lint, shows what its rule is about."""
     for verdict, expected in (("Bad", {rule.id}), ("Good", set())):
@@ -76,7 +76,7 @@ def test_every_rule_is_in_the_catalogue() -> None:
     assert declared == rules()
 
 
-@pytest.mark.parametrize("rule", rules().values(), ids=lambda rule: rule.id)
+@pytest.mark.parametrize("rule", list(rules().values()), ids=lambda rule: rule.id)
 def test_every_rule_is_documented(rule: Rule, capsys: pytest.CaptureFixture[str]) -> None:
     """The documentation has a summary, says why the rule is there, and has a bad and a good example."""
     summary, blank, why, *_ = rule.documentation.strip().splitlines()

@@ -38,7 +38,7 @@ def compiled() -> dict[str, Compiled]:
 
 def _texts(one: Compiled) -> dict[str, str]:
     """Text of each .msg file, as ``package/Name``."""
-    found = {path: re.fullmatch(r"generated/ros/(\w+)/msg/(\w+)\.msg", path) for path in one.files}
+    found = {path: re.fullmatch(rf"{one.bridge.folder}/ros/(\w+)/msg/(\w+)\.msg", path) for path in one.files}
     return {f"{match[1]}/{match[2]}": one.files[path] for path, match in found.items() if match}
 
 
