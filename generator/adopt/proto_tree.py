@@ -24,7 +24,6 @@ class Tree:
     """A tree of .proto files, as far as it compiles."""
 
     root: Path
-    shown_root: str
     files: Mapping[str, File]
     """Every file, as far as it can be read."""
     schema: Schema
@@ -65,7 +64,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
     schema, exclude = _compiled_together(root, files, path, shown_root)
     envelope = schema.messages[name]
     doubt = f"guessed: it could be {' or '.join(other for _, other in candidates[1:])}" if candidates[1:] else ""
-    return Tree(root, shown_root, files, schema, exclude, envelope, _oneof(envelope, oneof, shown_root), doubt)
+    return Tree(root, files, schema, exclude, envelope, _oneof(envelope, oneof, shown_root), doubt)
 
 
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:

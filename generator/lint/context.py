@@ -9,7 +9,6 @@ from roverlink.generator.diagnostics import Span, shown
 from roverlink.generator.lint.breaking import Change
 from roverlink.generator.lint.history import History, branch_name
 from roverlink.generator.lint.pinned_numbers import Pinned
-from roverlink.generator.lock import NAME as LEDGER
 from roverlink.generator.lock import Entry, Ledger
 from roverlink.generator.nanopb import Bounds
 from roverlink.generator.protos.parser import File
@@ -26,7 +25,7 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
         return ()
     before = published.schema
     known = {name: message for name, message in before.messages.items() if name != incomplete}
-    return (Change(replace(before, messages=known), schema, LEDGER, of_ledger=True),)
+    return (Change(replace(before, messages=known), schema, of_ledger=True),)
 
 
 @dataclass(frozen=True, slots=True)

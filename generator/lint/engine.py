@@ -168,7 +168,7 @@ def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagn
 
 
 def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) -> tuple[Change, ...]:
-    changes = [Change(baseline.schema, schema, baseline.name, bounds_before=baseline.bounds)] if baseline else []
+    changes = [Change(baseline.schema, schema, bounds_before=baseline.bounds)] if baseline else []
     return (*changes, *since_last_generate(published, schema))
 
 

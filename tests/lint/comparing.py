@@ -42,7 +42,7 @@ def compiled(state: Mapping[str, str], folder: Path, shown_root: str = ROOT) -> 
 
 def changes_found(before: Schema | Iterable[Change], after: Schema, ledger: Ledger | None = None) -> list[Diagnostic]:
     """What the rules about changes find between two states."""
-    changes = (Change(before, after, "before"),) if isinstance(before, Schema) else tuple(before)
+    changes = (Change(before, after),) if isinstance(before, Schema) else tuple(before)
     return found(Subject(table=TABLE, schema=after, ledger=ledger or Ledger(), changes=changes))
 
 

@@ -14,6 +14,8 @@ from repositories import RepositoryBuilder, envelope, git, message
 
 from roverlink.generator.git import GitError
 from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, read_history
+from roverlink.generator.lint.history.branch_collisions import default_branch
+from roverlink.generator.lint.history.commits import PastRepository
 
 _EXAMPLES = settings(deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 _FILE = "components/common/envelope.proto"
@@ -205,7 +207,6 @@ def test_two_branches_one_number(repository: RepositoryBuilder) -> None:
             ],
         )
     ]
-    assert history.tips("PBEnvelope")["refs/heads/ph"] == {1: ("Imu", "imu"), 3: ("Ph", "ph")}
     reuse = _only(history.reuses("PBEnvelope"))
     assert (reuse.relation, reuse.at_once) == (Relation.BRANCHES, True)
     assert reuse.earlier.live_at == ("refs/heads/gps", "refs/heads/same")
@@ -223,15 +224,10 @@ def test_a_branch_collides_with_the_default_one(repository: RepositoryBuilder) -
     repository.remote_branch("again", main)
     repository.remote_branch("main", main)
     history = _read(repository)
-    assert history.default_branch() == "refs/heads/main"
-    assert history.default_branch("again") == "refs/heads/again"
-    assert history.default_branch("nothing") is None
-    assert [
-        {use.type: use.refs for use in one.allocations} for one in history.collisions("PBEnvelope", "origin/main")
-    ] == [
+    assert [{use.type: use.refs for use in one.allocations} for one in history.collisions("PBEnvelope")] == [
         {
             "Gps": ("refs/heads/gps",),
-            "LoadCell": ("refs/remotes/origin/main",),
+            "LoadCell": ("refs/heads/main",),
             "Scale": ("refs/heads/again",),
         }
     ]
@@ -243,9 +239,7 @@ def test_the_default_branch_is_the_remote_s(repository: RepositoryBuilder) -> No
     repository.remote_branch("trunk")
     root = repository.write()
     git(root, "symbolic-ref", "refs/remotes/origin/HEAD", "refs/remotes/origin/trunk")
-    history = read_history(root)
-    assert history.default_branch() == "refs/remotes/origin/trunk"
-    assert list(history.tips("PBEnvelope")) == ["refs/heads/main", "refs/remotes/origin/trunk"]
+    assert default_branch(PastRepository(root).refs()) == "refs/remotes/origin/trunk"
 
 
 def test_an_octopus(repository: RepositoryBuilder) -> None:
@@ -490,7 +484,6 @@ def test_a_repository_without_protos(repository: RepositoryBuilder) -> None:
     repository.commit("Begin", {"README.md": "Nothing."})
     history = _read(repository)
     assert (history.commits, history.depth, history.messages) == (1, 1, ())
-    assert history.tips("PBEnvelope") == {"refs/heads/main": {}}
 
 
 def test_no_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -511,8 +504,7 @@ def test_a_shallow_clone(repository: RepositoryBuilder, tmp_path: Path) -> None:
     assert (history.shallow, history.depth, history.commits) == (True, 2, 2)
     assert (full.shallow, full.depth) == (False, 3)
     usages = history.numbers("PBEnvelope")
-    assert (usages[1][0].came.subject, usages[1][0].intervals[0].at_boundary) == ("Take GPS away", True)
-    assert not usages[2][0].intervals[0].at_boundary
+    assert usages[1][0].came.subject == "Take GPS away"
     assert history.reuses("PBEnvelope") == ()
 
 

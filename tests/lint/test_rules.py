@@ -433,7 +433,7 @@ def test_bounds_that_shrank(
     subject = _sized(tmp_path, _TO_BASE, now)
     assert subject.schema is not None
     bounds_before = Bounds(fields={("Note", name): bound for name, bound in before.items()})
-    change = Change(subject.schema, subject.schema, "before", bounds_before=bounds_before)
+    change = Change(subject.schema, subject.schema, bounds_before=bounds_before)
     said = [f.message for f in _found(dataclasses.replace(subject, changes=(change,)), "FIX103")]
     assert said == ([f"Note.{text}"] if text else [])
     unknown = dataclasses.replace(change, bounds_before=None)
@@ -445,5 +445,5 @@ def test_a_renamed_field_keeps_its_bound(tmp_path: Path) -> None:
     subject = _sized(tmp_path, _TO_BASE, {"text": FieldBounds(max_length=9)})
     before = _schema(tmp_path / "before", {"payloads.proto": _NOTE.replace("text", "words")})
     bounds = Bounds(fields={("Note", "words"): FieldBounds(max_length=10)})
-    changed = dataclasses.replace(subject, changes=(Change(before, before, "before", bounds_before=bounds),))
+    changed = dataclasses.replace(subject, changes=(Change(before, before, bounds_before=bounds),))
     assert [(f.type, f.number) for f in _found(changed, "FIX103")] == [("Note", 1)]

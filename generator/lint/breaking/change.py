@@ -14,8 +14,6 @@ class Change:
 
     before: Schema
     after: Schema
-    since: str
-    """How findings call the earlier state: a git ref, a folder, a file, the ledger."""
     of_ledger: bool = False
     """Whether the earlier state is the ledger: names, numbers and types of what can travel, and nothing else."""
     bounds_before: Bounds | None = None

@@ -12,10 +12,8 @@ from roverlink.generator.lint.history.proto_history import History, read_history
 from roverlink.generator.lint.history.same_meaning import differ
 from roverlink.generator.lint.history.usage_model import (
     Allocation,
-    Collision,
     Confidence,
     Content,
-    Interval,
     Kind,
     Relation,
     Reuse,
@@ -24,11 +22,9 @@ from roverlink.generator.lint.history.usage_model import (
 
 __all__ = [
     "Allocation",
-    "Collision",
     "Confidence",
     "Content",
     "History",
-    "Interval",
     "Kind",
     "Usage",
     "Relation",

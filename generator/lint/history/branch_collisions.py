@@ -25,11 +25,9 @@ def branches(refs: Sequence[Ref]) -> dict[str, str]:
     }
 
 
-def default_branch(refs: Sequence[Ref], wanted: str | None) -> str | None:
-    """The branch that others go into: the one that is ``wanted``, in full or in short, or else what git calls so."""
+def default_branch(refs: Sequence[Ref]) -> str | None:
+    """Return the full name of the branch that others are merged into, as git calls it; None where there is none."""
     names = branches(refs)
-    if wanted is not None:
-        return next((name for name in (wanted, _LOCAL + wanted, _REMOTE + wanted) if name in names), None)
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
     told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
     return next((name for name in (*told, *_DEFAULTS) if name in names), None)
@@ -45,13 +43,6 @@ class Branches:
 
     def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
         self._record, self._owners, self._nodes = record, owners, nodes
-
-    def tips(self) -> dict[str, dict[int, tuple[str, str]]]:
-        """What each branch has by each number: type and name."""
-        return {
-            ref: {fact.number: (fact.type, fact.name) for fact in sorted(self._facts(node), reverse=True)}
-            for ref, node in self._nodes.items()
-        }
 
     def collisions(self, default: str | None) -> list[Collision]:
         """Numbers that branches have given to different things since they parted.

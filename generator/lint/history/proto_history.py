@@ -7,7 +7,6 @@ from functools import cache
 from itertools import groupby
 from pathlib import Path
 
-from roverlink.generator.git import Commit
 from roverlink.generator.lint.history.blob_cache import BlobCache
 from roverlink.generator.lint.history.branch_collisions import Branches, branches, default_branch
 from roverlink.generator.lint.history.commit_graph import Graph, depth
@@ -16,7 +15,7 @@ from roverlink.generator.lint.history.lineage import sweep
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.numbered_types import NumberedTypes, numbered_types
 from roverlink.generator.lint.history.reuses import Reuses
-from roverlink.generator.lint.history.usage_model import Collision, Content, Reuse, Usage
+from roverlink.generator.lint.history.usage_model import Collision, Reuse, Usage
 from roverlink.generator.lint.history.usages import TracedUsage, usages
 from roverlink.generator.protos.parser import parse
 
@@ -31,7 +30,7 @@ def read_history(repository: Path, report: Callable[[int, int], None] | None = N
     git = PastRepository(repository)
     refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
     types, unread = _types(git, revisions, report or _nobody)
-    return History(revisions, refs, boundary, types, unread)
+    return History(revisions, refs, bool(boundary), types, unread)
 
 
 class History:
@@ -45,12 +44,12 @@ class History:
         self,
         revisions: Sequence[Revision],
         refs: Sequence[Ref],
-        boundary: frozenset[str],
+        shallow: bool,
         types: Mapping[str, NumberedTypes],
         unread: frozenset[str],
     ) -> None:
         graph = Graph(revisions)
-        self._refs, self._boundary = refs, boundary
+        self._refs = refs
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
         past = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
         self._record = Record(graph, past)
@@ -62,7 +61,7 @@ class History:
         """
         self.commits = len(revisions)
         """How many commits there are."""
-        self.shallow = bool(boundary)
+        self.shallow = shallow
         """Whether this is a part of the history only: what came before is not known."""
         self.depth = depth(revisions, [ref.commit for ref in refs])
         """How many commits it goes back."""
@@ -91,35 +90,16 @@ class History:
         """Return every number of fields or values that were ever commented out, with the usages in those comments."""
         return _by_number(traced.usage for traced in self._traced(name, True))
 
-    def content(self, name: str, commit: Commit) -> Content | None:
-        """The fields of a message, or the values of an enum, at a commit; None where it is not declared there."""
-        node = self._record.graph.node_of(commit.id)
-        found = (self._record.content(owner, node) for owner in self._record.owners(name))
-        return next((content for content in found if content is not None), None)
-
-    def tips(self, name: str) -> dict[str, dict[int, tuple[str, str]]]:
-        """What each branch, here and on remotes, has by each number of a message today: type and name."""
-        return self._branches(name).tips()
-
-    def collisions(self, name: str, default: str | None = None) -> tuple[Collision, ...]:
-        """Numbers of a message that branches have given to different things, since they left each other.
-
-        ``default`` is the branch that they will be merged into; if it is not given, git is believed.
-        """
-        return tuple(self._branches(name).collisions(self.default_branch(default)))
-
-    def default_branch(self, wanted: str | None = None) -> str | None:
-        """Full name of the branch that others are merged into; None where there is none of the name wanted."""
-        return default_branch(self._refs, wanted)
-
-    def _branches(self, name: str) -> Branches:
-        return Branches(self._record, self._record.owners(name), self._nodes)
+    def collisions(self, name: str) -> tuple[Collision, ...]:
+        """Return the numbers of a message that branches have given to different things, since they left each other."""
+        found = Branches(self._record, self._record.owners(name), self._nodes)
+        return tuple(found.collisions(default_branch(self._refs)))
 
     def _find_reuses(self, name: str) -> tuple[Reuse, ...]:
         return tuple(Reuses(self._record, self._record.owners(name), self._traced(name, False)).all())
 
     def _find_traced(self, name: str, claimed: bool) -> list[TracedUsage]:
-        return usages(self._record, self._record.owners(name), self._nodes, self._boundary, claimed)
+        return usages(self._record, self._record.owners(name), self._nodes, claimed)
 
     def _kinds(self) -> set[tuple[str, bool]]:
         return {

@@ -27,13 +27,9 @@ class Interval:
     came: Commit
     went: tuple[Commit, ...]
     """The commits that took it away: none while it lasts, several where branches did so each for itself."""
-    lasts: bool
-    """Whether some branch still has it."""
     path: str
     """The file in which it came, below the folder that was read."""
     line: int
-    at_boundary: bool
-    """Whether `came` is where a shallow clone ends, so that it may be older."""
 
 
 @dataclass(frozen=True, slots=True)

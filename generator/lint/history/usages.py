@@ -33,9 +33,7 @@ class TracedUsage:
     stretches: tuple[Stretch, ...]
 
 
-def usages(
-    record: Record, owners: Sequence[str], branches: Mapping[str, int], boundary: frozenset[str], claimed: bool = False
-) -> list[TracedUsage]:
+def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
     """Return the usages of the numbers of a message or enum, whichever package it was in; by number, then by age."""
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
@@ -46,7 +44,7 @@ def usages(
                 stretch = Stretch(owner, span, tuple(live_at.get(index, ())))
                 stretches.setdefault(span.fact, []).append(stretch)
     found = [
-        _traced(record, sorted(parts, key=lambda part: part.order), confidence[fact], boundary)
+        _traced(record, sorted(parts, key=lambda part: part.order), confidence[fact])
         for fact, parts in stretches.items()
     ]
     return sorted(found, key=lambda traced: (traced.usage.number, traced.stretches[0].order, traced.usage.fact))
@@ -62,9 +60,7 @@ def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[in
     return found
 
 
-def _traced(
-    record: Record, stretches: Sequence[Stretch], confidence: Confidence, boundary: frozenset[str]
-) -> TracedUsage:
+def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence) -> TracedUsage:
     fact = stretches[0].span.fact
     refs = sorted({ref for stretch in stretches for ref in stretch.live_at})
     went = max((node for stretch in stretches for node in stretch.span.went), default=None)
@@ -74,7 +70,7 @@ def _traced(
         name=fact.name,
         label=fact.label,
         oneof=fact.oneof,
-        intervals=tuple(_interval(record, stretch, boundary) for stretch in stretches),
+        intervals=tuple(_interval(record, stretch) for stretch in stretches),
         live_at=tuple(refs),
         went=None if refs or went is None else record.graph[went].revision.commit,
         confidence=confidence,
@@ -82,8 +78,8 @@ def _traced(
     return TracedUsage(usage, tuple(stretches))
 
 
-def _interval(record: Record, stretch: Stretch, boundary: frozenset[str]) -> Interval:
+def _interval(record: Record, stretch: Stretch) -> Interval:
     span = stretch.span
     came = record.graph[span.came].revision.commit
     went = tuple(record.graph[node].revision.commit for node in span.went)
-    return Interval(came, went, bool(stretch.live_at), span.path, span.line, came.id in boundary)
+    return Interval(came, went, span.path, span.line)

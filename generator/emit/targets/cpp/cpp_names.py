@@ -25,9 +25,9 @@ def accessor(field: str) -> str:
     return _escaped(field.lower())
 
 
-def getter(path: tuple[str, ...], holder: str = "payload") -> str:
-    """A field of a payload, or of a message in it: ``payload.inner().x()``; the holder itself for the empty path."""
-    return "".join([holder, *(f".{accessor(name)}()" for name in path)])
+def getter(path: tuple[str, ...]) -> str:
+    """Spell a field of a payload, or of a message in it: ``payload.inner().x()``; the payload for the empty path."""
+    return "".join(["payload", *(f".{accessor(name)}()" for name in path)])
 
 
 def proto_class(full_name: str) -> str:
