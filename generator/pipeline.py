@@ -13,7 +13,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_er
 from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
-from roverlink.generator.lint import context
+from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.rules import lint
 from roverlink.generator.nanopb import table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
@@ -109,8 +109,8 @@ def _compiled(
     schema = compilation.schema if compilation else None
     # an envelope that lacks a row for a mistake in it has lost nothing
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
-    changes = context.since_last_generate(published, schema, lacking) if schema else ()
-    findings += lint(context.Subject(table, schema, published, changes=changes))
+    changes = since_last_generate(published, schema, lacking) if schema else ()
+    findings += lint(Context(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)

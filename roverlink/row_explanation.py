@@ -13,7 +13,7 @@ from roverlink.generator.emit.emitter import FOLDER, placed
 from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.type_hashes import type_hashes
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import Question, lint_project
 from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
 from roverlink.generator.pipeline import Compiled, compile_table
@@ -33,24 +33,24 @@ class Project:
     def __init__(self, table: Path, *, history: bool) -> None:
         self.folder = table.resolve().parent
         self.compiled: Compiled = compile_table(table)
-        self.subject: Subject = lint_project(table, Question(history=history)).subject
+        self.context: Context = lint_project(table, Question(history=history)).context
         self.hashes = type_hashes(self.compiled.bridge)
 
     def find(self, word: str) -> Row | None:
         """The row of a number, a name, a topic, or a message."""
-        for row in self.subject.table.rows:
+        for row in self.context.table.rows:
             if word in (str(row.number), row.name, row.topic, row.proto, row.ros):
                 return row
         return None
 
     def taken(self, word: str) -> str:
         """Why a number without a row is not free; empty for one that is, and for what is no number."""
-        occupied = self.subject.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
+        occupied = self.context.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
         return next((why for _, _, why in occupied), "")
 
     def known(self) -> list[str]:
         """What rows can be called by."""
-        return [name for row in self.subject.table.rows for name in (row.name, row.topic, row.proto, row.ros)]
+        return [name for row in self.context.table.rows for name in (row.name, row.topic, row.proto, row.ros)]
 
     def explain(self, row: Row) -> dict[str, Any]:
         """All of it, ready for JSON; the order is that in which it is told."""
@@ -99,21 +99,21 @@ class Project:
         return {"topic": feed.topic, "message": feed.message, "fields": fields, "way_back": feed.obstacle or "yes"}
 
     def _proto(self, file: str) -> str:
-        return f"{self.subject.table.proto.root}/{file}"
+        return f"{self.context.table.proto.root}/{file}"
 
     def _peer(self, name: str) -> dict[str, Any]:
-        peer = self.subject.table.peers_by_name()[name]
+        peer = self.context.table.peers_by_name()[name]
         return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
 
     def _size(self, row: Row) -> dict[str, Any]:
         """The largest encodings, as nanopb reckons them; None, with the reason, where there is no bound."""
-        schema, bounds = self.subject.schema, self.subject.bounds
+        schema, bounds = self.context.schema, self.context.bounds
         if schema is None or bounds is None or row.proto not in schema.messages:
             return {"payload": None, "envelope": None, "unbounded": "not known"}
         payload = largest_size(schema, bounds, row.proto)
         if isinstance(payload, Unbounded):
             return {"payload": None, "envelope": None, "unbounded": f"{payload.path}: {payload.reason}"}
-        envelope = envelope_size(schema, bounds, self.subject.table.envelope.message, row.number, payload)
+        envelope = envelope_size(schema, bounds, self.context.table.envelope.message, row.number, payload)
         return {"payload": payload, "envelope": envelope, "unbounded": None}
 
     def _field(self, field: ir.FieldConversion, row: Row) -> dict[str, Any]:
@@ -133,21 +133,21 @@ class Project:
         """The field that a path leads to."""
         found: ProtoField | None = None
         for name in path:
-            declared = self.subject.schema.messages.get(message) if self.subject.schema else None
+            declared = self.context.schema.messages.get(message) if self.context.schema else None
             found = next((one for one in declared.fields if one.name == name), None) if declared else None
             message = found.type_name if found else ""
         return found
 
     def _published(self, number: int) -> list[str]:
         """What the ledger has of the number."""
-        entries = [entry for entry in self.subject.ledger.entries if entry.number == number]
+        entries = [entry for entry in self.context.ledger.entries if entry.number == number]
         return [f"{entry.name} ({entry.proto}){', retired' if entry.retired else ''}" for entry in entries]
 
     def _history(self, number: int) -> list[str] | None:
         """The lives of the number in git; None where they were not asked for."""
-        if self.subject.past is None:
+        if self.context.past is None:
             return None
-        usages = self.subject.past.history.numbers(self.subject.table.envelope.message).get(number, ())
+        usages = self.context.past.history.numbers(self.context.table.envelope.message).get(number, ())
         return [
             f"{usage.type} {usage.name}, since {usage.came}" + (f", until {usage.went}" if usage.went else "")
             for usage in usages

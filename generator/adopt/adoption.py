@@ -19,7 +19,7 @@ from roverlink.generator.adopt.table_text import text_of
 from roverlink.generator.diagnostics import Diagnostic, in_order
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import read_bounds
@@ -85,17 +85,17 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
     )
     fit(draft, tree.schema, table_path.name)
     findings: list[Diagnostic] = []
-    subject = _subject(draft, tree, table_path.name, findings)
-    lower(draft, lint(subject), subject.schema or tree.schema)
+    context = _context(draft, tree, table_path.name, findings)
+    lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
     check_the_way(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
-    findings += lint(dataclasses.replace(subject, table=reader.parse(text, table_path.name, [])))
+    findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
 
 
-def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Subject:
+def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Context:
     """Make what the rules look at: the draft, and the tree with the envelope that generate will write."""
     table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
@@ -104,7 +104,7 @@ def _subject(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnosti
         text = envelope_file.text(resolve_envelope(table, places, Ledger()), table.file)
         files[draft.file] = parse(text)
         schema = compile_protos(tree.root, list(files), {draft.file: text}, draft.root).schema
-    return Subject(
+    return Context(
         table=table,
         schema=schema,
         ledger=Ledger(),

@@ -53,7 +53,7 @@ class Past:
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class Context:
     """The table, the protos as they are, and what is known of their past."""
 
     table: Table

@@ -13,7 +13,7 @@ from roverlink.generator.lint import bare_tree, buf
 from roverlink.generator.lint.baseline import Baseline, Layout, open_baseline
 from roverlink.generator.lint.breaking import Change
 from roverlink.generator.lint.consumer_pins import read_pins
-from roverlink.generator.lint.context import Past, Subject, since_last_generate
+from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.history import read_history
 from roverlink.generator.lint.input_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_numbers import read_pinned
@@ -66,7 +66,7 @@ class Linted:
     """The folder from which the files of findings are named."""
     commit_of: Callable[[Span], Commit | None]
     """The commit from which a line is; None where it is not committed, or not known."""
-    subject: Subject
+    context: Context
     """What the rules looked at."""
 
     @property
@@ -117,7 +117,7 @@ def _lint(
     of_table = as_lines(table_bounds(table, schema, root, findings))
     layout = Layout(shown_root, table.proto.exclude, table.envelope.message, table.envelope.oneof)
     baseline = _baseline(question, project, layout, findings)
-    subject = Subject(
+    context = Context(
         table=table,
         schema=schema,
         ledger=published,
@@ -129,8 +129,8 @@ def _lint(
         past=past,
     )
     theirs = _of_buf(baseline.schema, schema, shown_root, findings) if question.with_buf and baseline else []
-    findings += lint(subject, theirs)
-    return Linted(tuple(in_order(findings)), project, _blame(project, baseline), subject)
+    findings += lint(context, theirs)
+    return Linted(tuple(in_order(findings)), project, _blame(project, baseline), context)
 
 
 def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:

@@ -10,7 +10,7 @@ from roverlink.generator.lint.breaking.fixits import back, reserve
 from roverlink.generator.lint.breaking.misplaced_fields import misplaced_fields
 from roverlink.generator.lint.breaking.number_ranges import Range
 from roverlink.generator.lint.breaking.pairing import written
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS
@@ -18,41 +18,41 @@ from roverlink.generator.table import IMPLEMENTATION_NUMBERS
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
 
 
-def next_field_number(subject: Subject, full_name: str, taken: Iterable[int] = ()) -> int | None:
+def next_field_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
     """The number for the next field of a message: above every one that is known; None where there is none left.
 
     ``taken`` are those that others were offered already.
     """
-    known = {*taken} | {number for schema in _schemas(subject) for number in _fields(schema, full_name)}
-    known |= {field.number for field in subject.ledger.fields(full_name)}
-    for _, message in subject.declared(full_name):
+    known = {*taken} | {number for schema in _schemas(context) for number in _fields(schema, full_name)}
+    known |= {field.number for field in context.ledger.fields(full_name)}
+    for _, message in context.declared(full_name):
         known |= {claim.number for claim in message.claims}
     closed = [_IMPLEMENTATION]
-    for schema in _schemas(subject):
+    for schema in _schemas(context):
         if message_type := schema.messages.get(full_name):
             closed += [*message_type.reserved, *message_type.extension_ranges]
     return _above(known, closed, LARGEST_FIELD_NUMBER)
 
 
-def next_enum_number(subject: Subject, full_name: str, taken: Iterable[int] = ()) -> int | None:
+def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
     """The number for the next value of an enum: above every one that is known; None where there is none left."""
     known, closed = {-1, *taken}, list[Range]()
-    for enum in (schema.enums[full_name] for schema in _schemas(subject) if full_name in schema.enums):
+    for enum in (schema.enums[full_name] for schema in _schemas(context) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
         closed += enum.reserved
-    known |= {value.number for value in subject.ledger.values(full_name)}
-    for file in subject.files.values():
+    known |= {value.number for value in context.ledger.values(full_name)}
+    for file in context.files.values():
         known |= {c.number for enum in file.enums if enum.full_name == full_name for c in enum.claims}
     return _above(known, closed, LARGEST_ENUM_NUMBER)
 
 
-def new_numbers(subject: Subject, pair: EnumPair) -> dict[str, int]:
+def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
     """A number of its own for each value that is new and took the number of another one."""
     known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
     numbers: dict[str, int] = {}
     for value in pair.new.values:
         if value.name not in known and value.number in taken:
-            number = next_enum_number(subject, pair.new.full_name, numbers.values())
+            number = next_enum_number(context, pair.new.full_name, numbers.values())
             numbers |= {} if number is None else {value.name: number}
     return numbers
 
@@ -60,8 +60,8 @@ def new_numbers(subject: Subject, pair: EnumPair) -> dict[str, int]:
 class NewNumbers:
     """The numbers that are offered to the fields of a change."""
 
-    def __init__(self, subject: Subject, change: Change) -> None:
-        self._subject = subject
+    def __init__(self, context: Context, change: Change) -> None:
+        self._context = context
         self._change = change
         self._of: dict[str, dict[int, int]] = {}
 
@@ -69,13 +69,13 @@ class NewNumbers:
         """What is offered to the field of a message that has a number now; None where there is none left."""
         if owner not in self._of:
             self._of[owner] = self._handed_out(owner)
-        return self._of[owner].get(number) or next_field_number(self._subject, owner, self._of[owner].values())
+        return self._of[owner].get(number) or next_field_number(self._context, owner, self._of[owner].values())
 
     def _handed_out(self, owner: str) -> dict[int, int]:
         offered: dict[int, int] = {}
         old, new = self._change.before.messages.get(owner), self._change.after.messages.get(owner)
         for field in misplaced_fields(MessagePair(self._change, old, new)) if old and new else ():
-            number = next_field_number(self._subject, owner, offered.values())
+            number = next_field_number(self._context, owner, offered.values())
             if number is not None:
                 offered[field.number] = number
         return offered
@@ -94,10 +94,10 @@ def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> st
     return f"{undo}; or give it a new number, {number} is free: `{moved} {freed}`"
 
 
-def _schemas(subject: Subject) -> Iterator[Schema]:
-    if subject.schema is not None:
-        yield subject.schema
-    yield from (change.before for change in subject.changes)
+def _schemas(context: Context) -> Iterator[Schema]:
+    if context.schema is not None:
+        yield context.schema
+    yield from (change.before for change in context.changes)
 
 
 def _fields(schema: Schema, full_name: str) -> Iterator[int]:

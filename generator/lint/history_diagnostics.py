@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence, Set
 from itertools import groupby
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Confidence, History, Kind, Relation, Reuse, Usage, branch_name
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
 
@@ -22,16 +22,16 @@ _CONFIDENCES = {
 }
 
 
-def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
+def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
     """The numbers of messages and enums that had several meanings of some kinds, and were not accepted."""
-    past = subject.past
+    past = context.past
     if past is None or not past.of_numbers:
         return
     for owner in (*past.history.messages, *past.history.enums):
         names = past.history.names(owner)
-        if any(_stands_for(name, owner, subject, past.history) for name in names):
+        if any(_stands_for(name, owner, context, past.history) for name in names):
             continue
-        accepted = [subject.ledger.burned_in(name) for name in names]
+        accepted = [context.ledger.burned_in(name) for name in names]
         found = [reuse for reuse in past.history.reuses(owner) if reuse.kind in kinds]
         for number, group in groupby(sorted(found, key=lambda reuse: reuse.number), key=lambda reuse: reuse.number):
             reuses = list(group)
@@ -41,9 +41,9 @@ def reuses_by_number(subject: Subject, kinds: Set[Kind]) -> Iterator[tuple[str, 
                 yield owner, number, reuses
 
 
-def _stands_for(name: str, owner: str, subject: Subject, history: History) -> bool:
+def _stands_for(name: str, owner: str, context: Context, history: History) -> bool:
     """Whether what is found of a message under one of its names is found under another: today's, if there is one."""
-    today = [(_declared(subject, each) is not None, each) for each in (owner, name)]
+    today = [(_declared(context, each) is not None, each) for each in (owner, name)]
     return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
@@ -53,15 +53,15 @@ def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) 
     return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
-def reported(rule: Rule, subject: Subject, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
+def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
     """A finding about one number, with everything that it stood for. There must be a past."""
-    assert subject.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
-    usages = _usages(subject.past.history, owner, number, reuses)
+    assert context.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
+    usages = _usages(context.past.history, owner, number, reuses)
     return rule.at(
-        place_of(subject, owner, number),
-        f"number {number} of {owner} stood for {_told(usages, reuses)}; {_today(subject, owner, number)}"
+        place_of(context, owner, number),
+        f"number {number} of {owner} stood for {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
-        _help(subject, owner, number),
+        _help(context, owner, number),
         [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
         type=owner,
         number=number,
@@ -79,24 +79,24 @@ def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
     return f"{told}, {_RELATIONS[last.relation]}{at_once}"
 
 
-def place_of(subject: Subject, owner: str, number: int) -> Span:
+def place_of(context: Context, owner: str, number: int) -> Span:
     """Where a number of a message or an enum stands today; else the whole of it; else the envelope."""
-    declared = _declared(subject, owner)
+    declared = _declared(context, owner)
     if declared is None:
-        return subject.table.envelope.span
+        return context.table.envelope.span
     part = _parts(declared).get(number)
     return part.at("number") if part else declared.span
 
 
-def stands_today(subject: Subject, owner: str, number: int) -> tuple[str, str] | None:
+def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] | None:
     """Type and name of what a number of a message or an enum stands for today; None where it is free."""
-    declared = _declared(subject, owner)
+    declared = _declared(context, owner)
     part = _parts(declared).get(number) if declared else None
     return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
 
 
-def _declared(subject: Subject, owner: str) -> ProtoMessage | ProtoEnum | None:
-    schema = subject.schema
+def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
+    schema = context.schema
     return (schema.messages.get(owner) or schema.enums.get(owner)) if schema else None
 
 
@@ -111,8 +111,8 @@ def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
     return any(first <= number <= last for first, last in declared.reserved)
 
 
-def _today(subject: Subject, owner: str, number: int) -> str:
-    declared = _declared(subject, owner)
+def _today(context: Context, owner: str, number: int) -> str:
+    declared = _declared(context, owner)
     if declared is None:
         return f"today there is no {owner}"
     if part := _parts(declared).get(number):
@@ -120,9 +120,9 @@ def _today(subject: Subject, owner: str, number: int) -> str:
     return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
 
 
-def _help(subject: Subject, owner: str, number: int) -> str:
+def _help(context: Context, owner: str, number: int) -> str:
     accept = "`roverlink lint --history --accept` takes note of it, so that only what is new is found"
-    declared = _declared(subject, owner)
+    declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
     if number in _parts(declared):

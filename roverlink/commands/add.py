@@ -11,7 +11,7 @@ from roverlink.commands.next_number import say_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import Question, lint_project
 from roverlink.generator.pipeline import add as add_row
 from roverlink.lint_scope import in_repository
@@ -63,16 +63,16 @@ def _number(table: Path, name: str) -> int:
     """The number for a payload: that of the envelope where it is another's and has the member, else the next one."""
     with progress("reading history") as reading:
         question = Question(branches=in_repository(table.resolve().parent), report=reading)
-        subject = lint_project(table, question).subject
-    if (member := _member(subject, name)) is not None:
+        context = lint_project(table, question).context
+    if (member := _member(context, name)) is not None:
         return member
-    say_skipped(subject)
-    return subject.next_number()
+    say_skipped(context)
+    return context.next_number()
 
 
-def _member(subject: Subject, name: str) -> int | None:
-    settings = subject.table.envelope
-    envelope = subject.schema.messages.get(settings.message) if subject.schema else None
+def _member(context: Context, name: str) -> int | None:
+    settings = context.table.envelope
+    envelope = context.schema.messages.get(settings.message) if context.schema else None
     if envelope is None or settings.owner != "proto":
         return None
     return next((field.number for field in envelope.fields if field.name == name), None)

@@ -39,11 +39,11 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    subject, code = found.subject, say_limits(found)
-    if subject.past is None:
+    context, code = found.context, say_limits(found)
+    if context.past is None:
         return UNABLE
-    owner = arguments.of or subject.table.envelope.message
-    history = subject.past.history
+    owner = arguments.of or context.table.envelope.message
+    history = context.past.history
     usages, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
     if not usages and not claims:
         print(f"{owner} never had the number {arguments.number} in {history.commits} commits")

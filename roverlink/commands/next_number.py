@@ -8,7 +8,7 @@ import sys
 from roverlink.console import UNABLE, Subparsers, command
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import Question
 from roverlink.generator.table import LARGEST_NUMBER
 from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, say_limits
@@ -39,10 +39,10 @@ def run(arguments: argparse.Namespace) -> int:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
     code = say_limits(found)
-    if found.subject.past is None:
+    if found.context.past is None:
         print("there is no git repository here, so that the history was not looked at", file=sys.stderr)
-    say_skipped(found.subject)
-    number = found.subject.next_number()
+    say_skipped(found.context)
+    number = found.context.next_number()
     if number > LARGEST_NUMBER:
         print("there is no number left", file=sys.stderr)
         return UNABLE
@@ -50,9 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
-def say_skipped(subject: Subject) -> None:
+def say_skipped(context: Context) -> None:
     """Say on standard error why the numbers before the next one are not given."""
-    largest, number = subject.largest_number(), subject.next_number()
+    largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
-        for first, last, why in subject.occupied(start):
+        for first, last, why in context.occupied(start):
             print(f"{first if first == last else f'{first} to {last}'} {why}", file=sys.stderr)

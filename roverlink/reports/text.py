@@ -22,8 +22,8 @@ def write(linted: Linted) -> None:
     """Print the findings, and how many there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
-    if linted.subject.past is not None and linted.subject.past.pinned:
-        console.print(_matrix(linted.subject.past.pinned))
+    if linted.context.past is not None and linted.context.past.pinned:
+        console.print(_matrix(linted.context.past.pinned))
     console.print(_summary(linted))
 
 

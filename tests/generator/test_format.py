@@ -15,7 +15,7 @@ from golden import CASES, ROOT, files_of, passing_cases
 
 from generated.registry import REGISTRY
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.table import reader
@@ -102,6 +102,6 @@ def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
     table["peers"] |= {f"peer_{name}": {"parameter": name} for name in own}
     file = tmp_path / "mapping.yaml"
     file.write_text(yaml.safe_dump(table), encoding="utf-8")
-    findings = lint(Subject(reader.read(file, []), None, Ledger()))
+    findings = lint(Context(reader.read(file, []), None, Ledger()))
     refused = [finding.message for finding in findings if finding.rule.id == "TAB104"]
     assert [name for name in own if not any(f" {name} of peer_{name} " in message for message in refused)] == []

@@ -1,4 +1,4 @@
-"""States of a schema as a rule sees them: a subject with the one as it is and the other as it was."""
+"""States of a schema as a rule sees them: a context with the one as it is and the other as it was."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mutations import write
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint import rules
 from roverlink.generator.lint.breaking import Change
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
@@ -43,10 +43,10 @@ def compiled(state: Mapping[str, str], folder: Path, shown_root: str = ROOT) -> 
 def changes_found(before: Schema | Iterable[Change], after: Schema, ledger: Ledger | None = None) -> list[Diagnostic]:
     """What the rules about changes find between two states."""
     changes = (Change(before, after),) if isinstance(before, Schema) else tuple(before)
-    return found(Subject(table=TABLE, schema=after, ledger=ledger or Ledger(), changes=changes))
+    return found(Context(table=TABLE, schema=after, ledger=ledger or Ledger(), changes=changes))
 
 
-def found(subject: Subject) -> list[Diagnostic]:
+def found(context: Context) -> list[Diagnostic]:
     """What the rules about changes find."""
     ours = (module for id, module in rules.modules().items() if id.startswith(FAMILY))
-    return list(dict.fromkeys(finding for module in ours for finding in module.check(subject)))
+    return list(dict.fromkeys(finding for module in ours for finding in module.check(context)))

@@ -31,7 +31,7 @@ from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
 from roverlink.generator.lint.breaking.name_units import disagree, factor, measure
 from roverlink.generator.lint.breaking.name_words import share_a_word, words
 from roverlink.generator.lint.breaking.number_ranges import covers, missing, spelled
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Ledger, read
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
@@ -272,7 +272,7 @@ def test_reuse_after_a_gap(lines: list[str], field: str, reused: bool, tmp_path:
     """A number that is gone in the ledger is not given to another field."""
     schema = compiled({"a.proto": f'syntax = "proto3"; message A {{ {field} }}'}, tmp_path)
     published = _ledger(tmp_path, "message A", *lines)
-    ids = [finding.rule.id for finding in found(Subject(TABLE, schema, published))]
+    ids = [finding.rule.id for finding in found(Context(TABLE, schema, published))]
     assert ids == ["WIR111"] * reused
 
 
@@ -281,7 +281,7 @@ def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
     text = 'syntax = "proto3"; enum E { A = 0; B = 1; C = 2; D = 3; }'
     schema = compiled({"a.proto": text}, tmp_path)
     published = _ledger(tmp_path, "enum E", "3 OLDER", "1 OLD gone", "2 C gone")
-    [finding] = found(Subject(TABLE, schema, published))
+    [finding] = found(Context(TABLE, schema, published))
     assert (finding.rule.id, finding.number) == ("WIR112", 1)
     assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: 4 is free'
 
@@ -291,12 +291,12 @@ def test_the_next_free_number(tmp_path: Path) -> None:
     text = 'syntax = "proto3";\nmessage A {\n  string speed = 1;\n  // int32 later = 7;\n  reserved 9 to 11;\n}\n'
     before = compiled({"a.proto": text.replace("string", "int32")}, tmp_path / "before")
     after = compiled({"a.proto": text}, tmp_path / "after")
-    subject = Subject(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(Change(before, after),))
-    [finding] = found(subject)
+    context = Context(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(Change(before, after),))
+    [finding] = found(context)
     assert finding.help == (
         "put back `int32 speed = 1;`; or give it a new number, 8 is free: `string speed = 8; reserved 1;`"
     )
-    [finding] = found(dataclasses.replace(subject, ledger=_ledger(tmp_path, "message A", "8 gone int32 gone")))
+    [finding] = found(dataclasses.replace(context, ledger=_ledger(tmp_path, "message A", "8 gone int32 gone")))
     assert "12 is free" in finding.help
 
 

@@ -577,7 +577,7 @@ def test_a_long_history(repository: RepositoryBuilder) -> None:
 def _random_history(random: Random, root: Path, change: Callable[[Random, set[str]], None]) -> dict[int, set[str]]:
     """A repository of random commits and merges; the members of the envelope at each, by mark.
 
-    Each commit's subject is its mark. Each commit changes the members of its parents together, and stays a branch's tip
+    Each commit's context is its mark. Each commit changes the members of its parents together, and stays a branch's tip
     if nothing is built upon it.
     """
     repository, members = RepositoryBuilder(root), dict[int, set[str]]()

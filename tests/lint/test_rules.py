@@ -11,7 +11,7 @@ import pytest
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.lint import bare_tree, rules
 from roverlink.generator.lint.breaking import Change
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry, Ledger
 from roverlink.generator.nanopb import Bounds, FieldBounds
 from roverlink.generator.protos.parser import parse
@@ -57,12 +57,12 @@ def _published(*entries: tuple[int, str, str], topic: str = "", file: str = "map
     )
 
 
-def _found(subject: Subject, *ids: str) -> list[Diagnostic]:
-    return [finding for finding in rules.lint(subject) if finding.rule.id in ids]
+def _found(context: Context, *ids: str) -> list[Diagnostic]:
+    return [finding for finding in rules.lint(context) if finding.rule.id in ids]
 
 
-def _said(subject: Subject, *ids: str) -> list[str]:
-    return [f"{finding.span} {finding.message}" for finding in _found(subject, *ids)]
+def _said(context: Context, *ids: str) -> list[str]:
+    return [f"{finding.span} {finding.message}" for finding in _found(context, *ids)]
 
 
 # --- half a table, and none ---------------------------------------------------------------------------------------
@@ -72,10 +72,10 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
     """What is missing may stand in the part that could not be read: no number, prefix or peer is missed then."""
     rows = "  - {number: 1, name: imu, proto: BaseImu, topic: imu, direction: board_to_ros}\n  - {name: odd}\n"
     table = _table(tmp_path, rows + "  - {number: 3, name: gps, proto: Gps, topic: gps, direction: board_to_ros}\n")
-    subject = Subject(table, Schema((), {}, {}), Ledger(_published((2, "wind", "Wind"))))
-    whole = dataclasses.replace(subject, table=dataclasses.replace(table, whole=True))
+    context = Context(table, Schema((), {}, {}), Ledger(_published((2, "wind", "Wind"))))
+    whole = dataclasses.replace(context, table=dataclasses.replace(table, whole=True))
     assert not table.whole
-    assert _said(subject, "ENV103", "TAB103", "TAB105", "NAM102") == []
+    assert _said(context, "ENV103", "TAB103", "TAB105", "NAM102") == []
     assert {finding.rule.id for finding in _found(whole, "ENV103", "TAB105", "NAM102")} == {
         "ENV103",
         "TAB105",
@@ -84,7 +84,7 @@ def test_nothing_is_concluded_from_a_table_that_is_not_whole(tmp_path: Path) -> 
 
 
 @pytest.fixture
-def tree_subject(tmp_path: Path) -> Subject:
+def tree_subject(tmp_path: Path) -> Context:
     """A tree without a table, whose envelope lost the number 2 and gave 3 to another payload."""
     outside = "Gps lost = 9; uint32 sequence = 100;"
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", "Imu wind = 3;", outside=outside)}
@@ -93,10 +93,10 @@ def tree_subject(tmp_path: Path) -> Subject:
         bare_tree.table_of_tree(bare_tree.EnvelopeName("envelope.proto", "Envelope")), schema
     )
     before = _published((1, "imu", "Imu"), (2, "gps", "Gps"), (3, "wind", "Wind"), file="before/envelope.proto")
-    return Subject(table, schema, Ledger(), {f: parse(t) for f, t in files.items()}, earlier_entries=before)
+    return Context(table, schema, Ledger(), {f: parse(t) for f, t in files.items()}, earlier_entries=before)
 
 
-def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Subject) -> None:
+def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Context) -> None:
     """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found."""
     found = [(str(finding.span), finding.rule.id, finding.number) for finding in rules.lint(tree_subject)]
     assert found == [
@@ -106,7 +106,7 @@ def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Subject
     ]
 
 
-def test_the_members_of_a_tree_have_no_topics(tree_subject: Subject) -> None:
+def test_the_members_of_a_tree_have_no_topics(tree_subject: Context) -> None:
     """What has no topic and no direction cannot have a wrong one."""
     ids = {finding.rule.id for finding in rules.lint(tree_subject)}
     assert ids.isdisjoint({"TAB102", "TAB103", "TAB105", "TAB107", "ROS101", "NAM102", "ENV103", "ENV105"})
@@ -115,7 +115,7 @@ def test_the_members_of_a_tree_have_no_topics(tree_subject: Subject) -> None:
 def test_a_tree_without_an_envelope_is_no_fault() -> None:
     """Rules about the envelope are silent where none was named."""
     table = bare_tree.table_of_tree(bare_tree.EnvelopeName("", ""))
-    assert rules.lint(Subject(table, Schema((), {}, {}), Ledger())) == []
+    assert rules.lint(Context(table, Schema((), {}, {}), Ledger())) == []
 
 
 # --- what was published -------------------------------------------------------------------------------------------
@@ -126,8 +126,8 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + "  - {number: 2, name: wind, proto: Wind, topic: wind, direction: spare_to_ros}\n")
     gone = ((2, "gps", "Gps"), (3, "heat", "Heat"))
     earlier = [entry for file in ("mapping.lock", "mapping.yaml", "e.proto") for entry in _published(*gone, file=file)]
-    subject = Subject(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
-    assert _said(subject, "ENV102", "ENV103") == [
+    context = Context(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
+    assert _said(context, "ENV102", "ENV103") == [
         "mapping.yaml:8:14 field 2 was published for gps (Gps), not for Wind",
         "mapping.lock:6:3 field 3 was published as heat (Heat) and is gone from mapping.yaml",
     ]
@@ -135,19 +135,19 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
 
 def test_a_number_of_two_earlier_payloads_is_two_facts(tmp_path: Path) -> None:
     """The ledger has one payload for a number, the earlier state another: both were sent."""
-    subject = Subject(
+    context = Context(
         _table(tmp_path, _IMU),
         None,
         Ledger(_published((1, "gps", "Gps"))),
         earlier_entries=_published((1, "heat", "Heat"), file="before/mapping.yaml"),
     )
-    assert [finding.also[0][0].file for finding in _found(subject, "ENV102")] == ["before/mapping.yaml", "mapping.lock"]
+    assert [finding.also[0][0].file for finding in _found(context, "ENV102")] == ["before/mapping.yaml", "mapping.lock"]
 
 
 def test_an_earlier_state_is_not_where_a_number_is_missing(tmp_path: Path) -> None:
     """Nobody can mend the earlier state: the finding stands at the table, and names the place there."""
     earlier = _published((2, "gps", "Gps"), file="before/mapping.yaml")
-    (finding,) = _found(Subject(_table(tmp_path, _IMU), None, Ledger(), earlier_entries=earlier), "ENV103")
+    (finding,) = _found(Context(_table(tmp_path, _IMU), None, Ledger(), earlier_entries=earlier), "ENV103")
     assert str(finding.span) == "mapping.yaml"
     assert finding.also == ((Span("before/mapping.yaml", 5, 3), "published here"),)
 
@@ -157,7 +157,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     table = _table(tmp_path, _IMU + _GPS)
     old = _published((1, "imu", "Imu"), (2, "wind", "Wind"), topic="old")
     older = (*old, *_published((1, "imu", "Imu"), topic="older"), *_published((1, "imu", "Imu")))
-    said = _said(Subject(table, None, Ledger(old), earlier_entries=older), "TAB107")
+    said = _said(Context(table, None, Ledger(old), earlier_entries=older), "TAB107")
     assert said == ["mapping.yaml:7:47 imu goes over the topic imu; it was published on old and on older"]
 
 
@@ -182,7 +182,7 @@ def test_new_numbers_follow_the_largest_old_one(
     """Only what lies above every old number is known to be unused, and protobuf's own numbers do not count."""
     rows = "".join(_IMU.replace("1,", f"{n},").replace("name: imu", f"name: imu{n}") for n in numbers)
     ledger = Ledger(_published(*((n, f"imu{n}", "Imu") for n in published)))
-    found = _found(Subject(_table(tmp_path, rows), None, ledger), "TAB106")
+    found = _found(Context(_table(tmp_path, rows), None, ledger), "TAB106")
     assert [f"{f.number} -> {f.message.rpartition(' ')[2]}" for f in found] == hinted
     assert {finding.severity for finding in found} <= {Severity.HINT}
 
@@ -191,9 +191,9 @@ def test_numbers_that_are_retired_or_in_a_comment_are_not_skipped(tmp_path: Path
     """Both were used, or will be."""
     rows = _IMU + _GPS.replace("2,", "4,") + "retired:\n  - {number: 2, name: wind, proto: Wind}\n"
     files = {"envelope.proto": parse(_envelope("Imu imu = 1;", "\n// Heat heat = 3;\n"))}
-    subject = Subject(_table(tmp_path, rows), None, Ledger(_published((1, "imu", "Imu"))), files)
-    assert _said(subject, "TAB106") == []
-    assert _said(dataclasses.replace(subject, files={}), "TAB106") != []
+    context = Context(_table(tmp_path, rows), None, Ledger(_published((1, "imu", "Imu"))), files)
+    assert _said(context, "TAB106") == []
+    assert _said(dataclasses.replace(context, files={}), "TAB106") != []
 
 
 # --- the envelope's file ------------------------------------------------------------------------------------------
@@ -201,9 +201,9 @@ def test_numbers_that_are_retired_or_in_a_comment_are_not_skipped(tmp_path: Path
 
 def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None:
     """While generating, the envelope on disk is about to be replaced."""
-    subject = Subject(_table(tmp_path, _IMU), None, Ledger())
-    assert _said(subject, "ENV105") == []
-    stale = dataclasses.replace(subject, files={"envelope.proto": parse(_envelope("Imu imu = 2;"))})
+    context = Context(_table(tmp_path, _IMU), None, Ledger())
+    assert _said(context, "ENV105") == []
+    stale = dataclasses.replace(context, files={"envelope.proto": parse(_envelope("Imu imu = 2;"))})
     assert _said(stale, "ENV105") == ["mapping.yaml:7:14 member imu has the number 2, not 1"]
 
 
@@ -211,16 +211,16 @@ def test_our_envelope_is_compared_although_it_does_not_compile(tmp_path: Path) -
     """A payload that was deleted breaks the stale file; what the table says otherwise is found all the same."""
     envelope = parse('import "gone.proto"; message Envelope { oneof payload { .old.Gone imu = 1; Gps gps = 2; } }')
     files = {"envelope.proto": envelope, "payloads.proto": parse(_PAYLOADS)}
-    subject = Subject(_table(tmp_path, _IMU + _GPS), Schema((), {}, {}), Ledger(), files)
-    assert _said(subject, "ENV105") == ["mapping.yaml:7:35 member 1 carries old.Gone, not Imu"]
+    context = Context(_table(tmp_path, _IMU + _GPS), Schema((), {}, {}), Ledger(), files)
+    assert _said(context, "ENV105") == ["mapping.yaml:7:35 member 1 carries old.Gone, not Imu"]
 
 
 def test_an_envelope_of_another_owner_that_does_not_compile_is_not_missing(tmp_path: Path) -> None:
     """It is declared; why it does not compile, protoc says."""
     table = _table(tmp_path, _IMU, owner="proto")
-    subject = Subject(table, Schema((), {}, {}), Ledger(), {"envelope.proto": parse(_envelope("Imu imu = 1;"))})
-    assert _said(subject, "ENV105") == []
-    assert len(_said(dataclasses.replace(subject, files={}), "ENV105")) == 1
+    context = Context(table, Schema((), {}, {}), Ledger(), {"envelope.proto": parse(_envelope("Imu imu = 1;"))})
+    assert _said(context, "ENV105") == []
+    assert len(_said(dataclasses.replace(context, files={}), "ENV105")) == 1
 
 
 @pytest.mark.parametrize(
@@ -238,8 +238,8 @@ def test_what_is_a_payload_beside_the_oneof(tmp_path: Path, owner: str, field: s
     envelope = _envelope("Imu imu = 1;", outside=field)
     envelope = envelope.replace("import", 'import "google/protobuf/timestamp.proto";\nimport', 1)
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": envelope}
-    subject = Subject(_table(tmp_path, _IMU, owner=owner), _schema(tmp_path / "proto", files), Ledger())
-    assert [finding.number for finding in _found(subject, "ENV106")] == ([9] if found else [])
+    context = Context(_table(tmp_path, _IMU, owner=owner), _schema(tmp_path / "proto", files), Ledger())
+    assert [finding.number for finding in _found(context, "ENV106")] == ([9] if found else [])
 
 
 @pytest.mark.parametrize(
@@ -255,8 +255,8 @@ def test_a_number_that_is_gone_is_one_fault(tmp_path: Path, retired: str, reserv
     """A number that the table does not have is ENV103's; one that it retires must be reserved by who owns the file."""
     files = {"payloads.proto": _PAYLOADS, "envelope.proto": _envelope("Imu imu = 1;", outside=reserved)}
     schema = _schema(tmp_path / "proto", files)
-    subject = Subject(_table(tmp_path, _IMU, retired, "proto"), schema, Ledger(_published((2, "gps", "Gps"))))
-    assert [finding.rule.id for finding in _found(subject, "ENV103", "ENV105", "ENV106", "ENV107")] == found
+    context = Context(_table(tmp_path, _IMU, retired, "proto"), schema, Ledger(_published((2, "gps", "Gps"))))
+    assert [finding.rule.id for finding in _found(context, "ENV103", "ENV105", "ENV106", "ENV107")] == found
 
 
 # --- names --------------------------------------------------------------------------------------------------------
@@ -270,8 +270,8 @@ def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
         "c.proto": "package c; message Status {}",
         "d.proto": "package d; message Status {}",
     }
-    subject = Subject(_table(tmp_path, _IMU), None, Ledger(), {path: parse(text) for path, text in files.items()})
-    found = _found(subject, "NAM101")
+    context = Context(_table(tmp_path, _IMU), None, Ledger(), {path: parse(text) for path, text in files.items()})
+    found = _found(context, "NAM101")
     assert [(finding.span.file, finding.type) for finding in found] == [
         ("proto/c.proto", "c.Status"),
         ("proto/d.proto", "d.Status"),
@@ -293,9 +293,9 @@ def test_nested_messages_may_share_a_name(tmp_path: Path) -> None:
 def test_enum_values_are_siblings_of_their_enum(tmp_path: Path, enum: str, message: str, collides: bool) -> None:
     """A value collides with a message of the scope in which its enum stands, in whatever file of the package."""
     files = {"enum.proto": parse(enum), "message.proto": parse(message)}
-    subject = Subject(_table(tmp_path, _IMU), None, Ledger(), files)
-    assert [finding.severity for finding in _found(subject, "NAM103")] == ([Severity.ERROR] if collides else [])
-    excluded = dataclasses.replace(subject, files={}, excluded_files=files)
+    context = Context(_table(tmp_path, _IMU), None, Ledger(), files)
+    assert [finding.severity for finding in _found(context, "NAM103")] == ([Severity.ERROR] if collides else [])
+    excluded = dataclasses.replace(context, files={}, excluded_files=files)
     assert [finding.severity for finding in _found(excluded, "NAM103")] == ([Severity.WARNING] if collides else [])
 
 
@@ -312,7 +312,7 @@ def test_enum_values_are_siblings_of_their_enum(tmp_path: Path, enum: str, messa
 def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contradicts: bool) -> None:
     """A message of another peer's is one in whatever package; a name without any prefix is nobody's."""
     row = f"  - {{number: 1, name: imu, proto: {proto}, topic: imu, direction: {direction}}}\n"
-    said = _said(Subject(_table(tmp_path, row), None, Ledger()), "TAB105")
+    said = _said(Context(_table(tmp_path, row), None, Ledger()), "TAB105")
     column = row.index(direction) + 1
     message = f"imu goes {direction}, but {proto} is called as the messages of board"
     assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
@@ -326,7 +326,7 @@ def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
     off = ', lint: {TAB107: {severity: "off", reason: agreed}}}'
     table = _table(tmp_path, _IMU.replace("}", off) + _GPS)
     ledger = Ledger(_published((1, "imu", "Imu"), (2, "gps", "Gps"), topic="old"))
-    assert [finding.number for finding in _found(Subject(table, None, ledger), "TAB107")] == [2]
+    assert [finding.number for finding in _found(Context(table, None, ledger), "TAB107")] == [2]
 
 
 @pytest.mark.parametrize(
@@ -344,7 +344,7 @@ def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
 def test_settings_that_lower_nothing(tmp_path: Path, setting: str, text: str) -> None:
     """A setting must name a rule of the lint, and less than what that rule says."""
     table = _table(tmp_path, _IMU, f"lint:\n  {setting}, reason: agreed}}\n")
-    assert [f.message for f in _found(Subject(table, None, Ledger()), "TAB108")] == ([text] if text else [])
+    assert [f.message for f in _found(Context(table, None, Ledger()), "TAB108")] == ([text] if text else [])
 
 
 def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -353,7 +353,7 @@ def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.Monk
     known = {"LED101": Rule("LED101", "unreadable-ledger", "It cannot be read.", Severity.FATAL)}
     monkeypatch.setattr(module, "_rules", lambda: known)
     table = _table(tmp_path, _IMU, 'lint:\n  LED101: {severity: "off", reason: agreed}\n')
-    (finding,) = module.check(Subject(table, None, Ledger()))
+    (finding,) = module.check(Context(table, None, Ledger()))
     assert finding.message == "LED101 (unreadable-ledger) is fatal, which cannot be lowered"
 
 
@@ -364,10 +364,10 @@ _TO_BASE = "  - {number: 1, name: note, proto: Note, topic: note, direction: ros
 _FORWARDED = _TO_BASE.replace("ros_to_base", "spare_to_ros, forward: [base]")
 
 
-def _sized(folder: Path, rows: str, bounds: Mapping[str, FieldBounds], outside: str = "") -> Subject:
+def _sized(folder: Path, rows: str, bounds: Mapping[str, FieldBounds], outside: str = "") -> Context:
     files = {"payloads.proto": _NOTE, "envelope.proto": _envelope("Note note = 1;", outside=outside)}
     given = Bounds(fields={("Note", name): bound for name, bound in bounds.items()})
-    return Subject(_table(folder, rows), _schema(folder / "proto", files), Ledger(), bounds=given)
+    return Context(_table(folder, rows), _schema(folder / "proto", files), Ledger(), bounds=given)
 
 
 def test_sizes_are_not_looked_at_where_they_are_not_known(tmp_path: Path) -> None:
@@ -430,20 +430,20 @@ def test_bounds_that_shrank(
     tmp_path: Path, before: dict[str, FieldBounds], now: dict[str, FieldBounds], text: str
 ) -> None:
     """Only what was taken before and is refused now; a first bound, and another way to say the same, are none."""
-    subject = _sized(tmp_path, _TO_BASE, now)
-    assert subject.schema is not None
+    context = _sized(tmp_path, _TO_BASE, now)
+    assert context.schema is not None
     bounds_before = Bounds(fields={("Note", name): bound for name, bound in before.items()})
-    change = Change(subject.schema, subject.schema, bounds_before=bounds_before)
-    said = [f.message for f in _found(dataclasses.replace(subject, changes=(change,)), "FIX103")]
+    change = Change(context.schema, context.schema, bounds_before=bounds_before)
+    said = [f.message for f in _found(dataclasses.replace(context, changes=(change,)), "FIX103")]
     assert said == ([f"Note.{text}"] if text else [])
     unknown = dataclasses.replace(change, bounds_before=None)
-    assert _found(dataclasses.replace(subject, changes=(unknown,)), "FIX103") == []
+    assert _found(dataclasses.replace(context, changes=(unknown,)), "FIX103") == []
 
 
 def test_a_renamed_field_keeps_its_bound(tmp_path: Path) -> None:
     """Fields are the same by their numbers; their bounds go by their names."""
-    subject = _sized(tmp_path, _TO_BASE, {"text": FieldBounds(max_length=9)})
+    context = _sized(tmp_path, _TO_BASE, {"text": FieldBounds(max_length=9)})
     before = _schema(tmp_path / "before", {"payloads.proto": _NOTE.replace("text", "words")})
     bounds = Bounds(fields={("Note", "words"): FieldBounds(max_length=10)})
-    changed = dataclasses.replace(subject, changes=(Change(before, before, bounds_before=bounds),))
+    changed = dataclasses.replace(context, changes=(Change(before, before, bounds_before=bounds),))
     assert [(f.type, f.number) for f in _found(changed, "FIX103")] == [("Note", 1)]

@@ -15,7 +15,7 @@ from typing import Protocol, cast
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, independent
 from roverlink.generator.lint.buf import unstated
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Lowered
 
 _OF_THE_ENVELOPE = "ENV"
@@ -27,7 +27,7 @@ class RuleModule(Protocol):
 
     RULE: Rule
 
-    def check(self, subject: Subject) -> Iterator[Diagnostic]:
+    def check(self, context: Context) -> Iterator[Diagnostic]:
         """What the rule finds."""
 
 
@@ -39,11 +39,11 @@ def modules() -> Mapping[str, RuleModule]:
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
 
 
-def lint(subject: Subject, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
+def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
     """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
-    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(subject))
-    said = [*_without_repetitions(found, subject.table.envelope.message), *unstated(of_buf, found)]
-    counted = (_as_the_table_says(finding, subject) for finding in said)
+    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
+    said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
+    counted = (_as_the_table_says(finding, context) for finding in said)
     return independent(finding for finding in counted if finding is not None)
 
 
@@ -57,32 +57,32 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
             yield one
 
 
-def _as_the_table_says(finding: Diagnostic, subject: Subject) -> Diagnostic | None:
+def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
     """The finding with its severity lowered where the table lowers it; None where it turns it off."""
     if finding.severity is Severity.FATAL:
         return finding
     severity: Severity = finding.severity
-    for lowered in _lowerings(finding, subject):
+    for lowered in _lowerings(finding, context):
         if lowered.severity == "off":
             return None
         severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
     return dataclasses.replace(finding, severity=severity)
 
 
-def _lowerings(finding: Diagnostic, subject: Subject) -> Iterator[Lowered]:
-    table, id = subject.table, finding.rule.id
+def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
+    table, id = context.table, finding.rule.id
     yield from (lowered for lowered in table.lint if lowered.rule == id)
     for row in table.rows:
         of_row = [lowered for lowered in row.lint if lowered.rule == id]
-        if of_row and _is_about(finding, row.number, row.proto, subject):
+        if of_row and _is_about(finding, row.number, row.proto, context):
             yield from of_row
 
 
-def _is_about(finding: Diagnostic, number: int, proto: str, subject: Subject) -> bool:
+def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
     """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
-    if finding.type in ("", subject.table.envelope.message):
+    if finding.type in ("", context.table.envelope.message):
         return finding.number == number
-    if subject.schema is None:
+    if context.schema is None:
         return finding.type == proto
-    messages, enums = subject.schema.reachable(proto)
+    messages, enums = context.schema.reachable(proto)
     return finding.type in messages or finding.type in enums

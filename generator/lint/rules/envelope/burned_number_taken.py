@@ -18,19 +18,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows with a burned number, but for the payload that had it when that was accepted."""
-    envelope = subject.table.envelope.message
-    burned = subject.ledger.burned_in(envelope)
-    for row in subject.table.rows:
+    envelope = context.table.envelope.message
+    burned = context.ledger.burned_in(envelope)
+    for row in context.table.rows:
         one = burned.get(row.number)
         if one is not None and (one.now is None or one.now[0] != row.proto):
             told = " and for ".join(dict.fromkeys(type for type, _ in one.uses))
-            help = f"give {row.name} the number {subject.next_number()}"
+            help = f"give {row.name} the number {context.next_number()}"
             message = f"field {row.number} stood for {told} in the past and is given to nothing any more"
             yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

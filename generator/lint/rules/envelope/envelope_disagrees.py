@@ -29,7 +29,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.parser import resolve_type
 from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import Row, Table
@@ -73,40 +73,40 @@ _OF_OWNER = {
 }
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows and members of the oneof that are not each other's; what is retired and not reserved."""
-    if subject.table.envelope.owner == "proto":
-        yield from _check_of_another_owner(subject)
-    elif subject.files:  # else it was not read from the disk
-        yield from _check_written_file(subject)
+    if context.table.envelope.owner == "proto":
+        yield from _check_of_another_owner(context)
+    elif context.files:  # else it was not read from the disk
+        yield from _check_written_file(context)
 
 
-def _check_of_another_owner(subject: Subject) -> Iterator[Diagnostic]:
-    table, schema, name = subject.table, subject.schema, subject.table.envelope.message
+def _check_of_another_owner(context: Context) -> Iterator[Diagnostic]:
+    table, schema, name = context.table, context.schema, context.table.envelope.message
     if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
         return
     envelope = schema.messages.get(name)
     if envelope is not None:
-        yield from _compare(subject, _compiled_members(envelope))
-    elif table.whole and not any(subject.declared(name)):  # else its file does not compile, and protoc says why
+        yield from _compare(context, _compiled_members(envelope))
+    elif table.whole and not any(context.declared(name)):  # else its file does not compile, and protoc says why
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
 
-def _check_written_file(subject: Subject) -> Iterator[Diagnostic]:
-    table, name = subject.table, subject.table.envelope.message
+def _check_written_file(context: Context) -> Iterator[Diagnostic]:
+    table, name = context.table, context.table.envelope.message
     path = table.envelope.file
     if not path or not name:
         return
-    if path not in subject.files:
+    if path not in context.files:
         message = f"there is no {path} below {table.proto.root}"
         yield RULE.at(table.envelope.at("file"), message, _GENERATE, type=name)
         return
-    envelope = next((found for file, found in subject.declared(name) if file == path), None)
+    envelope = next((found for file, found in context.declared(name) if file == path), None)
     if envelope is None:
         yield RULE.at(table.envelope.at("message"), f"{path} declares no message {name}", _GENERATE, type=name)
         return
-    members = _written_members(envelope, subject)
-    yield from _compare(subject, members)
+    members = _written_members(envelope, context)
+    yield from _compare(context, members)
     yield from _unreserved(envelope, {member.number for member in members}, table)
 
 
@@ -116,24 +116,24 @@ def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
     return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
 
 
-def _written_members(envelope: ProtoMessage, subject: Subject) -> list[_Member]:
-    path = subject.table.envelope.file
-    declared = {message.full_name for file in subject.files.values() for message in file.messages}
+def _written_members(envelope: ProtoMessage, context: Context) -> list[_Member]:
+    path = context.table.envelope.file
+    declared = {message.full_name for file in context.files.values() for message in file.messages}
     return [
         _Member(
             field.number,
             field.name,
             resolve_type(field.type, envelope.full_name, declared) or field.type.removeprefix("."),
             field.oneof,
-            subject.place(path, field.span.line, field.span.column),
+            context.place(path, field.span.line, field.span.column),
         )
         for field in envelope.fields
     ]
 
 
-def _compare(subject: Subject, members: list[_Member]) -> Iterator[Diagnostic]:
+def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
     """Rows against members; each difference once."""
-    table = subject.table
+    table = context.table
     name, oneof = table.envelope.message, table.envelope.oneof
     cures = _OF_OWNER[table.envelope.owner]
     payloads = {member.number: member for member in members if member.oneof == oneof}
@@ -149,7 +149,7 @@ def _compare(subject: Subject, members: list[_Member]) -> Iterator[Diagnostic]:
     strayed = [row for row in rows if row.number not in payloads]
     for member in payloads.values():
         if not any(_is_moved(row, member, table) for row in strayed):
-            yield from _without_row(member, subject, cures)
+            yield from _without_row(member, context, cures)
 
 
 def _is_moved(row: Row, member: _Member, table: Table) -> bool:
@@ -182,8 +182,8 @@ def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures:
         yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
 
 
-def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[Diagnostic]:
-    table, number = subject.table, member.number
+def _without_row(member: _Member, context: Context, cures: _Cures) -> Iterator[Diagnostic]:
+    table, number = context.table, member.number
     envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
         message = f"{member} is retired in {table.file}"
@@ -191,7 +191,7 @@ def _without_row(member: _Member, subject: Subject, cures: _Cures) -> Iterator[D
     elif table.whole and number not in table.numbers:
         message = f"{member} has no row in {table.file}"
         rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
-        rests_on += [entry.span for entry in subject.published if entry.number == number]
+        rests_on += [entry.span for entry in context.published if entry.number == number]
         yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
 
 

@@ -25,28 +25,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoMessage
 
 RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields of any message but the envelope, whose members are payloads."""
-    for path, file in subject.files.items():
+    for path, file in context.files.items():
         for message in file.messages:
-            if message.claims and message.full_name != subject.table.envelope.message:
-                yield from _check(path, message, subject)
+            if message.claims and message.full_name != context.table.envelope.message:
+                yield from _check(path, message, context)
 
 
-def _check(path: str, declared: ProtoMessage, subject: Subject) -> Iterator[Diagnostic]:
-    compiled = subject.schema.messages.get(declared.full_name) if subject.schema else None
+def _check(path: str, declared: ProtoMessage, context: Context) -> Iterator[Diagnostic]:
+    compiled = context.schema.messages.get(declared.full_name) if context.schema else None
     fields = compiled.fields if compiled and compiled.file == path else ()
     for field in fields:
         for claim in declared.claims:
             if claim.number == field.number and claim.name != field.name:
                 message = f"{field.name} = {field.number} has a number that a comment names for {claim.name}"
                 help = f"take another number and reserve {field.number}, or delete a comment that never was in use"
-                also = [(subject.place(path, claim.span.line, claim.span.column), "in this comment")]
+                also = [(context.place(path, claim.span.line, claim.span.column), "in this comment")]
                 span = field.at("number")
                 yield RULE.at(span, message, help, also, type=declared.full_name, number=field.number)

@@ -16,17 +16,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS
 
 RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows with such a number."""
-    envelope = subject.table.envelope.message
+    envelope = context.table.envelope.message
     message = f"is one of protobuf's own, {IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1}"
-    for row in subject.table.rows:
+    for row in context.table.rows:
         if row.number in IMPLEMENTATION_NUMBERS:
             yield RULE.at(
                 row.at("number"),

@@ -23,23 +23,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry
 from roverlink.generator.table import RetiredRow, Row
 
 RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows, and retired ones, whose number was published for another message."""
     # One payload may be known from several places, the ledger first; it is one fact.
-    published = {(entry.number, entry.proto): entry for entry in reversed(subject.published)}
-    envelope = subject.table.envelope.message
-    for row in subject.table.rows:
+    published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
+    envelope = context.table.envelope.message
+    for row in context.table.rows:
         for entry in _others(row, published.values()):
-            help = f"give {row.name} the number {subject.next_number()}; {entry.name} stays, or goes to `retired`"
+            help = f"give {row.name} the number {context.next_number()}; {entry.name} stays, or goes to `retired`"
             yield _finding(row, entry, help, envelope)
-    for retired in subject.table.retired:
+    for retired in context.table.retired:
         for entry in _others(retired, published.values()):
             help = f"retire {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
             yield _finding(retired, entry, help, envelope)

@@ -21,15 +21,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import RetiredRow, Row
 
 RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows, retired ones first, whose number an earlier one has."""
-    table = subject.table
+    table = context.table
     holders: dict[int, RetiredRow] = {}
 
     def at(row: Row | RetiredRow, message: str, help: str, also: tuple[Span, str]) -> Diagnostic:
@@ -40,9 +40,9 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if first is not retired:
             message = f"field {retired.number} is retired twice"
             yield at(retired, message, "keep one of them", (first.at("number"), "first retired here"))
-    rows = _owners(subject)
-    published = {(entry.proto, entry.name): entry.number for entry in subject.published}
-    next_number = subject.next_number()
+    rows = _owners(context)
+    published = {(entry.proto, entry.name): entry.number for entry in context.published}
+    next_number = context.next_number()
     for row in table.rows:
         old = published.get((row.proto, row.name))
         help = f"the next number never used is {next_number}"
@@ -58,10 +58,10 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             yield at(row, message, help, (taken.at("number"), "first used here"))
 
 
-def _owners(subject: Subject) -> dict[int, Row]:
+def _owners(context: Context) -> dict[int, Row]:
     """Find the row that each number belongs to: the one it was published for, or else the first."""
     owners: dict[int, Row] = {}
-    published = {(entry.number, entry.proto) for entry in subject.published}
-    for row in sorted(subject.table.rows, key=lambda row: (row.number, row.proto) not in published):
+    published = {(entry.number, entry.proto) for entry in context.published}
+    for row in sorted(context.table.rows, key=lambda row: (row.number, row.proto) not in published):
         owners.setdefault(row.number, row)
     return owners

@@ -23,22 +23,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
 
 RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows with a number that the envelope's comments have for another payload."""
-    envelope = subject.table.envelope.message
-    claims = list(subject.envelope_claims())
-    for row in subject.table.rows:
+    envelope = context.table.envelope.message
+    claims = list(context.envelope_claims())
+    for row in context.table.rows:
         for claim, span in claims:
             if claim.number == row.number and not _is_same_payload(claim, row):
                 message = f"field {row.number} of {row.name} stands in a comment for {claim.name} ({claim.type})"
-                help = f"give {row.name} the number {subject.next_number()}, or delete a comment that never was in use"
+                help = f"give {row.name} the number {context.next_number()}, or delete a comment that never was in use"
                 also = [(span, "in this comment")]
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 

@@ -28,7 +28,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry
 from roverlink.generator.protos.schema import ProtoMessage
 from roverlink.generator.table import Table
@@ -36,14 +36,14 @@ from roverlink.generator.table import Table
 RULE = Rule("ENV107", "number-unreserved", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers that were published, and that the envelope neither has nor reserves."""
-    table = subject.table
-    envelope = subject.schema.messages.get(table.envelope.message) if subject.schema else None
+    table = context.table
+    envelope = context.schema.messages.get(table.envelope.message) if context.schema else None
     if envelope is None or table.envelope.owner != "proto":
         return
     # One number may be known from several places and for several payloads, the ledger first; it is reserved once.
-    published = {entry.number: entry for entry in reversed(subject.published)}
+    published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
             message = f"field {number} was {entry.name} ({entry.proto}); nothing keeps another payload from getting it"

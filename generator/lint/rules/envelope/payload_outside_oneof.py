@@ -28,16 +28,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField
 
 RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Messages in the envelope that are not in its oneof; any field, where it is to hold nothing but the oneof."""
-    settings = subject.table.envelope
-    envelope = subject.schema.messages.get(settings.message) if subject.schema else None
+    settings = context.table.envelope
+    envelope = context.schema.messages.get(settings.message) if context.schema else None
     if envelope is None or settings.oneof not in envelope.oneofs:
         return
     ours = settings.owner == "mapping"

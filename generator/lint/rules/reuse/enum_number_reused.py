@@ -22,26 +22,26 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import values_by_number
 from roverlink.generator.lint.breaking.fixits import reserve
 from roverlink.generator.lint.breaking.fixits import values as declared
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import next_enum_number
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, Schema
 
 RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
-    if subject.schema is None:
+    if context.schema is None:
         return
-    for name, gone in subject.ledger.gone_values.items():
-        enum, offered = subject.schema.enums.get(name), set[int]()
-        published = {(one.number, one.name) for one in subject.ledger.values(name)}
+    for name, gone in context.ledger.gone_values.items():
+        enum, offered = context.schema.enums.get(name), set[int]()
+        published = {(one.number, one.name) for one in context.ledger.values(name)}
         for number, values in values_by_number(enum).items() if enum else ():
             reused = [one for one in gone if one.number == number]
             if enum and reused and not any((number, value.name) in published for value in values):
-                free = next_enum_number(subject, name, offered)
+                free = next_enum_number(context, name, offered)
                 offered |= {free} if free else set()
-                yield from (_finding(subject.schema, enum, values, one, free) for one in reused)
+                yield from (_finding(context.schema, enum, values, one, free) for one in reused)
 
 
 def _finding(

@@ -22,22 +22,22 @@ from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earli
 from roverlink.generator.lint.breaking.declaration_text import value_place
 from roverlink.generator.lint.breaking.enum_values import moved_away, moved_here, renamed_values, stands_for_another
 from roverlink.generator.lint.breaking.fixits import values as declared
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import new_numbers
 from roverlink.generator.protos.schema import ProtoEnumValue
 
 RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Values whose name belonged to another number, or whose number had a name that another one has now."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
     for pair, number, gone, values in renamed_values(change):
         if stands_for_another(pair, number):
-            help = _help(subject, pair, number, gone, values)
+            help = _help(context, pair, number, gone, values)
             for value in values:
                 yield RULE.at(
                     value.at("number"),
@@ -58,11 +58,11 @@ def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnu
     return f"{message}, while {away.name} is {away.number}" if away else message
 
 
-def _help(subject: Subject, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
+def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
     before = {value.name: value.number for value in pair.old.values}
     moved = [declared([value.name], before[value.name]) for value in values if before.get(value.name, number) != number]
     back = f"put back `{' '.join([declared(gone, number), *moved])}`"
-    new, numbers = [value.name for value in values if value.name not in before], new_numbers(subject, pair)
+    new, numbers = [value.name for value in values if value.name not in before], new_numbers(context, pair)
     if not new:
         return back
     if not numbers.keys() >= set(new):

@@ -21,22 +21,22 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
 from roverlink.generator.lint.breaking.fixits import was
 from roverlink.generator.lint.breaking.renames import Rename, names_another_field, rename
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields whose new name has nothing of the old one, or was another field's."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in fields(change):
         # What a payload means is its type, which has rules of its own.
-        if rename(pair) is Rename.MEANING and pair.owner != subject.table.envelope.message:
+        if rename(pair) is Rename.MEANING and pair.owner != context.table.envelope.message:
             yield RULE.at(
                 pair.new.at("name"),
                 _message(pair),

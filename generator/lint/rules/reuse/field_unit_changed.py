@@ -22,19 +22,19 @@ from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earl
 from roverlink.generator.lint.breaking.fixits import was
 from roverlink.generator.lint.breaking.name_units import factor
 from roverlink.generator.lint.breaking.renames import Rename, measures, rename
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields whose names before and after speak of one thing in two units."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in fields(change):
         if rename(pair) is Rename.UNIT:
             yield RULE.at(

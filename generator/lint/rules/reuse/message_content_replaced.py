@@ -22,15 +22,15 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, fields_of_messages, messages
 from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
 from roverlink.generator.lint.breaking.renames import Rename, rename
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR113", "message-content-replaced", __doc__)
 _FEWEST = 3  # of so few fields that each may have changed by itself
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

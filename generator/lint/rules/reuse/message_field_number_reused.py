@@ -22,25 +22,25 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking.declaration_text import declaration
 from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
 from roverlink.generator.lint.breaking.fixits import reserve
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import next_field_number
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
-    if subject.schema is None:
+    if context.schema is None:
         return
-    for name, gone in subject.ledger.gone_fields.items():
-        message, offered = subject.schema.messages.get(name), set[int]()
+    for name, gone in context.ledger.gone_fields.items():
+        message, offered = context.schema.messages.get(name), set[int]()
         for field in message.fields if message else ():
             reused = [one for one in gone if one.number == field.number]
-            if message and reused and not any(_is_the_same(one, field) for one in subject.ledger.fields(name)):
-                free = next_field_number(subject, name, offered)
+            if message and reused and not any(_is_the_same(one, field) for one in context.ledger.fields(name)):
+                free = next_field_number(context, name, offered)
                 offered |= {free} if free else set()
-                yield from (_finding(subject.schema, message, field, one, free) for one in reused)
+                yield from (_finding(context.schema, message, field, one, free) for one in reused)
 
 
 def _is_the_same(old: ProtoField, new: ProtoField) -> bool:

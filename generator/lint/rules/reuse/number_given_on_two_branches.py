@@ -19,28 +19,28 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, Use
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Allocation, branch_name
 from roverlink.generator.lint.history_diagnostics import place_of
 
 RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers that branches have given away since they parted."""
-    past, envelope = subject.past, subject.table.envelope.message
+    past, envelope = context.past, context.table.envelope.message
     if past is None or not past.of_branches:
         return
     for collision in past.history.collisions(envelope):
         number, given = collision.number, collision.allocations
         message = f"number {number} of {envelope} is {' and '.join(map(_said, given))}"
-        help = f"keep it for one of them; the next number that no branch has is {subject.next_number()}"
+        help = f"keep it for one of them; the next number that no branch has is {context.next_number()}"
         also = [
             (Span(f"{branch_name(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
             for one in given
         ]
         uses = [Use(one.type, one.name, one.came, None) for one in given]
-        yield RULE.at(place_of(subject, envelope, number), message, help, also, type=envelope, number=number, uses=uses)
+        yield RULE.at(place_of(context, envelope, number), message, help, also, type=envelope, number=number, uses=uses)
 
 
 def _said(allocation: Allocation) -> str:

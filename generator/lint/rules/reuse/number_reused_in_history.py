@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Kind
 from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
 
@@ -31,7 +31,7 @@ RULE = Rule("HIS101", "number-reused-in-history", __doc__)
 _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers of messages and enums with more than one meaning, but for those that were accepted."""
-    for owner, number, reuses in reuses_by_number(subject, _KINDS):
-        yield reported(RULE, subject, owner, number, reuses)
+    for owner, number, reuses in reuses_by_number(context, _KINDS):
+        yield reported(RULE, context, owner, number, reuses)

@@ -17,14 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Kind
 from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
 
 RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload kept its name and lost its fields."""
-    for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.REPLACED})):
-        yield reported(RULE, subject, owner, number, reuses)
+    for owner, number, reuses in reuses_by_number(context, frozenset({Kind.REPLACED})):
+        yield reported(RULE, context, owner, number, reuses)

@@ -17,16 +17,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.history import Kind
 from roverlink.generator.lint.history_diagnostics import reported, reuses_by_number
 
 RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers of the envelope whose payload has another name than once, and nothing worse."""
-    worse = {(owner, number) for owner, number, _ in reuses_by_number(subject, frozenset(Kind) - {Kind.RENAMED})}
-    for owner, number, reuses in reuses_by_number(subject, frozenset({Kind.RENAMED})):
-        if owner == subject.table.envelope.message and (owner, number) not in worse:
-            yield reported(RULE, subject, owner, number, reuses)
+    worse = {(owner, number) for owner, number, _ in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED})}
+    for owner, number, reuses in reuses_by_number(context, frozenset({Kind.RENAMED})):
+        if owner == context.table.envelope.message and (owner, number) not in worse:
+            yield reported(RULE, context, owner, number, reuses)

@@ -20,14 +20,14 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Each pair of consumers whose commits disagree, with the numbers about which they do."""
-    past, envelope = subject.past, subject.table.envelope.message
+    past, envelope = context.past, context.table.envelope.message
     if past is None:
         return
     for one, other in combinations(past.pinned, 2):

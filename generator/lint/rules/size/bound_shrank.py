@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.nanopb import FieldBounds
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
@@ -49,19 +49,19 @@ class _Bounded(NamedTuple):
         return self.given.int_size or _BITS.get(self.field.type)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields that are there now and in the earlier state, with tighter bounds now."""
-    if subject.schema is None or subject.bounds is None:
+    if context.schema is None or context.bounds is None:
         return
-    for change in subject.changes:
+    for change in context.changes:
         if change.bounds_before is None:
             continue
-        for message in subject.schema.messages.values():
+        for message in context.schema.messages.values():
             before = change.before.messages.get(message.full_name)
             earlier = {field.number: field for field in before.fields} if before else {}
             for field in message.fields:
                 if old := earlier.get(field.number):
-                    now = _Bounded(field, subject.bounds.of_field(message.full_name, field.name))
+                    now = _Bounded(field, context.bounds.of_field(message.full_name, field.name))
                     yield from _check(
                         message, now, _Bounded(old, change.bounds_before.of_field(message.full_name, old.name))
                     )

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.nanopb import Bounds, envelope_size, field_sizes, largest_size
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import Row
@@ -30,9 +30,9 @@ RULE = Rule("FIX102", "envelope-too-large", __doc__)
 _HELP = "lower a bound in the .options file, split the message, or raise max_size if the peer has the memory"
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows whose largest envelope exceeds what a peer takes that sends it or is sent it."""
-    table, schema, bounds = subject.table, subject.schema, subject.bounds
+    table, schema, bounds = context.table, context.schema, context.bounds
     if schema is None or bounds is None:
         return
     peers = table.peers_by_name()

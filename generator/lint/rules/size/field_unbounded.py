@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.nanopb import Unbounded, largest_size
 from roverlink.generator.table import PeerSettings, Row
 
@@ -30,12 +30,12 @@ RULE = Rule("FIX101", "field-unbounded", __doc__)
 _HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Payloads that go to or come from a peer with a largest size; each once, at its first such field."""
-    schema, bounds = subject.schema, subject.bounds
+    schema, bounds = context.schema, context.bounds
     if schema is None or bounds is None:
         return
-    for proto, (row, peer) in _limited(subject).items():
+    for proto, (row, peer) in _limited(context).items():
         found = largest_size(schema, bounds, proto) if proto in schema.messages else 0
         if isinstance(found, Unbounded):
             first, _, _ = found.path.partition(".")
@@ -46,11 +46,11 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             yield RULE.at(found.span, message, _HELP, also, type=proto, number=number)
 
 
-def _limited(subject: Subject) -> dict[str, tuple[Row, PeerSettings]]:
+def _limited(context: Context) -> dict[str, tuple[Row, PeerSettings]]:
     """The payloads that a peer with a largest size sends or is sent, each with its first row."""
-    peers = subject.table.peers_by_name()
+    peers = context.table.peers_by_name()
     found: dict[str, tuple[Row, PeerSettings]] = {}
-    for row in subject.table.rows:
+    for row in context.table.rows:
         for name in (row.peer, *row.forward):
             if name in peers and peers[name].max_size is not None:
                 found.setdefault(row.proto, (row, peers[name]))

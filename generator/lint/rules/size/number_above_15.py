@@ -22,16 +22,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoMessage
 
 RULE = Rule("FIX104", "number-above-15", __doc__, Severity.HINT)
 _LAST_SHORT = 15
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Messages inside what a peer with a largest size sends; each once, at its first such field."""
-    table, schema = subject.table, subject.schema
+    table, schema = context.table, context.schema
     limited = {peer.name for peer in table.peers if peer.max_size is not None}
     sent = [row.proto for row in table.rows if row.inbound and row.peer in limited]
     if schema is None or not sent:

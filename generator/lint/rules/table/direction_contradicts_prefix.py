@@ -22,15 +22,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import PeerSettings
 
 RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows whose message is called as those of another peer are."""
-    table = subject.table
+    table = context.table
     if not table.whole:
         return  # the prefix may be among what could not be read
     peers = table.peers_by_name()

@@ -26,7 +26,7 @@ from collections.abc import Iterator, Mapping
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.ir.ros_names import snake_case
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoEnum, ProtoMessage
 
 RULE = Rule("NAM103", "enum-value-collides", __doc__)
@@ -34,16 +34,16 @@ RULE = Rule("NAM103", "enum-value-collides", __doc__)
 _Messages = Mapping[str, tuple[str, ProtoMessage]]  # by full name, each with its file
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Enums with values that are called as a message in the same scope is; each enum once."""
-    files = {**subject.excluded_files, **subject.files}
+    files = {**context.excluded_files, **context.files}
     messages = {found.full_name: (path, found) for path, file in files.items() for found in file.messages}
     for path, file in files.items():
         for enum in file.enums:
-            yield from _check(path, enum, messages, subject)
+            yield from _check(path, enum, messages, context)
 
 
-def _check(path: str, enum: ProtoEnum, messages: _Messages, subject: Subject) -> Iterator[Diagnostic]:
+def _check(path: str, enum: ProtoEnum, messages: _Messages, context: Context) -> Iterator[Diagnostic]:
     scope = enum.full_name.removesuffix(enum.name)
     colliding = [value for value in enum.values if f"{scope}{value.name}" in messages]
     if not colliding:
@@ -53,17 +53,17 @@ def _check(path: str, enum: ProtoEnum, messages: _Messages, subject: Subject) ->
     named = [value.name for value in colliding[:3]] + ["..."] * (len(colliding) > 3)
     prefixed = f"{snake_case(enum.name)}_{snake_case(first.name)}".upper()
     finding = RULE.at(
-        subject.place(path, first.span.line, first.span.column),
+        context.place(path, first.span.line, first.span.column),
         f"values of the enum {enum.name} have the names of messages: {', '.join(named)}",
         f"start its values with its own name ({prefixed}), or delete the enum if nobody uses it",
-        [(_place(file, message, subject), "the message")],
+        [(_place(file, message, context), "the message")],
         type=enum.full_name,
         number=first.number,
     )
     # An excluded file takes part in no build.
-    excluded = not {path, file}.isdisjoint(subject.excluded_files)
+    excluded = not {path, file}.isdisjoint(context.excluded_files)
     yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding
 
 
-def _place(file: str, message: ProtoMessage, subject: Subject) -> Span:
-    return subject.place(file, message.span.line, message.span.column)
+def _place(file: str, message: ProtoMessage, context: Context) -> Span:
+    return context.place(file, message.span.line, message.span.column)

@@ -24,15 +24,15 @@ from functools import cache
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.lint import buf
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Lowered
 
 RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Settings of the table and of its rows that change no finding's severity."""
-    table = subject.table
+    table = context.table
     for lowered in table.lint:
         yield from _check(lowered, "", None)
     for row in table.rows:

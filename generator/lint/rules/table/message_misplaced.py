@@ -26,15 +26,15 @@ from pathlib import PurePosixPath
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.ir.ros_names import snake_case
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Row
 
 RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Payloads of peers that have prefixes; each message once."""
-    table = subject.table
+    table = context.table
     if not table.whole:
         return  # the prefix may be among what could not be read
     with_prefixes = {peer.name for peer in table.peers if peer.prefixes}
@@ -43,29 +43,29 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
     for row in travelling.values():
         name = row.proto.rpartition(".")[2]
         own = sorted(prefix for prefix in prefixes if name.startswith(prefix) or row.proto.startswith(prefix))
-        yield from _check_folder(row, own, subject) if own else _not_prefixed(row, sorted(prefixes), subject)
+        yield from _check_folder(row, own, context) if own else _not_prefixed(row, sorted(prefixes), context)
 
 
-def _not_prefixed(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Diagnostic]:
+def _not_prefixed(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
     message = f"{row.proto} is not called after a component"
     help = f"start its name with one of {', '.join(prefixes)}, or add its component to `prefixes`"
-    span, also = _place(row, subject)
+    span, also = _place(row, context)
     yield RULE.at(span, message, help, also, type=row.proto)
 
 
-def _check_folder(row: Row, prefixes: list[str], subject: Subject) -> Iterator[Diagnostic]:
-    declared = subject.schema.messages.get(row.proto) if subject.schema else None
+def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
+    declared = context.schema.messages.get(row.proto) if context.schema else None
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:
         message = f"{row.proto} stands in {declared.file}, which is not in a folder {' or '.join(folders)}"
-        span, also = _place(row, subject)
+        span, also = _place(row, context)
         help = "move it into a file of that folder, or call it after the component of this one"
         yield RULE.at(span, message, help, also, type=row.proto)
 
 
-def _place(row: Row, subject: Subject) -> tuple[Span, list[tuple[Span, str]]]:
+def _place(row: Row, context: Context) -> tuple[Span, list[tuple[Span, str]]]:
     """Where the message is declared, and where it is named; only the latter if the former is not known."""
-    declared = subject.schema.messages.get(row.proto) if subject.schema else None
+    declared = context.schema.messages.get(row.proto) if context.schema else None
     if declared is None:
         return row.at("proto"), []
     return declared.at("name"), [(row.at("proto"), "named here")]

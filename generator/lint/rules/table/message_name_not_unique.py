@@ -25,26 +25,26 @@ import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoMessage
 
 RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Messages that stand in no other and have the name of one in an earlier file; excluded files come last."""
     seen: dict[str, tuple[str, ProtoMessage]] = {}
-    for files in (subject.files, subject.excluded_files):
+    for files in (context.files, context.excluded_files):
         for path, file in sorted(files.items()):
             for message in file.outermost:
                 first, earlier = seen.setdefault(message.name, (path, message))
                 if first != path:
                     finding = RULE.at(
-                        subject.place(path, message.span.line, message.span.column),
+                        context.place(path, message.span.line, message.span.column),
                         f"the message {message.full_name} has the name of one in {first}",
                         "start each name with its component's, such as SensorBoard",
-                        [(subject.place(first, earlier.span.line, earlier.span.column), "first declared here")],
+                        [(context.place(first, earlier.span.line, earlier.span.column), "first declared here")],
                         type=message.full_name,
                     )
-                    excluded = path in subject.excluded_files  # and takes part in no build
+                    excluded = path in context.excluded_files  # and takes part in no build
                     yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding

@@ -22,16 +22,16 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.ir.ros_names import distinct
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import RetiredRow, Row
 
 RULE = Rule("TAB101", "name-taken", __doc__)
 _HELP = "choose another name"
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
-    table = subject.table
+    table = context.table
     retired: dict[str, RetiredRow] = {}
 
     def at(row: Row | RetiredRow, message: str, also: tuple[Span, str], help: str = _HELP) -> Diagnostic:

@@ -20,25 +20,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """New rows with a larger number than they need, where something was published before."""
-    published = {entry.number for entry in subject.published}
+    published = {entry.number for entry in context.published}
     if not published:
         return
-    table = subject.table
+    table = context.table
     # A payload whose published number is gone from the table is not new; another rule tells how to put that back.
-    moved = {entry.proto for entry in subject.published if entry.number not in table.numbers}
+    moved = {entry.proto for entry in context.published if entry.number not in table.numbers}
     new = {row.number: row for row in reversed(table.rows) if row.number not in published and row.proto not in moved}
     # Only what lies above every old number is known to have never been used.
     old = published | (table.numbers - new.keys())
     smallest = max(old)
     for number in sorted(number for number in new if number > max(old)):
-        smallest = subject.free_number(smallest + 1, besides=new.keys())
+        smallest = context.free_number(smallest + 1, besides=new.keys())
         if number > smallest:
             row = new[number]
             message = f"field {number} skips numbers that were never used; the next one is {smallest}"

@@ -20,18 +20,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.node_parameters import node_parameters
 from roverlink.generator.table import PeerSettings
 
 RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Peers whose parameter another peer has, or the node itself."""
     seen: dict[str, PeerSettings] = {}
     of_the_node = {"use_sim_time", *node_parameters()}
-    for peer in subject.table.peers:
+    for peer in context.table.peers:
         first = seen.setdefault(peer.parameter, peer)
         if first is not peer:
             message = f"the parameter {peer.parameter} of {peer.name} is already that of {first.name}"

@@ -18,15 +18,15 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.ir import ros_names
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Row
 
 RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """The package, and the messages and topics of the rows."""
-    table = subject.table
+    table = context.table
     if table.ros.package and not ros_names.is_package_name(table.ros.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)

@@ -18,17 +18,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows that were published with the same number and message, and with another topic."""
-    envelope = subject.table.envelope.message
-    for row in subject.table.rows:
+    envelope = context.table.envelope.message
+    for row in context.table.rows:
         before: dict[str, Span] = {}
-        for entry in subject.published:
+        for entry in context.published:
             if (entry.number, entry.proto) == (row.number, row.proto) and entry.topic not in ("", row.topic):
                 before.setdefault(entry.topic, entry.span)
         if row.topic and before:

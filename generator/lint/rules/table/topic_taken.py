@@ -18,17 +18,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Row
 
 RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Rows whose topic an earlier row has."""
     seen: dict[str, tuple[str, Span]] = {}
-    envelope = subject.table.envelope.message
-    for row in subject.table.rows:
+    envelope = context.table.envelope.message
+    for row in context.table.rows:
         for topic, span in _topics(row):
             # a node's namespace is the root, mostly
             first, place = seen.setdefault(topic.removeprefix("/"), (row.name, span))

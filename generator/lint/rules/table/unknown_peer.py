@@ -24,15 +24,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span, nearest
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.table import Row
 
 RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Directions and forwards without a peer."""
-    table = subject.table
+    table = context.table
     if not table.whole:
         return  # the peer may be among what could not be read
     peers = {peer.name for peer in table.peers}

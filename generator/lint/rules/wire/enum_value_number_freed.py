@@ -22,14 +22,14 @@ from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earli
 from roverlink.generator.lint.breaking.declaration_text import value_place
 from roverlink.generator.lint.breaking.fixits import value_back_or_reserve
 from roverlink.generator.lint.breaking.number_ranges import covers
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers that were a value's, and are neither a value's nor reserved."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

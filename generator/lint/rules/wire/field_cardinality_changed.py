@@ -20,20 +20,20 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
 from roverlink.generator.lint.breaking.cardinality import broken_by_cardinality, cardinalities, only_required, shown
 from roverlink.generator.lint.breaking.fixits import was
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in fields(change):
         old, new = cardinalities(pair)
         if broken_by_cardinality(old, new) and not only_required(old, new):

@@ -24,14 +24,14 @@ from roverlink.generator.lint.breaking.declaration_text import declaration
 from roverlink.generator.lint.breaking.default_values import default, default_changed, shown
 from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
 from roverlink.generator.lint.breaking.fixits import back
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields with another default, unless their type is already said to be another."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

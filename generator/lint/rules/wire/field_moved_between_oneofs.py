@@ -20,19 +20,19 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, each_once, earlier, fields
 from roverlink.generator.lint.breaking.oneof_changes import broken_by_oneof, moved_back, moved_text
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields whose company in a oneof is another."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in fields(change):
         if broken_by_oneof(pair):
             yield RULE.at(

@@ -22,15 +22,15 @@ from roverlink.generator.lint.breaking import Change, MessagePair, each_once, ea
 from roverlink.generator.lint.breaking.declaration_text import declaration_of_old
 from roverlink.generator.lint.breaking.fixits import names_in_use, put_back_or_reserve
 from roverlink.generator.lint.breaking.number_ranges import covers
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField
 
 RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers that were a field's, and are neither a field's nor reserved."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

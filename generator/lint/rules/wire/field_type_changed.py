@@ -22,19 +22,19 @@ from roverlink.generator.lint.breaking import Change, each_once, earlier, fields
 from roverlink.generator.lint.breaking.declaration_text import retyping, type_place
 from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
 from roverlink.generator.lint.breaking.fixits import was
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Fields whose old and new type cannot read each other."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in fields(change):
         if broken_by_type(pair):
             yield RULE.at(

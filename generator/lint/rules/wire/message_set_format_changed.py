@@ -19,15 +19,15 @@ from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, each_once, earlier, messages
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR109", "message-set-format-changed", __doc__)
 _OPTION = "message_set_wire_format"
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Messages whose option `message_set_wire_format` is another."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

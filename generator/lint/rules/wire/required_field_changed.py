@@ -22,15 +22,15 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, messages
 from roverlink.generator.lint.breaking.declaration_text import declaration, declaration_of_old
 from roverlink.generator.lint.breaking.fixits import put_back
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 RULE = Rule("WIR104", "required-field-changed", __doc__)
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Numbers that are required on one side alone, and hold no list on the other."""
-    return each_once(subject.changes, _findings)
+    return each_once(context.changes, _findings)
 
 
 def _findings(change: Change) -> Iterator[Diagnostic]:

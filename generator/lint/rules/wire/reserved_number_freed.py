@@ -22,7 +22,7 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.breaking import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
 from roverlink.generator.lint.breaking.declaration_text import declaration
 from roverlink.generator.lint.breaking.number_ranges import Range, covers, missing, spelled
-from roverlink.generator.lint.context import Subject
+from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, next_enum_number
 
 RULE = Rule("WIR106", "reserved-number-freed", __doc__)
@@ -39,19 +39,19 @@ class _User:
     """How it is to be declared, with another number; empty where there is none left."""
 
 
-def check(subject: Subject) -> Iterator[Diagnostic]:
+def check(context: Context) -> Iterator[Diagnostic]:
     """Reserved ranges of messages and enums of which something is not reserved any more."""
-    return each_once(subject.changes, lambda change: _findings(subject, change))
+    return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(subject: Subject, change: Change) -> Iterator[Diagnostic]:
-    numbers = NewNumbers(subject, change)
+def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+    numbers = NewNumbers(context, change)
     for pair in messages(change):
         for place, freed in _freed(pair):
             yield _finding(pair, place, freed, _fields(pair, numbers, freed))
     for of_enum in enums(change):
         for place, freed in _freed(of_enum):
-            yield _finding(of_enum, place, freed, _values(of_enum, subject, freed))
+            yield _finding(of_enum, place, freed, _values(of_enum, context, freed))
 
 
 def _freed(pair: MessagePair | EnumPair) -> Iterator[tuple[Span, list[Range]]]:
@@ -71,12 +71,12 @@ def _fields(pair: MessagePair, numbers: NewNumbers, freed: list[Range]) -> list[
     return users
 
 
-def _values(pair: EnumPair, subject: Subject, freed: list[Range]) -> list[_User]:
+def _values(pair: EnumPair, context: Context, freed: list[Range]) -> list[_User]:
     users, offered = [], dict[int, int | None]()
     for value in sorted(pair.new.values, key=lambda value: value.number):
         if covers(freed, value.number):
             if value.number not in offered:
-                offered[value.number] = next_enum_number(subject, pair.new.full_name, filter(None, offered.values()))
+                offered[value.number] = next_enum_number(context, pair.new.full_name, filter(None, offered.values()))
             number = offered[value.number]
             users.append(
                 _User(value.name, value.number, value.at("number"), f"{value.name} = {number};" if number else "")
