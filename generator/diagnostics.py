@@ -11,7 +11,7 @@ from roverlink.generator.git import Commit
 
 
 class Severity(str, Enum):
-    """What a diagnostic does to a run."""
+    """The effect of a diagnostic on a run."""
 
     FATAL = "fatal"
     """Something could not be looked at, or not be written; the exit code is 2."""
@@ -41,7 +41,7 @@ class Span:
 
 
 def shown(folder: str, path: str) -> str:
-    """How diagnostics call a file: below its folder, in a commit (``main:``), or, of no folder, by its path alone."""
+    """Name a file as diagnostics do: below its folder, in a commit (``main:``), or by its path alone."""
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
@@ -115,7 +115,7 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     """The rule's, or what the table has lowered that to."""
     uses: tuple[Use, ...] = ()
-    """Of a diagnostic of history: what the number stood for, the earliest first."""
+    """The usages of the number, the earliest first; empty but for a diagnostic of history."""
     rests_on: tuple[Span, ...] = ()
     """Places that it takes for granted."""
 

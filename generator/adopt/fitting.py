@@ -1,4 +1,4 @@
-"""What of the payloads fits into ROS 2: messages and fields get names that it allows, and the rest is left out.
+"""Fits payloads to ROS 2: gives messages and fields names that it allows, and leaves out the rest.
 
 Every row is resolved once, as generate resolves it, and each fault is put down to the fields that cause it.
 """

@@ -1,4 +1,4 @@
-"""How much the rules of the lint count in a tree that breaks them already: a hint each, with the reason."""
+"""Lowers the rules of the lint that a tree breaks already: a hint each, with the reason."""
 
 from __future__ import annotations
 

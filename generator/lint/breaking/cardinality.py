@@ -1,4 +1,4 @@
-"""How many values a field holds, and whether bytes are misread if it holds another number of them.
+"""Cardinality: the number of values a field holds, and if bytes are misread when that changes.
 
 After protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"): singular and repeated are
 not safe to exchange, since a packed list of numbers is no number, and of several values only one survives. A map is a

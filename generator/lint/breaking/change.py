@@ -15,6 +15,6 @@ class Change:
     before: Schema
     after: Schema
     of_ledger: bool = False
-    """Whether the earlier state is the ledger: names, numbers and types of what can travel, and nothing else."""
+    """True if the earlier state is the ledger, which has only names, numbers and types of what can travel."""
     bounds_before: Bounds | None = None
     """nanopb's bounds as they were; None where they are not known."""

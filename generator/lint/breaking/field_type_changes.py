@@ -1,4 +1,4 @@
-"""Whether bytes are misread if a field has another type.
+"""Compatibility of a field's old and new type: tells if bytes are misread.
 
 Of scalars, protobuf's own guide is the source (protobuf.dev/programming-guides/proto3, "Updating A Message Type").
 Messages and enums of other names are looked into: where what the one

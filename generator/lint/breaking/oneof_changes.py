@@ -1,4 +1,4 @@
-"""Whether bytes are misread if a field stands in another oneof.
+"""Compatibility of a field's old and new oneof: tells if bytes are misread.
 
 A receiver that sees two members of a oneof keeps the last and drops the other. So what counts on the wire is with which
 fields a field shares a oneof, among those that both sides know (protobuf.dev/programming-guides/proto3, "Updating A

@@ -129,7 +129,7 @@ def spelling_of_value(value: object) -> str:
 
 
 def _marks(type: InterfaceType) -> Iterator[str]:
-    """What the annotation of a type needs from `roverlink.runtime.core.messages`."""
+    """Return what the annotation of a type needs from `roverlink.runtime.core.messages`."""
     is_bytes = type.is_many and type.name == "uint8"
     if not type.is_message and type.name != "string" and not is_bytes:
         yield spelling.primitive(type.name)

@@ -12,7 +12,7 @@ _RCLCPP_DEFAULT = ir.Qos()
 
 
 def runtime_names(route: ir.Route) -> list[str]:
-    """What the arguments need from `roverlink.runtime.core.handler`."""
+    """Return what the arguments need from `roverlink.runtime.core.handler`."""
     names = ["Deadman"] if route.deadman else []
     return [*names, "Route"] if route.qos == _RCLCPP_DEFAULT else [*names, "Qos", "Route"]
 

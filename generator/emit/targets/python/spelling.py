@@ -99,7 +99,7 @@ def annotation(type: ir.RosType, message: str) -> str:
 
 
 def imported_annotation(type: ir.RosType) -> str | None:
-    """What a field's annotation needs from `roverlink.runtime.core.messages`."""
+    """Return what a field's annotation needs from `roverlink.runtime.core.messages`."""
     if type.is_message or (type.is_sequence and type.name == "uint8"):
         return None
     return _ANNOTATIONS.get(type.name)
