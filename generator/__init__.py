@@ -1,7 +1,7 @@
 """From mapping.yaml to files: read, resolve, lint, emit, write.
 
 `roverlink.generator.pipeline` compiles a table, `roverlink.generator.emit.writer` writes the result, and
-`roverlink.generator.lint.engine` lints without loading the targets.
+`roverlink.generator.lint.project` lints without loading the targets.
 """
 
 if __name__ != "roverlink.generator":

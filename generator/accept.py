@@ -8,8 +8,8 @@ from pathlib import Path
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.engine import Linted
 from roverlink.generator.lint.history_diagnostics import stands_today
+from roverlink.generator.lint.project import Linted
 from roverlink.generator.lock import Burned
 from roverlink.generator.pipeline import recompile
 from roverlink.generator.table.edit_rules import NOTHING_TO_ACCEPT_INTO

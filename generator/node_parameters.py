@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-_DECLARATIONS = Path(__file__).parents[1] / "runtime" / "node" / "node_parameters.yaml"
+_DECLARATIONS = Path(__file__).parents[1] / "runtime" / "ros_arguments" / "node_parameters.yaml"
 
 
 @cache

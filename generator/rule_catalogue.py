@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import ModuleType
 
-from roverlink.generator.adopt import adoption_rules
+from roverlink.generator import init_rules
 from roverlink.generator.diagnostics import Rule
 from roverlink.generator.emit import output_rules
 from roverlink.generator.emit.targets.cpp import unsupported_names
@@ -20,7 +20,7 @@ from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.table import edit_rules, reading_rules
 
 DECLARED_IN: Mapping[str, ModuleType] = {
-    "ADO": adoption_rules,
+    "ADO": init_rules,
     "BUF": buf,
     "CNV": conversion_rules,
     "CPP": unsupported_names,
@@ -38,7 +38,7 @@ DECLARED_IN: Mapping[str, ModuleType] = {
 """The module that declares the rules of a phase, by what their ids start with.
 
 A rule of the lint is a module of its own in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in
-`wire` or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`.
+`wire` or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`: it looks at every other message.
 """
 
 

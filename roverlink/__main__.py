@@ -12,7 +12,7 @@ from typing import Any
 
 from roverlink.console import OK, UNABLE, complain
 from roverlink.runtime.core.errors import RoverlinkError
-from roverlink.runtime.node import ros_args
+from roverlink.runtime.ros_arguments import ros_args
 
 COMMANDS = (
     "init",

@@ -22,9 +22,9 @@ from roverlink.installed_packages import installed_version
 from roverlink.runtime import Registry, RoverlinkError
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.net import udp
-from roverlink.runtime.node import parameters
-from roverlink.runtime.node.parameters import Parameters
-from roverlink.runtime.node.ros_args import RosArguments
+from roverlink.runtime.ros_arguments import parameters
+from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 _NEEDED = ("protobuf", "pyyaml", "jinja2", "rich")
 _EXTRAS = {

@@ -11,7 +11,7 @@ from roverlink.diagnostic_text import Sources, show
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.git import Repository
 from roverlink.generator.lint.bare_tree import EnvelopeName
-from roverlink.generator.lint.engine import Linted, Question, lint_project, lint_tree
+from roverlink.generator.lint.project import Linted, Question, lint_project, lint_tree
 from roverlink.runtime.core.errors import SetupError
 
 

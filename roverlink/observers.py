@@ -23,9 +23,9 @@ from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
 from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Recording
-from roverlink.runtime.node.parameters import Parameters
-from roverlink.runtime.node.ros_args import RosArguments
 from roverlink.runtime.recording import COMPRESSIONS
+from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.type_hashes import type_hashes
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.lint.project import Question, lint_project
 from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField

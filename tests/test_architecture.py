@@ -15,16 +15,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 _SHARED_NAMES = {
-    *(
-        "bodies",
-        "conversions",
-        "handlers",
-        "interfaces",
-        "layout",
-        "messages",
-        "registry",
-        "routes",
-    ),  # of each target
+    *("bodies", "conversions", "handlers", "interfaces", "layout", "messages", "registry"),  # of each target
     "reader",  # of the table, of a recording
     "board",  # the command, and what it prints
 }

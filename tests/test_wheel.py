@@ -40,7 +40,8 @@ def roverlink(site: Path, tmp_path: Path) -> Run:
 def test_the_wheel_has_one_top_level_module(site: Path) -> None:
     """Beside the metadata there is `roverlink` alone, with its parts and their data; the sample rover is not in it."""
     assert sorted(path.name for path in site.iterdir() if path.suffix != ".dist-info") == ["roverlink"]
-    for file in ("py.typed", "templates/handler.py.j2", "cpp/CMakeLists.txt", "runtime/node/node_parameters.yaml"):
+    parameters = "runtime/ros_arguments/node_parameters.yaml"
+    for file in ("py.typed", "templates/handler.py.j2", "cpp/CMakeLists.txt", parameters):
         assert (site / "roverlink" / file).is_file()
     assert not list(site.rglob("imu_*"))
 

@@ -7,12 +7,12 @@
 - `lint_levels`: the rules that the tree breaks already;
 - `draft`: what will stand in the table, and `table_text`, how it is written.
 
-`new_project` starts a project where there is nothing to take over. Nothing of the project is written here.
+Nothing of the project is written here. Where there is nothing to take over, `roverlink.generator.new_project` starts
+a project.
 """
 
 from __future__ import annotations
 
 from roverlink.generator.adopt.adoption import Adoption, Wanted, adopt
-from roverlink.generator.adopt.new_project import NewProject, new_project
 
-__all__ = ["Adoption", "NewProject", "Wanted", "adopt", "new_project"]
+__all__ = ["Adoption", "Wanted", "adopt"]

@@ -12,7 +12,6 @@ from roverlink.generator.adopt.draft import Draft
 from roverlink.generator.adopt.fitting import fit
 from roverlink.generator.adopt.guesses import guess_rows
 from roverlink.generator.adopt.lint_levels import lower
-from roverlink.generator.adopt.new_project import check_the_way
 from roverlink.generator.adopt.proto_tree import Tree, owner, read_tree
 from roverlink.generator.adopt.retired_numbers import AdoptedPast, read_past
 from roverlink.generator.adopt.table_text import text_of
@@ -23,10 +22,11 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import read_bounds
+from roverlink.generator.new_project import check_the_way
 from roverlink.generator.pipeline import Compiled, compile_text
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.protoc import compile_protos
-from roverlink.generator.resolve.routes import resolve_envelope
+from roverlink.generator.resolve.resolver import resolve_envelope
 from roverlink.generator.table import reader
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from roverlink.generator.adopt.adoption_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
+from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Span, shown
-from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.comparison import Change
 from roverlink.generator.lint.history import History, branch_name
 from roverlink.generator.lint.pinned_numbers import Pinned
 from roverlink.generator.lock import Entry, Ledger

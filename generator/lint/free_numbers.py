@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from roverlink.generator.lint.breaking import Change, EnumPair, FieldPair, MessagePair
-from roverlink.generator.lint.breaking.declaration_text import declaration
-from roverlink.generator.lint.breaking.fixits import back, reserve
-from roverlink.generator.lint.breaking.misplaced_fields import misplaced_fields
-from roverlink.generator.lint.breaking.number_ranges import Range
-from roverlink.generator.lint.breaking.pairing import written
+from roverlink.generator.lint.comparison import Change, EnumPair, FieldPair, MessagePair
+from roverlink.generator.lint.comparison.misplaced_fields import misplaced_fields
+from roverlink.generator.lint.comparison.pairing import written
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration
+from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve
+from roverlink.generator.protos.number_ranges import Range
 from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS

@@ -21,7 +21,7 @@ from roverlink.generated_code import load_project
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import open_middleware
-from roverlink.runtime.node.ros_args import RosArguments
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.vision import CameraParameters, Landmarks, MarkerSet, Tracker, read_landmarks
 from roverlink.vision.camera.parameters_file import read_parameters
 from roverlink.vision.field.view import View, look

@@ -12,7 +12,7 @@ from roverlink.console import OK, Subparsers, add_table, command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.lint.project import Question, lint_project
 from roverlink.generator.pipeline import add as add_row
 from roverlink.lint_scope import in_repository
 from roverlink.progress import progress

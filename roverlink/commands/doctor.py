@@ -11,7 +11,7 @@ from rich.text import Text
 from roverlink import doctor_checks
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command
 from roverlink.runtime import NODE
-from roverlink.runtime.node import ros_args
+from roverlink.runtime.ros_arguments import ros_args
 
 _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 

@@ -8,8 +8,8 @@ import sys
 from roverlink.console import FINDINGS, UNABLE, Subparsers, command, count
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
-from roverlink.generator.lint.engine import Question
 from roverlink.generator.lint.history import Usage, branch_name
+from roverlink.generator.lint.project import Question
 from roverlink.lint_scope import add_subject, folder_of, linted, say_limits
 from roverlink.progress import progress
 

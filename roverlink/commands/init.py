@@ -9,9 +9,10 @@ from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import Sources, show, show_error
-from roverlink.generator.adopt import Adoption, NewProject, Wanted, adopt, new_project
+from roverlink.generator.adopt import Adoption, Wanted, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
+from roverlink.generator.new_project import NewProject, new_project
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
-from roverlink.generator.lint.engine import Linted, Question
+from roverlink.generator.lint.project import Linted, Question
 from roverlink.lint_scope import add_subject, folder_of, linted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS

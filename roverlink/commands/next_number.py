@@ -9,7 +9,7 @@ from roverlink.console import UNABLE, Subparsers, command
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.engine import Question
+from roverlink.generator.lint.project import Question
 from roverlink.generator.table import LARGEST_NUMBER
 from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, say_limits
 from roverlink.progress import progress

@@ -17,7 +17,7 @@ from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, pr
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 if TYPE_CHECKING:
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed

@@ -15,7 +15,7 @@ from roverlink.generated_code import load_project
 from roverlink.observers import Watching
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
-from roverlink.runtime.node import parameters, ros_args
+from roverlink.runtime.ros_arguments import parameters, ros_args
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 

@@ -14,7 +14,7 @@ from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.net import udp
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 

@@ -30,7 +30,7 @@ from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, Translator
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation import bridge_host
 from roverlink.simulation.bridge_host import BridgeHost
 from roverlink.simulation.payloads import payload_at

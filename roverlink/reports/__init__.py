@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.project import Linted
 from roverlink.reports import github, json_report, junit, sarif, text
 
 FORMATS: Mapping[str, Callable[[Linted], None]] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from roverlink.generator.diagnostics import Diagnostic, Severity
-from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.project import Linted
 from roverlink.lint_scope import sources
 
 _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING: "warning", Severity.HINT: "notice"}

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from roverlink.generator.diagnostics import Diagnostic, Span, Use
-from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.project import Linted
 
 
 def write(linted: Linted) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.project import Linted
 from roverlink.generator.lint.rules import modules
 
 

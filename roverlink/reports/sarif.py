@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import quote
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
-from roverlink.generator.lint.engine import Linted
+from roverlink.generator.lint.project import Linted
 from roverlink.generator.lint.rules import modules
 from roverlink.lint_scope import sources
 

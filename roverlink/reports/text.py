@@ -13,8 +13,8 @@ from rich.table import Table
 
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Severity
-from roverlink.generator.lint.engine import Linted
 from roverlink.generator.lint.pinned_numbers import Pinned
+from roverlink.generator.lint.project import Linted
 from roverlink.lint_scope import sources
 
 

@@ -15,7 +15,7 @@ from typing import IO, Any, Protocol, cast
 from roverlink.runtime import NODE, Bridge, Registry, SetupError
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 _STOP_TIMEOUT_S = 20.0  # it drains what has arrived, on a machine that is busy
 

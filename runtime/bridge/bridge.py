@@ -28,7 +28,7 @@ from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.sources import restrict
-from roverlink.runtime.node.parameters import Parameters
+from roverlink.runtime.ros_arguments.parameters import Parameters
 
 NODE = "udp_forwarder"
 """The bridge's name on the ROS 2 graph, where nobody gives it another."""

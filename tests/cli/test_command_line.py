@@ -60,7 +60,7 @@ def test_the_example_of_each_help_is_understood(
     import shlex
 
     from roverlink.__main__ import _parser
-    from roverlink.runtime.node import ros_args
+    from roverlink.runtime.ros_arguments import ros_args
 
     monkeypatch.chdir(_ROOT / "generated" / "ros" / "comms" / "config")  # where udp.yaml is
     for command in (*COMMANDS, *_SUBCOMMANDS):

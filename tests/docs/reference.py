@@ -29,7 +29,7 @@ from roverlink.generator.table.value_types import (
     Text,
     Type,
 )
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "docs" / "mapping.md", ROOT / "README.md")

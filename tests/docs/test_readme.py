@@ -12,7 +12,7 @@ from page import ROOT, Reader, blocks
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 _README = ROOT / "README.md"
 

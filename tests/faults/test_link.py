@@ -15,7 +15,7 @@ from relay import Relay
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos, Registry
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 pytestmark = pytest.mark.skipif(bool(why_not()), reason=why_not())
 

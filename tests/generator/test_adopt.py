@@ -15,7 +15,7 @@ from roverlink.generator.adopt import Adoption, Wanted, adopt
 from roverlink.generator.adopt.role_words import words
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import compare, write
-from roverlink.generator.lint.engine import Question, lint_project
+from roverlink.generator.lint.project import Question, lint_project
 from roverlink.generator.pipeline import compile_table
 
 _GOLDEN = Path(__file__).parent / "adopted"

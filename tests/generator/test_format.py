@@ -19,7 +19,7 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.table import reader
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 _SCHEMA = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])
 _VALIDATOR = jsonschema.Draft202012Validator(_SCHEMA)

@@ -16,7 +16,7 @@ from roverlink import generator
 from roverlink.__main__ import main
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Rule, Severity
 from roverlink.generator.lint.bare_tree import EnvelopeName
-from roverlink.generator.lint.engine import Question, lint_project, lint_tree
+from roverlink.generator.lint.project import Question, lint_project, lint_tree
 from roverlink.generator.pipeline import add, compile_table
 from roverlink.generator.rule_catalogue import rules
 

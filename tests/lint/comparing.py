@@ -9,7 +9,7 @@ from mutations import write
 
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint import rules
-from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.comparison import Change
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.protoc import compile_tree

@@ -21,7 +21,7 @@ from mutations import HARMLESS, MESSAGE_SETS, MUTATIONS, Mutation, together, wri
 
 from roverlink.generator.diagnostics import Severity, Span
 from roverlink.generator.lint import rules
-from roverlink.generator.lint.breaking.field_type_changes import kind
+from roverlink.generator.lint.comparison.field_type_changes import kind
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 DOCS = Path(__file__).parents[2] / "docs"

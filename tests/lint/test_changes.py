@@ -17,8 +17,8 @@ from mutations import BASE, MUTATIONS
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.lint import rules
-from roverlink.generator.lint.breaking import Change
-from roverlink.generator.lint.breaking.cardinality import (
+from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison.cardinality import (
     EXPLICIT,
     IMPLICIT,
     MAP,
@@ -26,13 +26,13 @@ from roverlink.generator.lint.breaking.cardinality import (
     REQUIRED,
     broken_by_cardinality,
 )
-from roverlink.generator.lint.breaking.declaration_text import from_within
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
-from roverlink.generator.lint.breaking.name_units import disagree, factor, measure
-from roverlink.generator.lint.breaking.name_words import share_a_word, words
-from roverlink.generator.lint.breaking.number_ranges import covers, missing, spelled
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import from_within
+from roverlink.generator.lint.names.name_units import disagree, factor, measure
+from roverlink.generator.lint.names.name_words import share_a_word, words
 from roverlink.generator.lock import Ledger, read
+from roverlink.generator.protos.number_ranges import covers, missing, spelled
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 

@@ -10,7 +10,7 @@ import pytest
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.lint import bare_tree, rules
-from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.comparison import Change
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Entry, Ledger
 from roverlink.generator.nanopb import Bounds, FieldBounds

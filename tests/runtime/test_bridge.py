@@ -26,7 +26,7 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.net import udp
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.payloads import payload_at
 
 _QUIET = unguarded(REGISTRY)  # what a peer is told by the bridge itself has tests of its own

@@ -19,7 +19,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 _FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
 

@@ -19,7 +19,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos, Registry
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware, MemoryPublisher
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.payloads import payload_at
 
 _LOGGER = logging.getLogger("test_guarding")

@@ -17,7 +17,7 @@ from generated import checks
 from generated.registry import REGISTRY
 from roverlink.runtime import Registry, RegistryError, SetupError, load_registry
 from roverlink.runtime.core import descriptor_check
-from roverlink.runtime.node import parameters
+from roverlink.runtime.ros_arguments import parameters
 
 _REPOSITORY = Path(__file__).parents[2]
 _LOAD = "import sys; from roverlink.runtime import load_registry; print(len(load_registry(sys.argv[1]).handlers))"

@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from roverlink.runtime import SetupError
-from roverlink.runtime.node import ros_args
-from roverlink.runtime.node.ros_args import RosArguments, parse, split
+from roverlink.runtime.ros_arguments import ros_args
+from roverlink.runtime.ros_arguments.ros_args import RosArguments, parse, split
 
 _NODE = "udp_forwarder"
 _GENERATED_FILE = Path(__file__).parents[2] / "generated" / "ros" / "comms" / "config" / "udp.yaml"
@@ -311,7 +311,7 @@ def test_what_is_not_understood_is_quoted(arguments: list[str], expected: str) -
 def test_the_generated_file_names_what_the_node_has() -> None:
     """Every parameter in the shipped file is one that the node knows."""
     from generated.registry import REGISTRY
-    from roverlink.runtime.node import parameters
+    from roverlink.runtime.ros_arguments import parameters
 
     shipped = yaml.safe_load(_GENERATED_FILE.read_text(encoding="utf-8"))["udp_forwarder"]["ros__parameters"]
     assert parameters.read(REGISTRY, shipped) == parameters.read(REGISTRY, {})

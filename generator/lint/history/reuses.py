@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations, groupby
 
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.same_meaning import (
     ValueNames,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from functools import lru_cache
 
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
-from roverlink.generator.lint.breaking.name_words import share_a_word, words
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
 from roverlink.generator.lint.history.usage_model import Content
+from roverlink.generator.lint.names.name_words import share_a_word, words
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
 

@@ -10,7 +10,7 @@ from roverlink.aruco.camera_source import PARAMETERS, add_source
 from roverlink.console import Subparsers, add_project, command, count, node_logger
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
-from roverlink.runtime.node import ros_args
+from roverlink.runtime.ros_arguments import ros_args
 
 NODE = "aruco_tracker"
 NO_MIDDLEWARE = "none"

@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import values_by_number
-from roverlink.generator.lint.breaking.fixits import reserve
-from roverlink.generator.lint.breaking.fixits import values as declared
+from roverlink.generator.lint.comparison import values_by_number
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.put_back_or_reserve import reserve
+from roverlink.generator.lint.fixits.put_back_or_reserve import values as declared
 from roverlink.generator.lint.free_numbers import next_enum_number
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, Schema
 

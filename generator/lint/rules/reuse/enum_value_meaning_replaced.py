@@ -18,11 +18,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earlier
-from roverlink.generator.lint.breaking.declaration_text import value_place
-from roverlink.generator.lint.breaking.enum_values import moved_away, moved_here, renamed_values, stands_for_another
-from roverlink.generator.lint.breaking.fixits import values as declared
+from roverlink.generator.lint.comparison import Change, EnumPair, each_once, earlier
+from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here, renamed_values, stands_for_another
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import value_place
+from roverlink.generator.lint.fixits.put_back_or_reserve import values as declared
 from roverlink.generator.lint.free_numbers import new_numbers
 from roverlink.generator.protos.schema import ProtoEnumValue
 

@@ -18,10 +18,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
-from roverlink.generator.lint.breaking.fixits import was
-from roverlink.generator.lint.breaking.renames import Rename, names_another_field, rename
+from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison.field_renames import Rename, names_another_field, rename
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.put_back_or_reserve import was
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR114", "field-meaning-replaced", __doc__)

@@ -18,12 +18,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
-from roverlink.generator.lint.breaking.fixits import was
-from roverlink.generator.lint.breaking.name_units import factor
-from roverlink.generator.lint.breaking.renames import Rename, measures, rename
+from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison.field_renames import Rename, measures, rename
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.put_back_or_reserve import was
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+from roverlink.generator.lint.names.name_units import factor
 
 RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 

@@ -19,9 +19,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, fields_of_messages, messages
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
-from roverlink.generator.lint.breaking.renames import Rename, rename
+from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, fields_of_messages, messages
+from roverlink.generator.lint.comparison.field_renames import Rename, rename
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR113", "message-content-replaced", __doc__)

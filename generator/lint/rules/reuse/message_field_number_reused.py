@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking.declaration_text import declaration
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_kind
-from roverlink.generator.lint.breaking.fixits import reserve
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_kind
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration
+from roverlink.generator.lint.fixits.put_back_or_reserve import reserve
 from roverlink.generator.lint.free_numbers import next_field_number
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 

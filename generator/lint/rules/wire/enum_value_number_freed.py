@@ -18,11 +18,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, EnumPair, each_once, earlier, gone_values
-from roverlink.generator.lint.breaking.declaration_text import value_place
-from roverlink.generator.lint.breaking.fixits import value_back_or_reserve
-from roverlink.generator.lint.breaking.number_ranges import covers
+from roverlink.generator.lint.comparison import Change, EnumPair, each_once, earlier, gone_values
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import value_place
+from roverlink.generator.lint.fixits.put_back_or_reserve import value_back_or_reserve
+from roverlink.generator.protos.number_ranges import covers
 
 RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 

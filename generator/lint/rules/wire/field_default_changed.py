@@ -19,12 +19,12 @@ import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, FieldPair, each_once, earlier, fields
-from roverlink.generator.lint.breaking.declaration_text import declaration
-from roverlink.generator.lint.breaking.default_values import default, default_changed, shown
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
-from roverlink.generator.lint.breaking.fixits import back
+from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison.default_values import default, default_changed, shown
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration
+from roverlink.generator.lint.fixits.put_back_or_reserve import back
 
 RULE = Rule("WIR108", "field-default-changed", __doc__)
 

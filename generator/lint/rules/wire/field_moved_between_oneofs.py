@@ -18,8 +18,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, each_once, earlier, fields
-from roverlink.generator.lint.breaking.oneof_changes import broken_by_oneof, moved_back, moved_text
+from roverlink.generator.lint.comparison import Change, each_once, earlier, fields
+from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof, moved_back, moved_text
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 

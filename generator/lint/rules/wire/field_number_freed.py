@@ -18,11 +18,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, gone_fields
-from roverlink.generator.lint.breaking.declaration_text import declaration_of_old
-from roverlink.generator.lint.breaking.fixits import names_in_use, put_back_or_reserve
-from roverlink.generator.lint.breaking.number_ranges import covers
+from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, gone_fields
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration_of_old
+from roverlink.generator.lint.fixits.put_back_or_reserve import names_in_use, put_back_or_reserve
+from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import ProtoField
 
 RULE = Rule("WIR102", "field-number-freed", __doc__)

@@ -18,11 +18,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, each_once, earlier, fields
-from roverlink.generator.lint.breaking.declaration_text import retyping, type_place
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
-from roverlink.generator.lint.breaking.fixits import was
+from roverlink.generator.lint.comparison import Change, each_once, earlier, fields
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import retyping, type_place
+from roverlink.generator.lint.fixits.put_back_or_reserve import was
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, each_once, earlier, messages
+from roverlink.generator.lint.comparison import Change, each_once, earlier, messages
 from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR109", "message-set-format-changed", __doc__)

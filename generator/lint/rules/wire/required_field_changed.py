@@ -19,10 +19,10 @@ import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.breaking import Change, MessagePair, each_once, earlier, messages
-from roverlink.generator.lint.breaking.declaration_text import declaration, declaration_of_old
-from roverlink.generator.lint.breaking.fixits import put_back
+from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, messages
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration, declaration_of_old
+from roverlink.generator.lint.fixits.put_back_or_reserve import put_back
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 RULE = Rule("WIR104", "required-field-changed", __doc__)

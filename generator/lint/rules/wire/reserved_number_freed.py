@@ -19,11 +19,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
-from roverlink.generator.lint.breaking import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
-from roverlink.generator.lint.breaking.declaration_text import declaration
-from roverlink.generator.lint.breaking.number_ranges import Range, covers, missing, spelled
+from roverlink.generator.lint.comparison import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.free_numbers import NewNumbers, next_enum_number
+from roverlink.generator.protos.number_ranges import Range, covers, missing, spelled
 
 RULE = Rule("WIR106", "reserved-number-freed", __doc__)
 

@@ -11,7 +11,7 @@ import struct
 
 from google.protobuf.text_encoding import CEscape, CUnescape
 
-from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.lint.comparison.pairing import FieldPair
 from roverlink.generator.protos.schema import ProtoField, Schema
 
 Value = float | int | str | bytes

@@ -4,9 +4,8 @@ Messages and enums are paired by their full names, wherever they stand; fields a
 by the message that they extend and their number. That is how bytes find them.
 """
 
-from roverlink.generator.lint.breaking.change import Change
-from roverlink.generator.lint.breaking.each_once import each_once, earlier
-from roverlink.generator.lint.breaking.pairing import (
+from roverlink.generator.lint.comparison.each_once import each_once, earlier
+from roverlink.generator.lint.comparison.pairing import (
     EnumPair,
     FieldPair,
     MessagePair,
@@ -18,6 +17,7 @@ from roverlink.generator.lint.breaking.pairing import (
     messages,
     values_by_number,
 )
+from roverlink.generator.lint.comparison.schema_change import Change
 
 __all__ = [
     "Change",

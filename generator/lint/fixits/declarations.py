@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Span
-from roverlink.generator.lint.breaking import default_values
-from roverlink.generator.lint.breaking.cardinality import is_map
-from roverlink.generator.lint.breaking.field_type_changes import kind
-from roverlink.generator.lint.breaking.pairing import FieldPair, MessagePair, written
+from roverlink.generator.lint.comparison import default_values
+from roverlink.generator.lint.comparison.cardinality import is_map
+from roverlink.generator.lint.comparison.field_type_changes import kind
+from roverlink.generator.lint.comparison.pairing import FieldPair, MessagePair, written
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, Schema, Syntax
 
 _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICIT"}

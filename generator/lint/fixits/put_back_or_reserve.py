@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from roverlink.generator.lint.breaking.cardinality import is_map
-from roverlink.generator.lint.breaking.change import Change
-from roverlink.generator.lint.breaking.declaration_text import declaration
-from roverlink.generator.lint.breaking.field_type_changes import kind
-from roverlink.generator.lint.breaking.number_ranges import Range, covers, missing, spelled
-from roverlink.generator.lint.breaking.pairing import EnumPair, FieldPair, MessagePair, written
+from roverlink.generator.lint.comparison.cardinality import is_map
+from roverlink.generator.lint.comparison.field_type_changes import kind
+from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair, MessagePair, written
+from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.fixits.declarations import declaration
+from roverlink.generator.protos.number_ranges import Range, covers, missing, spelled
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Syntax
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from roverlink.generator.lint.breaking.change import Change
+from roverlink.generator.lint.comparison.schema_change import Change
 from roverlink.generator.protos.schema import (
     ProtoEnum,
     ProtoEnumValue,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator.lint.breaking.change import Change
-from roverlink.generator.lint.breaking.pairing import EnumPair, enums, values_by_number
+from roverlink.generator.lint.comparison.pairing import EnumPair, enums, values_by_number
+from roverlink.generator.lint.comparison.schema_change import Change
 from roverlink.generator.protos.schema import ProtoEnumValue
 
 

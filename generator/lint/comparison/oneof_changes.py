@@ -7,7 +7,7 @@ Message Type" and "Backwards-compatibility issues" of oneofs). The oneof's name 
 
 from __future__ import annotations
 
-from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.lint.comparison.pairing import FieldPair
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 

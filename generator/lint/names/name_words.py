@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Iterable
 
-from roverlink.generator.lint.breaking.name_units import measure
+from roverlink.generator.lint.names.name_units import measure
 
 _WORD = re.compile(r"X\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _EMPTY = frozenset(

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roverlink.generator import lock
-from roverlink.generator.adopt.adoption_rules import IN_THE_WAY, PROTOS_WITHOUT_TABLE
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.render import REGENERATE, render
 from roverlink.generator.emit.writer import Change, compare
+from roverlink.generator.init_rules import IN_THE_WAY, PROTOS_WITHOUT_TABLE
 from roverlink.generator.pipeline import compile_table
 
 _TABLE, _PROTOS = "mapping.yaml", "proto"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.lint.breaking.change import Change
+from roverlink.generator.lint.comparison.schema_change import Change
 
 
 def each_once(changes: Iterable[Change], compare: Callable[[Change], Iterable[Diagnostic]]) -> Iterator[Diagnostic]:

@@ -11,7 +11,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severi
 from roverlink.generator.git import Commit, GitError, Repository
 from roverlink.generator.lint import bare_tree, buf
 from roverlink.generator.lint.baseline import Baseline, Layout, open_baseline
-from roverlink.generator.lint.breaking import Change
+from roverlink.generator.lint.comparison import Change
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
 from roverlink.generator.lint.history import read_history
@@ -23,7 +23,7 @@ from roverlink.generator.protos.files import index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
-from roverlink.generator.resolve.routes import locate
+from roverlink.generator.resolve.resolver import locate
 from roverlink.generator.table import Table, reader
 
 

@@ -7,7 +7,7 @@ repeated message on the wire.
 
 from __future__ import annotations
 
-from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.lint.comparison.pairing import FieldPair
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
 IMPLICIT, EXPLICIT, REQUIRED = "singular without presence", "singular with presence", "required"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator.lint.breaking.cardinality import broken_by_cardinality, cardinalities, only_required
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
-from roverlink.generator.lint.breaking.number_ranges import covers, missing
-from roverlink.generator.lint.breaking.oneof_changes import broken_by_oneof
-from roverlink.generator.lint.breaking.pairing import FieldPair, MessagePair, fields_of_messages
-from roverlink.generator.lint.breaking.renames import Rename, rename
+from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, cardinalities, only_required
+from roverlink.generator.lint.comparison.field_renames import Rename, rename
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
+from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof
+from roverlink.generator.lint.comparison.pairing import FieldPair, MessagePair, fields_of_messages
+from roverlink.generator.protos.number_ranges import covers, missing
 from roverlink.generator.protos.schema import ProtoField
 
 

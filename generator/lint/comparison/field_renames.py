@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from enum import Enum
 
-from roverlink.generator.lint.breaking.field_type_changes import broken_by_type
-from roverlink.generator.lint.breaking.name_units import Measure, disagree, measure
-from roverlink.generator.lint.breaking.name_words import share_a_word, words
-from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
+from roverlink.generator.lint.comparison.pairing import FieldPair
+from roverlink.generator.lint.names.name_units import Measure, disagree, measure
+from roverlink.generator.lint.names.name_words import share_a_word, words
 from roverlink.generator.protos.schema import ProtoField
 
 _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum"})

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from roverlink.generator.lint.breaking.cardinality import broken_by_cardinality, cardinality
-from roverlink.generator.lint.breaking.change import Change
-from roverlink.generator.lint.breaking.pairing import FieldPair
+from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, cardinality
+from roverlink.generator.lint.comparison.pairing import FieldPair
+from roverlink.generator.lint.comparison.schema_change import Change
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})

@@ -1,1 +1,0 @@
-"""The command line and the parameters of the ROS 2 node."""
