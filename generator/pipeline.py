@@ -14,12 +14,13 @@ from roverlink.generator.emit import emitter, envelope_file
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
 from roverlink.generator.lint.context import Context, since_last_generate
-from roverlink.generator.lint.rules import lint
+from roverlink.generator.lint.engine import lint
 from roverlink.generator.nanopb import table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
 from roverlink.generator.protos.protoc import Compilation, compile_protos
-from roverlink.generator.resolve import resolver
+from roverlink.generator.resolve.locate import locate, locate_anys
+from roverlink.generator.resolve.resolver import resolve, resolve_envelope
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS, Table, reader
 from roverlink.generator.table.edit import with_retired, with_row
 from roverlink.generator.table.yaml_items import read_text
@@ -101,9 +102,9 @@ def _compiled(
     table = reader.parse(text, table_path.name, findings)
     published = published or lock.read(project / lock.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
-    files = {} if index is None else resolver.locate(table, index, findings)
-    listed = {} if index is None else resolver.locate_anys(table, index, findings)
-    envelope = resolver.resolve_envelope(table, files, published)
+    files = {} if index is None else locate(table, index, findings)
+    listed = {} if index is None else locate_anys(table, index, findings)
+    envelope = resolve_envelope(table, files, published)
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
     schema = compilation.schema if compilation else None
@@ -114,7 +115,7 @@ def _compiled(
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bridge = resolver.resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
+        bridge = resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))

@@ -19,7 +19,7 @@ from roverlink.generator.diagnostics import Diagnostic, in_order
 from roverlink.generator.emit import envelope_file
 from roverlink.generator.emit.writer import Change
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.rules import lint
+from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import read_bounds
 from roverlink.generator.new_project import check_the_way

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, field, replace
 
 from roverlink.generator.diagnostics import Span, shown
-from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.history import History, branch_name
 from roverlink.generator.lint.pinned_numbers import Pinned
 from roverlink.generator.lock import Entry, Ledger
@@ -16,7 +16,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Table
 
 
-def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[Change, ...]:
+def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
     """What became of the wire schema that the ledger has; nothing where there is no ledger yet.
 
     ``incomplete`` names a message that `schema` does not have as it will be, of which nothing can be said.
@@ -25,7 +25,7 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
         return ()
     before = published.schema
     known = {name: message for name, message in before.messages.items() if name != incomplete}
-    return (Change(replace(before, messages=known), schema, of_ledger=True),)
+    return (SchemaChange(replace(before, messages=known), schema, of_ledger=True),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Context:
     """What each .proto file below the root declares, as far as it can be read; the excluded ones are not among them."""
     excluded_files: Mapping[str, File] = field(default_factory=dict)
     """The same, of the files that the table leaves out."""
-    changes: tuple[Change, ...] = ()
+    changes: tuple[SchemaChange, ...] = ()
     earlier_entries: tuple[Entry, ...] = ()
     """The payloads of the state that this one is compared with."""
     bounds: Bounds | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from roverlink.generator.lint.comparison import Change, EnumPair, FieldPair, MessagePair
+from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange
 from roverlink.generator.lint.comparison.misplaced_fields import misplaced_fields
 from roverlink.generator.lint.comparison.pairing import written
 from roverlink.generator.lint.context import Context
@@ -60,7 +60,7 @@ def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
 class NewNumbers:
     """The numbers that are offered to the fields of a change."""
 
-    def __init__(self, context: Context, change: Change) -> None:
+    def __init__(self, context: Context, change: SchemaChange) -> None:
         self._context = context
         self._change = change
         self._of: dict[str, dict[int, int]] = {}

@@ -11,19 +11,19 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severi
 from roverlink.generator.git import Commit, GitError, Repository
 from roverlink.generator.lint import bare_tree, buf
 from roverlink.generator.lint.baseline import Baseline, Layout, open_baseline
-from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.consumer_pins import read_pins
 from roverlink.generator.lint.context import Context, Past, since_last_generate
+from roverlink.generator.lint.engine import lint
 from roverlink.generator.lint.history import read_history
 from roverlink.generator.lint.input_rules import LIMITED_HISTORY, NO_PROTOS, UNREADABLE_HISTORY
 from roverlink.generator.lint.pinned_numbers import read_pinned
-from roverlink.generator.lint.rules import lint
 from roverlink.generator.nanopb import as_lines, read_bounds, table_bounds
 from roverlink.generator.protos.files import index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.protoc import compile_tree
 from roverlink.generator.protos.schema import Schema
-from roverlink.generator.resolve.resolver import locate
+from roverlink.generator.resolve.locate import locate
 from roverlink.generator.table import Table, reader
 
 
@@ -167,8 +167,8 @@ def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagn
         return []
 
 
-def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) -> tuple[Change, ...]:
-    changes = [Change(baseline.schema, schema, bounds_before=baseline.bounds)] if baseline else []
+def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) -> tuple[SchemaChange, ...]:
+    changes = [SchemaChange(baseline.schema, schema, bounds_before=baseline.bounds)] if baseline else []
     return (*changes, *since_last_generate(published, schema))
 
 

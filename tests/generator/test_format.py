@@ -16,7 +16,7 @@ from golden import CASES, ROOT, files_of, passing_cases
 from generated.registry import REGISTRY
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.rules import lint
+from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.table import reader
 from roverlink.runtime.ros_arguments import parameters

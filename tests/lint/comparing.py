@@ -9,7 +9,7 @@ from mutations import write
 
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.lint import rules
-from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.protoc import compile_tree
@@ -40,9 +40,11 @@ def compiled(state: Mapping[str, str], folder: Path, shown_root: str = ROOT) -> 
     return schema
 
 
-def changes_found(before: Schema | Iterable[Change], after: Schema, ledger: Ledger | None = None) -> list[Diagnostic]:
+def changes_found(
+    before: Schema | Iterable[SchemaChange], after: Schema, ledger: Ledger | None = None
+) -> list[Diagnostic]:
     """What the rules about changes find between two states."""
-    changes = (Change(before, after),) if isinstance(before, Schema) else tuple(before)
+    changes = (SchemaChange(before, after),) if isinstance(before, Schema) else tuple(before)
     return found(Context(table=TABLE, schema=after, ledger=ledger or Ledger(), changes=changes))
 
 

@@ -17,7 +17,7 @@ from mutations import BASE, MUTATIONS
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.lint import rules
-from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.comparison.cardinality import (
     EXPLICIT,
     IMPLICIT,
@@ -212,13 +212,13 @@ def base(tmp_path_factory: pytest.TempPathFactory) -> Schema:
 def test_a_schema_is_like_itself(base: Schema) -> None:
     """Nothing is found against the very same, nor against what the ledger knows of it."""
     assert changes_found(base, base) == []
-    assert changes_found([Change(_as_ledger(base), base, of_ledger=True)], base) == []
+    assert changes_found([SchemaChange(_as_ledger(base), base, of_ledger=True)], base) == []
 
 
 def test_the_ledger_reports_no_deleted_types(base: Schema) -> None:
     """What the ledger has and the schema has no more is none of these rules' business."""
     nothing = Schema((), {}, {})
-    assert changes_found([Change(_as_ledger(base), nothing, of_ledger=True)], nothing) == []
+    assert changes_found([SchemaChange(_as_ledger(base), nothing, of_ledger=True)], nothing) == []
 
 
 def test_order_does_not_matter(base: Schema) -> None:
@@ -242,8 +242,8 @@ def test_a_fault_against_two_states_comes_once(tmp_path: Path) -> None:
     for mutation in (one for one in MUTATIONS if one.name in chosen):
         before = compiled(mutation.before, tmp_path / mutation.name / "before", "earlier")
         after = compiled(mutation.after, tmp_path / mutation.name / "after")
-        ledger = Change(_as_ledger(before), after, of_ledger=True)
-        [finding] = changes_found([ledger, Change(before, after)], after)
+        ledger = SchemaChange(_as_ledger(before), after, of_ledger=True)
+        [finding] = changes_found([ledger, SchemaChange(before, after)], after)
         assert finding.also[0][0].file.startswith("earlier/")
         [alone] = changes_found([ledger], after)
         assert alone == dataclasses.replace(finding, also=())
@@ -291,7 +291,7 @@ def test_the_next_free_number(tmp_path: Path) -> None:
     text = 'syntax = "proto3";\nmessage A {\n  string speed = 1;\n  // int32 later = 7;\n  reserved 9 to 11;\n}\n'
     before = compiled({"a.proto": text.replace("string", "int32")}, tmp_path / "before")
     after = compiled({"a.proto": text}, tmp_path / "after")
-    context = Context(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(Change(before, after),))
+    context = Context(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(SchemaChange(before, after),))
     [finding] = found(context)
     assert finding.help == (
         "put back `int32 speed = 1;`; or give it a new number, 8 is free: `string speed = 8; reserved 1;`"

@@ -10,8 +10,9 @@ import pytest
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 from roverlink.generator.lint import bare_tree, rules
-from roverlink.generator.lint.comparison import Change
+from roverlink.generator.lint.comparison import SchemaChange
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Entry, Ledger
 from roverlink.generator.nanopb import Bounds, FieldBounds
 from roverlink.generator.protos.parser import parse
@@ -58,7 +59,7 @@ def _published(*entries: tuple[int, str, str], topic: str = "", file: str = "map
 
 
 def _found(context: Context, *ids: str) -> list[Diagnostic]:
-    return [finding for finding in rules.lint(context) if finding.rule.id in ids]
+    return [finding for finding in lint(context) if finding.rule.id in ids]
 
 
 def _said(context: Context, *ids: str) -> list[str]:
@@ -98,7 +99,7 @@ def tree_subject(tmp_path: Path) -> Context:
 
 def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Context) -> None:
     """Its members are rows: their reuse, their free numbers and payloads beside the oneof are found."""
-    found = [(str(finding.span), finding.rule.id, finding.number) for finding in rules.lint(tree_subject)]
+    found = [(str(finding.span), finding.rule.id, finding.number) for finding in lint(tree_subject)]
     assert found == [
         ("envelope.proto:5:25", "ENV102", 3),
         ("envelope.proto:7:1", "ENV106", 9),
@@ -108,14 +109,14 @@ def test_the_envelope_of_a_tree_is_looked_at_as_a_table_is(tree_subject: Context
 
 def test_the_members_of_a_tree_have_no_topics(tree_subject: Context) -> None:
     """What has no topic and no direction cannot have a wrong one."""
-    ids = {finding.rule.id for finding in rules.lint(tree_subject)}
+    ids = {finding.rule.id for finding in lint(tree_subject)}
     assert ids.isdisjoint({"TAB102", "TAB103", "TAB105", "TAB107", "ROS101", "NAM102", "ENV103", "ENV105"})
 
 
 def test_a_tree_without_an_envelope_is_no_fault() -> None:
     """Rules about the envelope are silent where none was named."""
     table = bare_tree.table_of_tree(bare_tree.EnvelopeName("", ""))
-    assert rules.lint(Context(table, Schema((), {}, {}), Ledger())) == []
+    assert lint(Context(table, Schema((), {}, {}), Ledger())) == []
 
 
 # --- what was published -------------------------------------------------------------------------------------------
@@ -433,7 +434,7 @@ def test_bounds_that_shrank(
     context = _sized(tmp_path, _TO_BASE, now)
     assert context.schema is not None
     bounds_before = Bounds(fields={("Note", name): bound for name, bound in before.items()})
-    change = Change(context.schema, context.schema, bounds_before=bounds_before)
+    change = SchemaChange(context.schema, context.schema, bounds_before=bounds_before)
     said = [f.message for f in _found(dataclasses.replace(context, changes=(change,)), "FIX103")]
     assert said == ([f"Note.{text}"] if text else [])
     unknown = dataclasses.replace(change, bounds_before=None)
@@ -445,5 +446,5 @@ def test_a_renamed_field_keeps_its_bound(tmp_path: Path) -> None:
     context = _sized(tmp_path, _TO_BASE, {"text": FieldBounds(max_length=9)})
     before = _schema(tmp_path / "before", {"payloads.proto": _NOTE.replace("text", "words")})
     bounds = Bounds(fields={("Note", "words"): FieldBounds(max_length=10)})
-    changed = dataclasses.replace(context, changes=(Change(before, before, bounds_before=bounds),))
+    changed = dataclasses.replace(context, changes=(SchemaChange(before, before, bounds_before=bounds),))
     assert [(f.type, f.number) for f in _found(changed, "FIX103")] == [("Note", 1)]

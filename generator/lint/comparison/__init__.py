@@ -4,7 +4,6 @@ Messages and enums are paired by their full names, wherever they stand; fields a
 by the message that they extend and their number. That is how bytes find them.
 """
 
-from roverlink.generator.lint.comparison.each_once import each_once, earlier
 from roverlink.generator.lint.comparison.pairing import (
     EnumPair,
     FieldPair,
@@ -17,15 +16,14 @@ from roverlink.generator.lint.comparison.pairing import (
     messages,
     values_by_number,
 )
-from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.comparison.schema_change import SchemaChange, each_once
 
 __all__ = [
-    "Change",
     "EnumPair",
     "FieldPair",
     "MessagePair",
+    "SchemaChange",
     "each_once",
-    "earlier",
     "enums",
     "fields",
     "fields_of_messages",

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.lint.comparison.pairing import EnumPair, enums, values_by_number
-from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import ProtoEnumValue
 
 
-def renamed_values(change: Change) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
+def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
     """The numbers of which a name is gone: with those names, and with the values that they have now."""
     for pair in enums(change):
         after = values_by_number(pair.new)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, cardinality
 from roverlink.generator.lint.comparison.pairing import FieldPair
-from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})
@@ -46,7 +46,7 @@ def broken_by_type(pair: FieldPair) -> bool:
 class _Comparison:
     """Compares types, and those that are inside them; each result tells whether bytes are misread."""
 
-    change: Change
+    change: SchemaChange
     assumed: set[tuple[str, str]] = field(default_factory=set)
     """Messages that are being compared: inside of each other, they count as alike."""
 

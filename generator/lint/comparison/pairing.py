@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import (
     ProtoEnum,
     ProtoEnumValue,
@@ -22,7 +22,7 @@ from roverlink.generator.protos.schema import (
 class MessagePair:
     """A message before and after."""
 
-    change: Change
+    change: SchemaChange
     old: ProtoMessage
     new: ProtoMessage
 
@@ -36,7 +36,7 @@ class MessagePair:
 class EnumPair:
     """An enum before and after."""
 
-    change: Change
+    change: SchemaChange
     old: ProtoEnum
     new: ProtoEnum
 
@@ -50,7 +50,7 @@ class EnumPair:
 class FieldPair:
     """A field before and after; or an extension, which is a field of another file's message."""
 
-    change: Change
+    change: SchemaChange
     owner: str
     """Full name of the message that it is a field of."""
     old: ProtoField
@@ -81,21 +81,21 @@ class FieldPair:
         return self.messages is not None and self.messages.new.map_entry
 
 
-def messages(change: Change) -> Iterator[MessagePair]:
+def messages(change: SchemaChange) -> Iterator[MessagePair]:
     """The messages that are there on both sides."""
     for name, new in change.after.messages.items():
         if name in change.before.messages:
             yield MessagePair(change, change.before.messages[name], new)
 
 
-def enums(change: Change) -> Iterator[EnumPair]:
+def enums(change: SchemaChange) -> Iterator[EnumPair]:
     """The enums that are there on both sides."""
     for name, new in change.after.enums.items():
         if name in change.before.enums:
             yield EnumPair(change, change.before.enums[name], new)
 
 
-def fields(change: Change) -> Iterator[FieldPair]:
+def fields(change: SchemaChange) -> Iterator[FieldPair]:
     """The fields and the extensions that are there on both sides; what is in a map, if the map's number is the same."""
     for pair in messages(change):
         for one in fields_of_messages(pair):
@@ -147,14 +147,14 @@ def extensions_by_number(schema: Schema) -> dict[tuple[str, int], ProtoExtension
     return {(extension.extendee, extension.field.number): extension for extension in schema.extensions}
 
 
-def gone_fields(change: Change) -> Iterator[tuple[MessagePair, ProtoField]]:
+def gone_fields(change: SchemaChange) -> Iterator[tuple[MessagePair, ProtoField]]:
     """The fields whose numbers no field of their message has any more."""
     for pair in messages(change):
         left = {field.number for field in pair.new.fields}
         yield from ((pair, field) for field in pair.old.fields if field.number not in left)
 
 
-def gone_values(change: Change) -> Iterator[tuple[EnumPair, int, tuple[str, ...]]]:
+def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...]]]:
     """The numbers that no value of their enum has any more, with the names that they had."""
     for pair in enums(change):
         left = values_by_number(pair.new)

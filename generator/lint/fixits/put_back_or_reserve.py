@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from roverlink.generator.lint.comparison.cardinality import is_map
 from roverlink.generator.lint.comparison.field_type_changes import kind
 from roverlink.generator.lint.comparison.pairing import EnumPair, FieldPair, MessagePair, written
-from roverlink.generator.lint.comparison.schema_change import Change
+from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.protos.number_ranges import Range, covers, missing, spelled
 from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Syntax
@@ -26,7 +26,7 @@ def back(pair: FieldPair) -> str:
     return f"put back `{declared}`{_with_type(pair.change, old, kind(pair.new) == 'group')}"
 
 
-def _with_type(change: Change, old: ProtoField, declares_type: bool = False) -> str:
+def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = False) -> str:
     """What else has to be done so that a field can have its type again; a map and a group declare it themselves."""
     now = change.after.messages.get(old.type_name)
     if old.type == "group" or is_map(old, change.before):

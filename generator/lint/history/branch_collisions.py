@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 from roverlink.generator.lint.history.commits import Ref
-from roverlink.generator.lint.history.lineage import Span
+from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.same_meaning import differ
 from roverlink.generator.lint.history.usage_model import Allocation, Collision
@@ -87,15 +87,15 @@ class Branches:
         }
 
     def _allocation(self, fact: Fact, refs: Sequence[str]) -> Allocation:
-        span = next(span for ref in refs for span in self._spans(fact, self._nodes[ref]))
-        came = self._record.graph[span.came].revision.commit
-        return Allocation(tuple(refs), fact.type, fact.name, came, span.path, span.line)
+        lifetime = next(lifetime for ref in refs for lifetime in self._lifetimes(fact, self._nodes[ref]))
+        came = self._record.graph[lifetime.came].revision.commit
+        return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
-    def _spans(self, fact: Fact, node: int) -> Iterator[Span]:
-        """The spans by which a fact is alive at a tip, the latest first."""
+    def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
+        """The lifetimes by which a fact is alive at a tip, the latest first."""
         for owner in self._owners:
-            spans = self._record.past.tips[node].alive.get(owner, {}).get(fact, frozenset())
-            yield from (self._record.past.spans[owner][index] for index in sorted(spans, reverse=True))
+            lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
+            yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 
 def _short(ref: str) -> str:

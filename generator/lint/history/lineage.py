@@ -1,12 +1,12 @@
 """One walk over history, parents before children: what each message says at each commit, and since when.
 
 Where something came and went is a question of one line of history, so each line carries what is alive on it, as
-spans. The rules for commits with several parents:
+lifetimes. The rules for commits with several parents:
 
 - a fact comes with a merge only if no parent had it; otherwise it goes on as what it was in those that had it;
 - a fact goes with a merge only if the merge itself drops it. Where a parent that lacks it had known it once, somebody
-  on that line took it away before, and the merge only carries that over: there, that span has `faded`;
-- so does a merge by which it goes on as two spans, since it had come on each side for itself. They go together.
+  on that line took it away before, and the merge only carries that over: there, that lifetime has `faded`;
+- so does a merge by which it goes on as two lifetimes, since it had come on each side for itself. They go together.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from roverlink.generator.protos.schema import Fact
 
 Declared = Mapping[str, NumberedType]
 """The declarations of one message or enum in one state, by file: mostly one."""
-Spans = frozenset[int]
-"""Indices of the spans that a fact is alive by: one, unless it came on several lines that were merged."""
-Alive = Mapping[Fact, Spans]
+Lifetimes = frozenset[int]
+"""Indices of the lifetimes that a fact is alive by: one, unless it came on several lines that were merged."""
+Alive = Mapping[Fact, Lifetimes]
 
 _NOTHING: Alive = {}
 
 
 @dataclass(slots=True)
-class Span:
+class Lifetime:
     """From one coming of a fact to all its goings."""
 
     fact: Fact
@@ -53,27 +53,27 @@ class State:
 
 
 @dataclass(slots=True)
-class Past:
+class Lineage:
     """What the walk finds."""
 
-    spans: dict[str, list[Span]] = field(default_factory=dict)
+    lifetimes: dict[str, list[Lifetime]] = field(default_factory=dict)
     """Of each message and enum."""
     changes: dict[str, dict[int, Declared]] = field(default_factory=dict)
     """What each of them became at the nodes at which it is not what it is at their first parent."""
     tips: dict[int, State] = field(default_factory=dict)
 
 
-def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Past:
+def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
     """Walk over all nodes. Of the ``tips``, the states are kept."""
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
         walk.visit(node)
-    return walk.past
+    return walk.lineage
 
 
 class _Sweep:
     def __init__(self, graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> None:
-        self.past = Past()
+        self.lineage = Lineage()
         self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
@@ -85,7 +85,7 @@ class _Sweep:
                 self._needed[parent] += 1
         self._tips = frozenset(tips)
         if Graph.BEGINNING in self._tips:
-            self.past.tips[Graph.BEGINNING] = State()
+            self.lineage.tips[Graph.BEGINNING] = State()
 
     def visit(self, node: Node) -> None:
         """Find out what comes and goes at a node whose parents were visited."""
@@ -104,7 +104,7 @@ class _Sweep:
             here[owner] = after
         self._states[node.index] = state
         if node.index in self._tips:
-            self.past.tips[node.index] = state
+            self.lineage.tips[node.index] = state
         if not self._needed[node.index]:
             del self._states[node.index]
 
@@ -136,33 +136,33 @@ class _Sweep:
         changed = set()
         for owner, was in before.items():
             if not _same(was, state.declared[owner]):
-                self.past.changes.setdefault(owner, {})[node.index] = state.declared[owner]
+                self.lineage.changes.setdefault(owner, {})[node.index] = state.declared[owner]
                 changed.add(owner)
         return changed
 
     def _settle(self, node: Node, owner: str, befores: list[Alive], declared: Declared) -> Alive:
         """What is alive of a message at a node, after what was at its parents."""
-        spans = self.past.spans.setdefault(owner, [])
-        after: dict[Fact, Spans] = {}
+        lifetimes = self.lineage.lifetimes.setdefault(owner, [])
+        after: dict[Fact, Lifetimes] = {}
         for path, declaration in declared.items():
             for fact, line in declaration.facts.items():
                 if fact not in after:
                     held = [before[fact] for before in befores if fact in before]
                     if not held:
-                        spans.append(Span(fact, node.index, path, line))
-                        held = [frozenset((len(spans) - 1,))]
+                        lifetimes.append(Lifetime(fact, node.index, path, line))
+                        held = [frozenset((len(lifetimes) - 1,))]
                     after[fact] = held[0].union(*held[1:]) if len(held) > 1 else held[0]
         for before in befores:
             for fact in before.keys() - after.keys():
-                self._end(node, fact, befores, [spans[index] for index in sorted(before[fact])])
+                self._end(node, fact, befores, [lifetimes[index] for index in sorted(before[fact])])
         return after
 
-    def _end(self, node: Node, fact: Fact, befores: list[Alive], spans: list[Span]) -> None:
-        """A fact is not there any more: note for its spans whether it is this node that takes it away."""
+    def _end(self, node: Node, fact: Fact, befores: list[Alive], lifetimes: list[Lifetime]) -> None:
+        """A fact is not there any more: note for its lifetimes whether it is this node that takes it away."""
         lacking = [parent for parent, before in zip(node.parents, befores) if fact not in before]
-        for span in spans:
-            known = any(self._graph.precedes(span.came, parent) for parent in lacking)
-            ended = span.faded if known else span.went
+        for lifetime in lifetimes:
+            known = any(self._graph.precedes(lifetime.came, parent) for parent in lacking)
+            ended = lifetime.faded if known else lifetime.went
             if node.index not in ended:
                 ended.append(node.index)
 

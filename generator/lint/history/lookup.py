@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from roverlink.generator.lint.history.commit_graph import Graph
-from roverlink.generator.lint.history.lineage import Declared, Past, Span
+from roverlink.generator.lint.history.lineage import Declared, Lifetime, Lineage
 from roverlink.generator.lint.history.usage_model import Confidence, Content
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
@@ -16,15 +16,15 @@ from roverlink.generator.protos.schema import Fact
 class Record:
     """The past, by names and nodes."""
 
-    def __init__(self, graph: Graph, past: Past) -> None:
-        self.graph, self.past = graph, past
+    def __init__(self, graph: Graph, lineage: Lineage) -> None:
+        self.graph, self.lineage = graph, lineage
         self._last_changes: dict[str, Sequence[int]] = {}
         self._contents: dict[tuple[str, int], Content] = {}
 
     @cached_property
     def _by_simple_name(self) -> dict[str, list[str]]:
         names: dict[str, list[str]] = {}
-        for name in sorted(self.past.changes):
+        for name in sorted(self.lineage.changes):
             names.setdefault(name.rpartition(".")[2], []).append(name)
         return names
 
@@ -42,7 +42,7 @@ class Record:
 
     def _beside(self, one: str, other: str) -> bool:
         """Whether two messages were ever declared in one state."""
-        nodes = {*self.past.changes[one], *self.past.changes[other]}
+        nodes = {*self.lineage.changes[one], *self.lineage.changes[other]}
         return any(self.declared(one, node) and self.declared(other, node) for node in nodes)
 
     def resolve(self, type: str, owner: str, node: int) -> str | None:
@@ -70,13 +70,13 @@ class Record:
 
     def declared(self, owner: str, node: int) -> Declared:
         """What a message or enum is at a node, by file; empty where there is none."""
-        changes = self.past.changes.get(owner)
+        changes = self.lineage.changes.get(owner)
         return changes.get(self._last_change(owner, node), {}) if changes else {}
 
     def _last_change(self, owner: str, node: int) -> int:
         """The node from which a message is what it is at another one."""
         if owner not in self._last_changes:
-            changes, last = self.past.changes[owner], [Graph.BEGINNING]
+            changes, last = self.lineage.changes[owner], [Graph.BEGINNING]
             for each in self.graph.nodes:
                 last.append(each.index if each.index in changes else last[each.parents[0]])
             self._last_changes[owner] = last
@@ -92,7 +92,7 @@ class Record:
         return self._contents[key]
 
     def _content(self, owner: str, node: int) -> Content:
-        declared = self.past.changes[owner][node]
+        declared = self.lineage.changes[owner][node]
         facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
         path, first = next(iter(declared.items()))
         broken = any(declaration.broken for declaration in declared.values())
@@ -110,7 +110,7 @@ class Record:
         versions = [
             (index, name)
             for name in self.of_simple_name(type)
-            for index, declared in self.past.changes[name].items()
+            for index, declared in self.lineage.changes[name].items()
             if declared
         ]
         before = max((each for each in versions if self.graph.precedes(each[0], node)), default=None)
@@ -129,15 +129,15 @@ class Record:
 
     # --- facts ------------------------------------------------------------------------------------------------------
 
-    def spans(self, owner: str) -> Iterator[tuple[int, Span]]:
-        """The spans of all facts of a message, with their indices."""
-        return enumerate(self.past.spans.get(owner, []))
+    def lifetimes(self, owner: str) -> Iterator[tuple[int, Lifetime]]:
+        """The lifetimes of all facts of a message, with their indices."""
+        return enumerate(self.lineage.lifetimes.get(owner, []))
 
     def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
         """How sound the states are from which each fact was read."""
         sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
-            for declared in self.past.changes.get(owner, {}).values():
+            for declared in self.lineage.changes.get(owner, {}).values():
                 for declaration in declared.values():
                     (broken if declaration.broken else sound).update(declaration.facts)
         doubted = {fact: Confidence.LIKELY if fact in sound else Confidence.DOUBTFUL for fact in broken}

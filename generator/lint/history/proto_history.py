@@ -51,8 +51,8 @@ class History:
         graph = Graph(revisions)
         self._refs = refs
         self._nodes = {ref: graph.node_of(commit) for ref, commit in branches(refs).items()}
-        past = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
-        self._record = Record(graph, past)
+        lineage = sweep(graph, lambda blob: types.get(blob, {}), frozenset(self._nodes.values()))
+        self._record = Record(graph, lineage)
         self._traced = cache(self._find_traced)
         self.reuses = cache(self._find_reuses)
         """The numbers of a message or enum, by name, that had more than one meaning: each pair of its uses.
@@ -104,7 +104,7 @@ class History:
     def _kinds(self) -> set[tuple[str, bool]]:
         return {
             (name, declaration.enum)
-            for name, changes in self._record.past.changes.items()
+            for name, changes in self._record.lineage.changes.items()
             for declared in changes.values()
             for declaration in declared.values()
         }

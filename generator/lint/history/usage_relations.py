@@ -21,7 +21,7 @@ class Relations:
         self._times = cache(self._find_times)
         self._together: set[frozenset[Fact]] = set()
         for owner in owners:
-            for declared in record.past.changes.get(owner, {}).values():
+            for declared in record.lineage.changes.get(owner, {}).values():
                 self._note_together(declared)
 
     def _note_together(self, declared: Declared) -> None:
@@ -45,28 +45,30 @@ class Relations:
 
     def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
         """Whether one commit took the earlier use away and put the later one into its place."""
-        return any(went == stretch.span.came for _, went, stretch in self._handovers(earlier, later))
+        return any(went == stretch.lifetime.came for _, went, stretch in self._handovers(earlier, later))
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
         """Where the earlier use was seen last, and where the later one came; if possible, on one line of history."""
         handovers = self._handovers(earlier, later)
         if handovers:
-            stretch, went, heir = max(handovers, key=lambda each: (each[1], -each[2].span.came))
-            return self._record.before(stretch.owner, stretch.span.fact, went), heir.span.came
+            stretch, went, heir = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
+            return self._record.before(stretch.owner, stretch.lifetime.fact, went), heir.lifetime.came
         stretch = earlier.stretches[-1]
-        ended = max(stretch.span.went, default=None)
-        last = stretch.span.came if ended is None else self._record.before(stretch.owner, stretch.span.fact, ended)
-        return last, later.stretches[0].span.came
+        ended = max(stretch.lifetime.went, default=None)
+        last = (
+            stretch.lifetime.came if ended is None else self._record.before(stretch.owner, stretch.lifetime.fact, ended)
+        )
+        return last, later.stretches[0].lifetime.came
 
     def nodes_of_content(self, use: TracedUsage) -> list[int]:
         """Where what a field's type stands for may have become another: where it changed, and where the field came."""
         nodes = set()
         for stretch in use.stretches:
-            type = self._record.resolve(use.usage.type, stretch.owner, stretch.span.came)
+            type = self._record.resolve(use.usage.type, stretch.owner, stretch.lifetime.came)
             for name in [type] if type else self._record.of_simple_name(use.usage.type):
-                changes = self._record.past.changes[name]
-                nodes |= {node for node in changes if self._record.has(stretch.owner, stretch.span.fact, node)}
-            nodes.add(stretch.span.came)
+                changes = self._record.lineage.changes[name]
+                nodes |= {node for node in changes if self._record.has(stretch.owner, stretch.lifetime.fact, node)}
+            nodes.add(stretch.lifetime.came)
         return sorted(nodes)
 
     def overlap(self, one: TracedUsage, other: TracedUsage) -> bool:
@@ -82,17 +84,17 @@ class Relations:
         return [self._time(stretch) for stretch in use.stretches]
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
-        span = stretch.span
-        ends = [self._graph[node].revision.time for node in (*span.went, *span.faded)]
+        lifetime = stretch.lifetime
+        ends = [self._graph[node].revision.time for node in (*lifetime.went, *lifetime.faded)]
         lasts = stretch.live_at or not ends
-        return self._graph[span.came].revision.time, float("inf") if lasts else max(ends)
+        return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
     def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
         """Stretches of the earlier use, where each went, and those of the later one that came there or behind it."""
         return [
             (stretch, went, heir)
             for stretch in earlier.stretches
-            for went in stretch.span.went
+            for went in stretch.lifetime.went
             for heir in later.stretches
-            if self._graph.precedes(went, heir.span.came)
+            if self._graph.precedes(went, heir.lifetime.came)
         ]

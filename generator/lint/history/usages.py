@@ -1,11 +1,11 @@
-"""Spans put together into usages."""
+"""Lifetimes put together into usages."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from roverlink.generator.lint.history.lineage import Span
+from roverlink.generator.lint.history.lineage import Lifetime
 from roverlink.generator.lint.history.lookup import Record
 from roverlink.generator.lint.history.usage_model import Confidence, Interval, Usage
 from roverlink.generator.protos.schema import Fact
@@ -13,16 +13,16 @@ from roverlink.generator.protos.schema import Fact
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A span of one message, as far as usages are concerned."""
+    """A lifetime of one message, as far as usages are concerned."""
 
     owner: str
-    span: Span
+    lifetime: Lifetime
     live_at: tuple[str, ...]
 
     @property
     def order(self) -> tuple[int, str, int]:
         """The earliest first."""
-        return self.span.came, self.span.path, self.span.line
+        return self.lifetime.came, self.lifetime.path, self.lifetime.line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,10 +39,10 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
     stretches: dict[Fact, list[Stretch]] = {}
     for owner in owners:
         live_at = _live_at(record, owner, branches)
-        for index, span in record.spans(owner):
-            if span.fact.claimed == claimed:
-                stretch = Stretch(owner, span, tuple(live_at.get(index, ())))
-                stretches.setdefault(span.fact, []).append(stretch)
+        for index, lifetime in record.lifetimes(owner):
+            if lifetime.fact.claimed == claimed:
+                stretch = Stretch(owner, lifetime, tuple(live_at.get(index, ())))
+                stretches.setdefault(lifetime.fact, []).append(stretch)
     found = [
         _traced(record, sorted(parts, key=lambda part: part.order), confidence[fact])
         for fact, parts in stretches.items()
@@ -51,19 +51,19 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
 
 
 def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
-    """The branches on which each span lasts."""
+    """The branches on which each lifetime lasts."""
     found: dict[int, list[str]] = {}
     for ref, node in branches.items():
-        for spans in record.past.tips[node].alive.get(owner, {}).values():
-            for index in spans:
+        for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():
+            for index in lifetimes:
                 found.setdefault(index, []).append(ref)
     return found
 
 
 def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence) -> TracedUsage:
-    fact = stretches[0].span.fact
+    fact = stretches[0].lifetime.fact
     refs = sorted({ref for stretch in stretches for ref in stretch.live_at})
-    went = max((node for stretch in stretches for node in stretch.span.went), default=None)
+    went = max((node for stretch in stretches for node in stretch.lifetime.went), default=None)
     usage = Usage(
         number=fact.number,
         type=fact.type,
@@ -79,7 +79,7 @@ def _traced(record: Record, stretches: Sequence[Stretch], confidence: Confidence
 
 
 def _interval(record: Record, stretch: Stretch) -> Interval:
-    span = stretch.span
-    came = record.graph[span.came].revision.commit
-    went = tuple(record.graph[node].revision.commit for node in span.went)
-    return Interval(came, went, span.path, span.line)
+    lifetime = stretch.lifetime
+    came = record.graph[lifetime.came].revision.commit
+    went = tuple(record.graph[node].revision.commit for node in lifetime.went)
+    return Interval(came, went, lifetime.path, lifetime.line)

@@ -1,4 +1,4 @@
-"""The rules: pure functions from what is known to findings. One file a rule; none knows another.
+"""The rules: pure functions from the context to diagnostics. One file a rule; none knows another.
 
 Each module has `RULE` and `check`, and its docstring is the rule's documentation. A module that is put into this folder
 is a rule of the lint; nothing else has to know it.
@@ -6,20 +6,14 @@ is a rule of the lint; nothing else has to know it.
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 import pkgutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Protocol, cast
 
-from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, independent
-from roverlink.generator.lint.buf import unstated
+from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.context import Context
-from roverlink.generator.table import Lowered
-
-_OF_THE_ENVELOPE = "ENV"
-_OF_CHANGES = "WIR"
 
 
 class RuleModule(Protocol):
@@ -37,52 +31,3 @@ def modules() -> Mapping[str, RuleModule]:
     names = [found.name for found in pkgutil.walk_packages(__path__, f"{__name__}.") if not found.ispkg]
     loaded = [cast(RuleModule, importlib.import_module(name)) for name in names]
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}
-
-
-def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
-    """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
-    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
-    said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
-    counted = (_as_the_table_says(finding, context) for finding in said)
-    return independent(finding for finding in counted if finding is not None)
-
-
-def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
-    found = list(found)
-    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
-    told = {*payloads, None} if payloads else payloads  # None: reserved numbers, which are those of such payloads
-    for one in found:
-        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
-            yield one
-
-
-def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
-    """The finding with its severity lowered where the table lowers it; None where it turns it off."""
-    if finding.severity is Severity.FATAL:
-        return finding
-    severity: Severity = finding.severity
-    for lowered in _lowerings(finding, context):
-        if lowered.severity == "off":
-            return None
-        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
-    return dataclasses.replace(finding, severity=severity)
-
-
-def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
-    table, id = context.table, finding.rule.id
-    yield from (lowered for lowered in table.lint if lowered.rule == id)
-    for row in table.rows:
-        of_row = [lowered for lowered in row.lint if lowered.rule == id]
-        if of_row and _is_about(finding, row.number, row.proto, context):
-            yield from of_row
-
-
-def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
-    """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
-    if finding.type in ("", context.table.envelope.message):
-        return finding.number == number
-    if context.schema is None:
-        return finding.type == proto
-    messages, enums = context.schema.reachable(proto)
-    return finding.type in messages or finding.type in enums

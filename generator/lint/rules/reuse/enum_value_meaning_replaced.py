@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, EnumPair, each_once, earlier
+from roverlink.generator.lint.comparison import EnumPair, SchemaChange, each_once
 from roverlink.generator.lint.comparison.enum_renames import moved_away, moved_here, renamed_values, stands_for_another
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import value_place
@@ -34,7 +34,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     for pair, number, gone, values in renamed_values(change):
         if stands_for_another(pair, number):
             help = _help(context, pair, number, gone, values)
@@ -43,7 +43,7 @@ def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
                     value.at("number"),
                     _message(pair, number, gone, value),
                     help,
-                    earlier(change, value_place(pair.old, number), f"it was {', '.join(gone)} here"),
+                    change.earlier(value_place(pair.old, number), f"it was {', '.join(gone)} here"),
                     type=pair.new.full_name,
                     number=number,
                 )

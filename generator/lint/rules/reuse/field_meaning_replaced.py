@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.field_renames import Rename, names_another_field, rename
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.put_back_or_reserve import was
@@ -32,7 +32,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
         # What a payload means is its type, which has rules of its own.
@@ -41,7 +41,7 @@ def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
                 pair.new.at("name"),
                 _message(pair),
                 back_or_renumber(numbers, pair),
-                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
+                change.earlier(pair.old.at("name"), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
-from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.field_renames import Rename, measures, rename
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.put_back_or_reserve import was
@@ -33,7 +33,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
         if rename(pair) is Rename.UNIT:
@@ -41,7 +41,7 @@ def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
                 pair.new.at("name"),
                 _message(pair),
                 back_or_renumber(numbers, pair),
-                earlier(change, pair.old.at("name"), f"it was `{was(pair)}` here"),
+                change.earlier(pair.old.at("name"), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, fields_of_messages, messages
+from roverlink.generator.lint.comparison import MessagePair, SchemaChange, each_once, fields_of_messages, messages
 from roverlink.generator.lint.comparison.field_renames import Rename, rename
 from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
@@ -33,7 +33,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
         before = len(pair.old.fields)
         replaced, left = _counts(pair)
@@ -42,7 +42,7 @@ def _findings(change: Change) -> Iterator[Diagnostic]:
                 pair.new.at("name"),
                 f"{pair.new.full_name} is another message: of {before} fields {replaced} were replaced, {left} left",
                 "give the new message a name of its own, and leave the old one as it was",
-                earlier(change, pair.old.at("name"), "the old one is here"),
+                change.earlier(pair.old.at("name"), "the old one is here"),
                 type=pair.new.full_name,
             )
 

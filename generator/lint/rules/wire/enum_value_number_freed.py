@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, EnumPair, each_once, earlier, gone_values
+from roverlink.generator.lint.comparison import EnumPair, SchemaChange, each_once, gone_values
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import value_place
 from roverlink.generator.lint.fixits.put_back_or_reserve import value_back_or_reserve
@@ -32,14 +32,14 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair, number, names in gone_values(change):
         if not covers(pair.new.reserved, number):
             yield RULE.at(
                 pair.new.span,
                 _message(pair, number, names),
                 value_back_or_reserve(pair, number, names),
-                earlier(change, value_place(pair.old, number), "it was here"),
+                change.earlier(value_place(pair.old, number), "it was here"),
                 type=pair.new.full_name,
                 number=number,
             )

@@ -19,7 +19,7 @@ import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, FieldPair, each_once, earlier, fields
+from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.default_values import default, default_changed, shown
 from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
@@ -34,7 +34,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in fields(change):
         if default_changed(pair) and not broken_by_type(pair):
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)
@@ -42,7 +42,7 @@ def _findings(change: Change) -> Iterator[Diagnostic]:
                 pair.new.at("default"),
                 f"{pair.new.name} = {pair.new.number} was {old} where it is absent, and is {new} now",
                 f"{_cure(pair)}, and send {new} where that is meant",
-                earlier(change, pair.old.at("default"), f"it was {old} here"),
+                change.earlier(pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, each_once, earlier, fields
+from roverlink.generator.lint.comparison import SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.oneof_changes import broken_by_oneof, moved_back, moved_text
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
@@ -31,7 +31,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
         if broken_by_oneof(pair):
@@ -39,7 +39,7 @@ def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
                 pair.new.span,
                 f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",
                 back_or_renumber(numbers, pair, moved_back(pair)),
-                earlier(change, pair.old.span, "it was here"),
+                change.earlier(pair.old.span, "it was here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

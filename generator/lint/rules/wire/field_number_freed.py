@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, gone_fields
+from roverlink.generator.lint.comparison import MessagePair, SchemaChange, each_once, gone_fields
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration_of_old
 from roverlink.generator.lint.fixits.put_back_or_reserve import names_in_use, put_back_or_reserve
@@ -33,14 +33,14 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair, field in gone_fields(change):
         if not covers(pair.new.reserved, field.number):
             yield RULE.at(
                 pair.new.span,
                 _message(pair, field),
                 put_back_or_reserve(pair, field),
-                earlier(change, field.span, f"it was `{declaration_of_old(pair, field)}` here"),
+                change.earlier(field.span, f"it was `{declaration_of_old(pair, field)}` here"),
                 type=pair.new.full_name,
                 number=field.number,
             )

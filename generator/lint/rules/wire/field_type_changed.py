@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, each_once, earlier, fields
+from roverlink.generator.lint.comparison import SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import retyping, type_place
@@ -33,7 +33,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
         if broken_by_type(pair):
@@ -41,7 +41,7 @@ def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
                 type_place(pair.new),
                 retyping(pair),
                 back_or_renumber(numbers, pair),
-                earlier(change, type_place(pair.old), f"it was `{was(pair)}` here"),
+                change.earlier(type_place(pair.old), f"it was `{was(pair)}` here"),
                 type=pair.owner,
                 number=pair.new.number,
             )

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, each_once, earlier, messages
+from roverlink.generator.lint.comparison import SchemaChange, each_once, messages
 from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR109", "message-set-format-changed", __doc__)
@@ -30,7 +30,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
         old, new = (message.facets.get(_OPTION, "false") for message in (pair.old, pair.new))
         if old != new and not change.of_ledger:
@@ -38,6 +38,6 @@ def _findings(change: Change) -> Iterator[Diagnostic]:
                 pair.new.span,
                 f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither form can read the other",
                 f"put back `option {_OPTION} = true;`" if old == "true" else f"remove `option {_OPTION} = true;`",
-                earlier(change, pair.old.span, f"it was {old} here"),
+                change.earlier(pair.old.span, f"it was {old} here"),
                 type=pair.new.full_name,
             )

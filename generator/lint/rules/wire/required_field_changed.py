@@ -19,7 +19,7 @@ import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
-from roverlink.generator.lint.comparison import Change, MessagePair, each_once, earlier, messages
+from roverlink.generator.lint.comparison import MessagePair, SchemaChange, each_once, messages
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration, declaration_of_old
 from roverlink.generator.lint.fixits.put_back_or_reserve import put_back
@@ -33,7 +33,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, _findings)
 
 
-def _findings(change: Change) -> Iterator[Diagnostic]:
+def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
         before, after = _fields(pair.old), _fields(pair.new)
         for number in sorted(before.keys() | after.keys()):
@@ -63,7 +63,7 @@ def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) ->
         new.span if new else pair.new.span,
         f"{old.name} = {old.number} was required and {became}: older receivers refuse messages without it",
         help,
-        earlier(pair.change, old.span, f"it was `{declaration_of_old(pair, old)}` here"),
+        pair.change.earlier(old.span, f"it was `{declaration_of_old(pair, old)}` here"),
         type=pair.new.full_name,
         number=old.number,
     )
@@ -82,7 +82,7 @@ def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Diagno
         new.span,
         f"{new.name} = {new.number} {became}: messages of older senders are refused",
         f"write `{declaration(optional, pair.change.after, pair.new.full_name, pair.syntax)}`",
-        earlier(pair.change, place, known),
+        pair.change.earlier(place, known),
         type=pair.new.full_name,
         number=new.number,
     )

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
-from roverlink.generator.lint.comparison import Change, EnumPair, MessagePair, each_once, earlier, enums, messages
+from roverlink.generator.lint.comparison import EnumPair, MessagePair, SchemaChange, each_once, enums, messages
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration
 from roverlink.generator.lint.free_numbers import NewNumbers, next_enum_number
@@ -44,7 +44,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
-def _findings(context: Context, change: Change) -> Iterator[Diagnostic]:
+def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in messages(change):
         for place, freed in _freed(pair):
@@ -89,7 +89,7 @@ def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], user
         pair.new.span,
         f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",
         _help(f"reserved {spelled(freed)};", users),
-        [*earlier(pair.change, place, "reserved here"), *((user.span, "used here") for user in users)],
+        [*pair.change.earlier(place, "reserved here"), *((user.span, "used here") for user in users)],
         type=pair.new.full_name,
         number=freed[0][0] if freed[0][0] == freed[-1][1] else None,
     )

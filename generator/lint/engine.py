@@ -1,0 +1,64 @@
+"""The engine of the lint: every rule looks at the context, and the table says what its diagnostics count for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Iterator, Sequence
+
+from roverlink.generator.diagnostics import Diagnostic, Severity, independent
+from roverlink.generator.lint.buf import unstated
+from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.rules import modules
+from roverlink.generator.table import Lowered
+
+_OF_THE_ENVELOPE = "ENV"
+_OF_CHANGES = "WIR"
+
+
+def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
+    """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
+    found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
+    said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
+    counted = (_as_the_table_says(finding, context) for finding in said)
+    return independent(finding for finding in counted if finding is not None)
+
+
+def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
+    """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
+    found = list(found)
+    payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
+    told = {*payloads, None} if payloads else payloads  # None: reserved numbers, which are those of such payloads
+    for one in found:
+        if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
+            yield one
+
+
+def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
+    """The finding with its severity lowered where the table lowers it; None where it turns it off."""
+    if finding.severity is Severity.FATAL:
+        return finding
+    severity: Severity = finding.severity
+    for lowered in _lowerings(finding, context):
+        if lowered.severity == "off":
+            return None
+        severity = max([severity, Severity(lowered.severity)], key=lambda one: one.rank)
+    return dataclasses.replace(finding, severity=severity)
+
+
+def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
+    table, id = context.table, finding.rule.id
+    yield from (lowered for lowered in table.lint if lowered.rule == id)
+    for row in table.rows:
+        of_row = [lowered for lowered in row.lint if lowered.rule == id]
+        if of_row and _is_about(finding, row.number, row.proto, context):
+            yield from of_row
+
+
+def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
+    """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
+    if finding.type in ("", context.table.envelope.message):
+        return finding.number == number
+    if context.schema is None:
+        return finding.type == proto
+    messages, enums = context.schema.reachable(proto)
+    return finding.type in messages or finding.type in enums
