@@ -389,7 +389,7 @@ class Row(FeedSettings):
     ] = ""
     direction: Annotated[
         str,
-        Text("direction", r"[a-z][a-z0-9_]*_to_ros|ros_to_[a-z][a-z0-9_]*", "hardware_to_ros"),
+        Text("direction", r"[a-z][a-z0-9_]*_to_ros|ros_to_[a-z][a-z0-9_]*", "hardware_to_ros", checked_by_rule=True),
         Meaning("Who sends: `<peer>_to_ros` or `ros_to_<peer>`."),
     ]
     fields: Annotated[

@@ -11,7 +11,7 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.ir import ros_names
 from roverlink.generator.table.keys import FeedSettings, PeerSettings, Row, Table
 from roverlink.generator.table.parts import Form, build, object_of
-from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, KEY_WITHOUT_STANDARD, WRONG_TYPE
+from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, WRONG_TYPE
 from roverlink.generator.table.yaml_items import read_form, read_text
 
 _FIRST_PORT = 6000
@@ -62,7 +62,7 @@ def _mistakes(row: Row) -> Iterator[Diagnostic]:
     for feed in (row, *row.also):
         yield from _conflicting_depths(feed)
     if row.feed is None:
-        yield from _of_standard_messages(row)
+        yield from _forms_of_standard_messages(row)
 
 
 def _conflicting_depths(feed: FeedSettings) -> Iterator[Diagnostic]:
@@ -72,13 +72,8 @@ def _conflicting_depths(feed: FeedSettings) -> Iterator[Diagnostic]:
         yield CONFLICTING_KEYS.at(feed.qos.at("depth"), message, "they mean the same; keep one of them")
 
 
-def _of_standard_messages(row: Row) -> Iterator[Diagnostic]:
-    """Find what only a row with a standard message may hold, in one whose message is of the table's own package."""
-    for key in ("frame_id", "stamp", "unset"):
-        if key in row.spans:
-            message = f"{key} is for standard messages, and the row's own message is none"
-            help = "name a message with its package under `ros`, or put the key into an entry of `also`"
-            yield KEY_WITHOUT_STANDARD.at(row.at(key), message, help)
+def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
+    """Find forms of `fields` that only a row with a standard message may have, in one of the table's own package."""
     for path, form in row.fields.items():
         if path not in row.renames:
             message = f"fields.{path} is no string; in a message of our own it is the name of the ROS field"

@@ -160,26 +160,3 @@ Good::
     - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, qos: {depth: 6}}
 """,
 )
-
-KEY_WITHOUT_STANDARD = Rule(
-    "STD101",
-    "key-without-standard-message",
-    """A row has `frame_id`, `stamp` or `unset`, but its own message is not a standard message.
-
-These keys fill a header or leave fields of a standard message unset. A message of the table's own package has exactly
-the fields of the payload.
-
-Bad::
-
-    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, frame_id: imu_link}
-
-Good::
-
-    - number: 1
-      name: imu
-      proto: Imu
-      topic: imu
-      direction: board_to_ros
-      also: [{topic: imu/x, ros: std_msgs/Float32, fields: {data: x}}]
-""",
-)

@@ -20,6 +20,8 @@ class Text:
     choices: tuple[str, ...] = ()
     fault: Callable[[str], tuple[str, str]] | None = field(default=None, compare=False)
     """Tells why a string is not allowed although it matches, and what to write instead; both empty if it is allowed."""
+    checked_by_rule: bool = False
+    """True if a rule of the lint reports a string that does not match; the reader takes it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -178,7 +178,7 @@ class ScalarReader:
         if message:
             self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is {value!r}, {message}", help))
             return None
-        if not value or (type.pattern and not re.fullmatch(type.pattern, value)):
+        if not value or (type.pattern and not type.checked_by_rule and not re.fullmatch(type.pattern, value)):
             self.bad(node, value, what, type)
             return None
         return value

@@ -129,7 +129,7 @@ def test_a_dry_run_shows_the_diff(project: Path, capsys: pytest.CaptureFixture[s
         ("b c", "B", "board_to_ros", "MAP108"),
         ("b", "Missing", "board_to_ros", "PRO103"),
         ("b", "B", "bord_to_ros", "TAB103"),
-        ("b", "B", "sideways", "MAP108"),
+        ("b", "B", "sideways", "TAB103"),
     ],
 )
 def test_what_cannot_be_added_leaves_everything(

@@ -34,6 +34,8 @@ class Feeds:
 
     def of(self, row: Row) -> tuple[Feed | None, tuple[Feed, ...]]:
         """What the row itself becomes, where that is a standard message, and its further topics."""
+        if row.feed is None:
+            self._check_own_message(row)
         sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
         made = [self._feed(row, settings, sources) for settings in row.feeds]
         if row.feed and row.inbound:
@@ -68,6 +70,14 @@ class Feeds:
             back.obstacle,
             tuple(lost),
         )
+
+    def _check_own_message(self, row: Row) -> None:
+        """Report what only a standard message can have, for a row whose message is of the table's own package."""
+        for key in ("frame_id", "stamp", "unset"):
+            if key in row.spans:
+                message = f"{key} is for standard messages, and the row's own message is none"
+                help = "name a message with its package under `ros`, or put the key into an entry of `also`"
+                self._report(standard_rules.KEY_WITHOUT_STANDARD.at(row.at(key), message, help))
 
     # --- definitions ---
 

@@ -4,6 +4,31 @@ from __future__ import annotations
 
 from roverlink.generator.diagnostics import Rule
 
+KEY_WITHOUT_STANDARD = Rule(
+    "STD101",
+    "key-without-standard-message",
+    """A row has `frame_id`, `stamp` or `unset`, but its own message is not a standard message.
+
+These keys fill a header or leave fields of a standard message unset. A message of the table's own package has exactly
+the fields of the payload.
+
+Bad::
+
+    # mapping.yaml
+    - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros, frame_id: imu_link}
+
+Good::
+
+    # mapping.yaml
+    - number: 1
+      name: imu
+      proto: Imu
+      topic: imu
+      direction: board_to_ros
+      also: [{topic: imu/x, ros: std_msgs/Float32, fields: {data: x}}]
+""",
+)
+
 UNKNOWN_MESSAGE = Rule(
     "STD102",
     "unknown-standard-message",

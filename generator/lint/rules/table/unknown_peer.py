@@ -1,6 +1,7 @@
-"""A row speaks of a peer that the table does not have, or forwards where it cannot.
+"""A row speaks of a peer or a direction that the table does not have, or forwards where it cannot.
 
-`direction` and `forward` name machines under `peers`; the datagrams of any other would go nowhere. A row forwarding to
+`direction` is `<peer>_to_ros` or `ros_to_<peer>`. It and `forward` name machines under `peers`; the datagrams of any
+other would go nowhere. A row forwarding to
 the peer from which it comes would send every datagram back.
 
 Bad::
@@ -33,26 +34,42 @@ RULE = Rule("TAB103", "unknown-peer", __doc__)
 def check(context: Context) -> Iterator[Diagnostic]:
     """Directions and forwards without a peer."""
     table = context.table
-    if not table.whole:
-        return  # the peer may be among what could not be read
-    peers = {peer.name for peer in table.peers}
+    peers = sorted(peer.name for peer in table.peers)
     for row in table.rows:
-        for key, message, help, also in (*_unknown(row, peers), *_misdirected(row)):
+        for key, message, help, also in _faults(row, peers, table.whole):
             yield RULE.at(row.at(key), message, help, also, type=table.envelope.message, number=row.number)
 
 
 _Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the key of the row, what is wrong, the cure, other places
 
 
-def _unknown(row: Row, peers: set[str]) -> Iterator[_Fault]:
-    known = sorted(peers)
-    if row.direction and row.peer not in peers:
-        directions = [direction for peer in known for direction in (f"{peer}_to_ros", f"ros_to_{peer}")]
-        message = f"unknown direction {row.direction!r} (known: {', '.join(directions) or 'none'})"
-        yield "direction", message, nearest(row.peer, peers, f"name the peer {row.peer} under `peers`"), []
+def _faults(row: Row, peers: list[str], whole: bool) -> Iterator[_Fault]:
+    """Check a row; of a table that is not whole, a peer may be among what could not be read."""
+    malformed = row.direction not in _directions(row.peer)
+    if row.direction and (malformed or (whole and row.peer not in peers)):
+        yield _unknown_direction(row, peers, malformed)
+    if whole:
+        yield from _unknown_targets(row, peers)
+        if not malformed:
+            yield from _misdirected(row)
+
+
+def _directions(peer: str) -> tuple[str, str]:
+    return f"{peer}_to_ros", f"ros_to_{peer}"
+
+
+def _unknown_direction(row: Row, peers: list[str], malformed: bool) -> _Fault:
+    known = [direction for peer in peers for direction in _directions(peer)]
+    message = f"unknown direction {row.direction!r} (known: {', '.join(known) or 'none'})"
+    if malformed:
+        return "direction", message, nearest(row.direction, known, "write `<peer>_to_ros` or `ros_to_<peer>`"), []
+    return "direction", message, nearest(row.peer, peers, f"name the peer {row.peer} under `peers`"), []
+
+
+def _unknown_targets(row: Row, peers: list[str]) -> Iterator[_Fault]:
     for target in row.forward:
         if target not in peers:
-            message = f"unknown peer {target!r} (known: {', '.join(known) or 'none'})"
+            message = f"unknown peer {target!r} (known: {', '.join(peers) or 'none'})"
             yield f"forward.{target}", message, nearest(target, peers, f"name the peer {target} under `peers`"), []
 
 
