@@ -20,6 +20,7 @@ from roverlink.console import project_folder
 from roverlink.generated_code import load_project
 from roverlink.installed_packages import installed_version
 from roverlink.runtime import Registry, RoverlinkError
+from roverlink.runtime.core.messages import how_to_install
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
@@ -234,18 +235,18 @@ def _joins(version: str, domain: str) -> Diagnosis:
 
 
 def _interfaces(registry: Registry) -> Diagnosis:
-    """Whether the interface package that rclpy has is the one that was generated."""
-    cure = "build generated/ros with colcon, and source its setup.bash"
-    try:
-        installed = importlib.import_module(f"{registry.package}.msg")
-    except ImportError as error:
-        return Diagnosis("error", "interfaces", f"{registry.package} is not installed: {error}", cure)
-    for handler in registry.handlers:
-        name = handler.message_type.__name__
+    """Tell if the interface package that rclpy has is the one that was generated."""
+    package = registry.package
+    generated = [
+        one.message_type for one in registry.handlers if one.message_type.__msgtype__.startswith(f"{package}/")
+    ]
+    for message_type in generated:
+        name, cure = message_type.__name__, how_to_install(message_type)
+        try:
+            installed = importlib.import_module(f"{package}.msg")
+        except ImportError as error:
+            return Diagnosis("error", "interfaces", f"{package} is not installed: {error}", cure)
         theirs: dict[str, str] = getattr(getattr(installed, name, None), "get_fields_and_field_types", dict)()
-        ours = [field.name for field in dataclasses.fields(handler.message_type)]
-        if list(theirs) != ours:
-            return Diagnosis(
-                "error", "interfaces", f"{registry.package}/{name} is not the one that was generated", cure
-            )
+        if list(theirs) != [field.name for field in dataclasses.fields(message_type)]:
+            return Diagnosis("error", "interfaces", f"{package}/{name} is not the one that was generated", cure)
     return Diagnosis("ok", "interfaces", f"{registry.package} is the one that was generated")

@@ -34,6 +34,15 @@ class Message:
     """By which ROS 2 from Iron on knows whether two nodes mean the same by the type; empty where it is not known."""
 
 
+def how_to_install(message_type: type[Message]) -> str:
+    """Say how ROS 2 gets the type support of a message: its package is generated, or one of ROS 2's own."""
+    generated, ours, _ = message_type.__module__.partition(".messages.")
+    if ours:
+        return f"build {generated.replace('.', '/')}/ros with colcon and source its setup.bash"
+    package = message_type.__msgtype__.partition("/")[0]
+    return f"install ROS 2's package {package} and source its setup.bash"
+
+
 @dataclass(frozen=True, slots=True)
 class Primitive:
     """A ROS primitive of fixed size: its ROS name, its `struct` format character, its size in bytes."""

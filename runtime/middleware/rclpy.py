@@ -1,7 +1,7 @@
 """ROS 2 through an installed rclpy, publishing and subscribing serialized messages.
 
-Needs the interface package built and sourced (``colcon build`` of ``generated/ros``): rclpy takes type support only
-from message classes of its own.
+Needs the generated interface package built and sourced (``colcon build``): rclpy takes type support only from message
+classes of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.messages import Message, how_to_install
 from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
 
 
@@ -116,8 +116,7 @@ def _ros_class(message_type: type[Message]) -> Any:
         return getattr(importlib.import_module(f"{package}.msg"), name)
     except (ImportError, AttributeError) as error:
         raise MiddlewareError(
-            f"the interface {message_type.__msgtype__} is not installed ({error}); "
-            "build generated/ros with colcon and source its setup.bash"
+            f"the interface {message_type.__msgtype__} is not installed ({error}); {how_to_install(message_type)}"
         ) from error
 
 

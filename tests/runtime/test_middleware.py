@@ -16,6 +16,8 @@ from polling import PATIENCE_S, wait_until
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 
@@ -328,7 +330,7 @@ def test_a_shutdown_from_outside_ends_the_spinning_quietly(ros: _Ros, monkeypatc
 
 
 def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
-    """A message without type support in the installed package is named, with how to build it."""
+    """A message without type support in the installed package is named, with how to build or install it."""
     middleware = open_middleware("rclpy", _NODE)
     with pytest.raises(MiddlewareError, match=r"comms/msg/DrivingBoardMotorMessage is not installed .*colcon"):
         middleware.publisher("/drive_motor", DrivingBoardMotorMessage, Qos())
@@ -336,6 +338,12 @@ def test_an_interface_that_is_not_built_is_told(ros: _Ros) -> None:
     sys.modules.pop("comms")
     with pytest.raises(MiddlewareError, match=r"comms/msg/ImuSensorInformation is not installed .*colcon"):
         middleware.subscribe("/imu_data", ImuSensorInformation, Qos(), lambda data: None)
+    module = "my_rover.generated.messages.moved"
+    moved = type("Moved", (Message,), {"__module__": module, "__msgtype__": "rover/msg/Moved"})
+    with pytest.raises(MiddlewareError, match=r"build my_rover/generated/ros with colcon"):
+        middleware.publisher("/moved", moved, Qos())
+    with pytest.raises(MiddlewareError, match=r"install ROS 2's package tf2_msgs "):
+        middleware.publisher("/tf", TFMessage, Qos())
 
 
 def test_auto_takes_rclpy_where_it_imports(ros: _Ros) -> None:
