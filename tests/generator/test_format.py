@@ -64,7 +64,6 @@ _CHANGES: dict[str, Callable[[dict[str, Any]], None]] = {
     "a name that starts with an underscore": _change(name="_imu"),
     "an empty topic": _change(topic=""),
     "a topic that is a number": _change(topic=17),
-    "a direction without ROS": _change(direction="hardware_to_basestation"),
     "an unknown reliability": _change(qos={"reliability": "sometimes"}),
     "a depth of nothing": _change(qos={"depth": 0}),
     "a presence that is a text": _change(presence={"x": "yes"}),
@@ -92,6 +91,17 @@ def test_schema_and_reader_agree(change: Callable[[dict[str, Any]], None], tmp_p
     with contextlib.suppress(DiagnosticsError):
         reader.read(file, findings)
     assert findings
+
+
+def test_a_malformed_direction_is_one_to_schema_and_lint(tmp_path: Path) -> None:
+    """A direction without ROS is no valid value to an editor; the lint reports it, because it knows the peers."""
+    table = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
+    _change(direction="hardware_to_basestation")(table)
+    assert not _is_valid(table)
+    file = tmp_path / "mapping.yaml"
+    file.write_text(yaml.safe_dump(table), encoding="utf-8")
+    findings = lint(Context(reader.read(file, []), None, Ledger()))
+    assert [finding.rule.id for finding in findings] == ["TAB103"]
 
 
 def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
