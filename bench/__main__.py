@@ -67,7 +67,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 
 def _run(options: argparse.Namespace) -> None:
-    progress = Console(stderr=True, highlight=False, markup=False)
+    progress = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
     lab = prepare(
         proto=options.proto,
         out=options.out.resolve(),

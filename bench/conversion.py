@@ -6,6 +6,7 @@ a message of the table's own with as many fields.
 """
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -19,27 +20,9 @@ from bench.lab import Lab
 from bench.result import Group, SectionResult, Table
 
 COUNT = 16
-CALLS = 1_000
 ROUNDS, QUICK_ROUNDS = 60, 15
 LIMIT = 2.0
 """A standard message may cost so many times a message of our own with as many fields."""
-
-_TIMED = """\
-import json, sys, timeit
-sys.path[:0] = [{project!r}, {root!r}]
-from roverlink.runtime import load_registry
-from roverlink.runtime.interfaces import Time
-from roverlink.simulation import payload_at
-registry, calls = load_registry({project!r}), {{}}
-for handler in (*registry.handlers, *registry.feeds):
-    payload, stamp = payload_at(handler.payload_type, 1.0), Time(1, 2)
-    calls[handler.route.topic] = lambda handler=handler, payload=payload: handler.to_cdr(payload, stamp)
-found = dict.fromkeys(calls, float("inf"))
-for _ in range({rounds}):  # each in turn, so that a busy moment of the machine meets them all
-    for topic, call in calls.items():
-        found[topic] = min(found[topic], timeit.timeit(call, number={number}) / {number} * 1e6)
-print(json.dumps(found))
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +69,11 @@ def _beside(cost: Cost) -> Sequence[str]:
 
 
 def _timed(project: Path, rounds: int) -> dict[str, float]:
-    code = _TIMED.format(project=str(project), root=str(ROOT), rounds=rounds, number=CALLS)
-    command = (sys.executable, "-c", code)
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
+    command = (sys.executable, "-m", "bench.conversion_calls", str(project), str(rounds))
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(  # noqa: S603  # our own program
+        command, capture_output=True, text=True, check=False, env=environment
+    )
     if done.returncode:
         raise BenchError(f"the conversions of {project} do not run:\n{done.stderr}")
     found: dict[str, float] = json.loads(done.stdout)

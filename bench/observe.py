@@ -19,14 +19,17 @@ STAMP_IN_IMU = struct.Struct("<16x2f")  # after the CDR header and accel_x, y, z
 
 
 def watch_udp(ages: list[int], port: int, high_offset: int, low_offset: int) -> None:
-    """Add the age of every datagram, for ever, in a thread of its own."""
+    """Add the age of every stamped datagram, for ever, in a thread of its own."""
     udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
     udp.bind(("127.0.0.1", port))
+    shortest = max(high_offset, low_offset) + FLOAT.size
 
     def watch() -> None:
         while True:
             datagram = udp.recv(2048)
+            if len(datagram) < shortest:
+                continue  # no stamp in it: a bridge that tells the hardware to stop
             (high,), (low,) = FLOAT.unpack_from(datagram, high_offset), FLOAT.unpack_from(datagram, low_offset)
             ages.append(age_ns(high, low, time.monotonic_ns()))
 
