@@ -16,15 +16,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 _SHARED_NAMES = {
     *(
-        "bodies",
         "conversions",
         "handlers",
         "interfaces",
-        "layout",
         "messages",
         "registry",
-        "routes",
     ),  # of each target
+    "extra_topics",  # of the Python target, of the bridge
     "reader",  # of the table, of a recording
     "board",  # the command, and what it prints
 }
