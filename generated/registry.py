@@ -1,41 +1,41 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Every row's handler, with the envelope they travel in."""
+"""The registry: the envelope, the peers, and a handler for every row and every extra topic."""
 
 from __future__ import annotations
 
-from generated.feeds import (
-    GpsInfoGpsFixFeed,
-    ImuInfoImuDataRawFeed,
-    ImuInfoImuMagFeed,
-    PhInfoPhTemperatureFeed,
-    PressureInfoPressureFluidPressureFeed,
-    PressureInfoPressureTemperatureFeed,
-)
-from generated.handlers import (
-    ArmCtrlHandler,
-    ArmDiagHandler,
-    ArmFeedbackHandler,
-    ArmObstructionsHandler,
-    ArmPosHandler,
-    ArmTargetHandler,
-    ControlModeHandler,
-    DetectedObjectHandler,
-    DriveDiagHandler,
-    DriveMotorHandler,
-    DriveProgressHandler,
-    GpsInfoHandler,
-    ImuInfoHandler,
-    LoadCellInfoHandler,
-    ObjectSelectionHandler,
-    PhInfoHandler,
-    PressureInfoHandler,
-    RockMeasureRequestHandler,
-    RockMeasureResultHandler,
-    RoverLocalizationHandler,
-    SensorDiagHandler,
-)
 from generated.pb2.components.common import envelope_pb2
+from generated.serializers.arm_ctrl import FastArmCtrlHandler
+from generated.serializers.arm_diag import FastArmDiagHandler
+from generated.serializers.arm_feedback import FastArmFeedbackHandler
+from generated.serializers.arm_obstructions import FastArmObstructionsHandler
+from generated.serializers.arm_pos import FastArmPosHandler
+from generated.serializers.arm_target import FastArmTargetHandler
+from generated.serializers.control_mode import FastControlModeHandler
+from generated.serializers.detected_object import FastDetectedObjectHandler
+from generated.serializers.drive_diag import FastDriveDiagHandler
+from generated.serializers.drive_motor import FastDriveMotorHandler
+from generated.serializers.drive_progress import FastDriveProgressHandler
+from generated.serializers.gps_fix_topic import FastGpsFixTopic
+from generated.serializers.gps_info import FastGpsInfoHandler
+from generated.serializers.imu_data_raw_topic import FastImuDataRawTopic
+from generated.serializers.imu_info import FastImuInfoHandler
+from generated.serializers.imu_mag_topic import FastImuMagTopic
+from generated.serializers.load_cell_info import FastLoadCellInfoHandler
+from generated.serializers.object_selection import FastObjectSelectionHandler
+from generated.serializers.ph_info import FastPhInfoHandler
+from generated.serializers.ph_temperature_topic import FastPhTemperatureTopic
+from generated.serializers.pressure_fluid_pressure_topic import (
+    FastPressureFluidPressureTopic,
+)
+from generated.serializers.pressure_info import FastPressureInfoHandler
+from generated.serializers.pressure_temperature_topic import (
+    FastPressureTemperatureTopic,
+)
+from generated.serializers.rock_measure_request import FastRockMeasureRequestHandler
+from generated.serializers.rock_measure_result import FastRockMeasureResultHandler
+from generated.serializers.rover_localization import FastRoverLocalizationHandler
+from generated.serializers.sensor_diag import FastSensorDiagHandler
 from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
@@ -43,39 +43,47 @@ REGISTRY = Registry(
     envelope=envelope_pb2.PBEnvelope,
     oneof="payload",
     peers=(
-        Peer(name="basestation", port_parameter="dst_a_port", port=6000),
-        Peer(name="hardware", port_parameter="dst_b_port", port=6001),
+        Peer(
+            name="basestation",
+            port_parameter="dst_a_port",
+            port=6000,
+        ),
+        Peer(
+            name="hardware",
+            port_parameter="dst_b_port",
+            port=6001,
+        ),
     ),
     handlers=(
-        PhInfoHandler(),
-        ArmCtrlHandler(),
-        ArmDiagHandler(),
-        ArmFeedbackHandler(),
-        ArmPosHandler(),
-        ArmTargetHandler(),
-        ArmObstructionsHandler(),
-        DriveDiagHandler(),
-        DriveMotorHandler(),
-        DriveProgressHandler(),
-        SensorDiagHandler(),
-        GpsInfoHandler(),
-        ImuInfoHandler(),
-        LoadCellInfoHandler(),
-        PressureInfoHandler(),
-        ControlModeHandler(),
-        DetectedObjectHandler(),
-        ObjectSelectionHandler(),
-        RockMeasureRequestHandler(),
-        RockMeasureResultHandler(),
-        RoverLocalizationHandler(),
+        FastPhInfoHandler(),
+        FastArmCtrlHandler(),
+        FastArmDiagHandler(),
+        FastArmFeedbackHandler(),
+        FastArmPosHandler(),
+        FastArmTargetHandler(),
+        FastArmObstructionsHandler(),
+        FastDriveDiagHandler(),
+        FastDriveMotorHandler(),
+        FastDriveProgressHandler(),
+        FastSensorDiagHandler(),
+        FastGpsInfoHandler(),
+        FastImuInfoHandler(),
+        FastLoadCellInfoHandler(),
+        FastPressureInfoHandler(),
+        FastControlModeHandler(),
+        FastDetectedObjectHandler(),
+        FastObjectSelectionHandler(),
+        FastRockMeasureRequestHandler(),
+        FastRockMeasureResultHandler(),
+        FastRoverLocalizationHandler(),
     ),
     feeds=(
-        PhInfoPhTemperatureFeed(),
-        GpsInfoGpsFixFeed(),
-        ImuInfoImuDataRawFeed(),
-        ImuInfoImuMagFeed(),
-        PressureInfoPressureFluidPressureFeed(),
-        PressureInfoPressureTemperatureFeed(),
+        FastPhTemperatureTopic(),
+        FastGpsFixTopic(),
+        FastImuDataRawTopic(),
+        FastImuMagTopic(),
+        FastPressureFluidPressureTopic(),
+        FastPressureTemperatureTopic(),
     ),
     fingerprint="fa57807d3fe8a6dff40e8a63d2c93f36cde3e03e659ba5c7b2403284da2b3093",
     retired={},

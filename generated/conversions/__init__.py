@@ -1,3 +1,3 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Conversions of the messages that stand inside payloads, one module each."""
+"""Conversions of the messages inside payloads: one module for each."""

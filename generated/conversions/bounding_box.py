@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and components/basestation/detected_object.proto; do not edit.
 # Regenerate with: roverlink generate
-"""BoundingBox to and from comms/msg/BoundingBox."""
+"""Convert between the nested messages BoundingBox and comms/msg/BoundingBox."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from generated.pb2.components.basestation import detected_object_pb2
 
 
 def to_ros(payload: detected_object_pb2.BoundingBox) -> BoundingBox:
-    """The message that says what the payload says."""
+    """Convert BoundingBox to comms/msg/BoundingBox."""
     return BoundingBox(
         x=payload.x,
         y=payload.y,
@@ -19,7 +19,7 @@ def to_ros(payload: detected_object_pb2.BoundingBox) -> BoundingBox:
 
 
 def from_ros(message: BoundingBox) -> detected_object_pb2.BoundingBox:
-    """The payload that says what the message says."""
+    """Convert comms/msg/BoundingBox to BoundingBox."""
     return detected_object_pb2.BoundingBox(
         x=message.x,
         y=message.y,

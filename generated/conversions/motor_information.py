@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and components/common/motor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""MotorInformation to and from comms/msg/MotorInformation."""
+"""Convert between the nested messages MotorInformation and comms/msg/MotorInformation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from generated.pb2.components.common import motor_pb2
 
 
 def to_ros(payload: motor_pb2.MotorInformation) -> MotorInformation:
-    """The message that says what the payload says."""
+    """Convert MotorInformation to comms/msg/MotorInformation."""
     return MotorInformation(
         state=payload.state,
         motor_id=payload.motor_id,
@@ -20,7 +20,7 @@ def to_ros(payload: motor_pb2.MotorInformation) -> MotorInformation:
 
 
 def from_ros(message: MotorInformation) -> motor_pb2.MotorInformation:
-    """The payload that says what the message says."""
+    """Convert comms/msg/MotorInformation to MotorInformation."""
     return motor_pb2.MotorInformation(
         state=message.state,
         motor_id=message.motor_id,

@@ -1,28 +1,32 @@
 # Generated from mapping.yaml (row arm_ctrl) and components/arm_board/movement_control_in.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm_ctrl (2): ArmBoardControlSignals from comms/msg/ArmBoardControlSignals on arm_ctrl."""
+"""Handler of the row arm_ctrl: ArmBoardControlSignals and comms/msg/ArmBoardControlSignals."""
 
 from __future__ import annotations
 
 from generated.messages import ArmBoardControlSignals
 from generated.pb2.components.arm_board import movement_control_in_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Deadman, Handler, Route
-
-_CDR = cdr.fixed_layout(ArmBoardControlSignals)
 
 
 class ArmCtrlHandler(
-    Handler[movement_control_in_pb2.ArmBoardControlSignals, ArmBoardControlSignals],
+    Handler[movement_control_in_pb2.ArmBoardControlSignals, ArmBoardControlSignals]
 ):
-    """ArmBoardControlSignals from the topic arm_ctrl."""
+    """Direct control of the arm: one signal an actuator, as an operator drives it by hand.
+
+    Number 2 of the envelope, ros_to_hardware, topic arm_ctrl.
+    """
 
     route = Route(
         number=2,
         name="arm_ctrl",
         topic="arm_ctrl",
         direction="ros_to_hardware",
-        deadman=Deadman(after_ms=500, repeat_ms=1000, send={}),
+        deadman=Deadman(
+            after_ms=500,
+            repeat_ms=1000,
+            send={},
+        ),
         priority=9,
     )
     payload_type = movement_control_in_pb2.ArmBoardControlSignals
@@ -32,7 +36,7 @@ class ArmCtrlHandler(
     def to_ros(
         payload: movement_control_in_pb2.ArmBoardControlSignals,
     ) -> ArmBoardControlSignals:
-        """The message that says what the payload says."""
+        """Convert ArmBoardControlSignals to comms/msg/ArmBoardControlSignals."""
         return ArmBoardControlSignals(
             control_gripper_rotation=payload.control_gripper_rotation,
             control_gripper_pitch=payload.control_gripper_pitch,
@@ -48,7 +52,7 @@ class ArmCtrlHandler(
     def from_ros(
         message: ArmBoardControlSignals,
     ) -> movement_control_in_pb2.ArmBoardControlSignals:
-        """The payload that says what the message says."""
+        """Convert comms/msg/ArmBoardControlSignals to ArmBoardControlSignals."""
         return movement_control_in_pb2.ArmBoardControlSignals(
             control_gripper_rotation=message.control_gripper_rotation,
             control_gripper_pitch=message.control_gripper_pitch,
@@ -58,18 +62,4 @@ class ArmCtrlHandler(
             stepper_top_rev=message.stepper_top_rev,
             stepper_bottom_ena=message.stepper_bottom_ena,
             stepper_bottom_rev=message.stepper_bottom_rev,
-        )
-
-    def pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.control_gripper_rotation,
-            payload.control_gripper_pitch,
-            payload.control_base,
-            payload.control_jaw,
-            payload.stepper_top_ena,
-            payload.stepper_top_rev,
-            payload.stepper_bottom_ena,
-            payload.stepper_bottom_rev,
         )

@@ -1,22 +1,22 @@
 # Generated from mapping.yaml (row arm_diag) and components/arm_board/motor_diagnostics.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm_diag (3): ArmBoardDiagnostics to comms/msg/ArmBoardDiagnostics on arm_diag."""
+"""Handler of the row arm_diag: ArmBoardDiagnostics and comms/msg/ArmBoardDiagnostics."""
 
 from __future__ import annotations
 
 from generated.conversions import motor_information
 from generated.messages import ArmBoardDiagnostics
 from generated.pb2.components.arm_board import motor_diagnostics_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(ArmBoardDiagnostics)
 
 
 class ArmDiagHandler(
-    Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoardDiagnostics],
+    Handler[motor_diagnostics_pb2.ArmBoardDiagnostics, ArmBoardDiagnostics]
 ):
-    """ArmBoardDiagnostics to the topic arm_diag."""
+    """State of the arm board and of each of its motors.
+
+    Number 3 of the envelope, hardware_to_ros, topic arm_diag.
+    """
 
     route = Route(
         number=3,
@@ -32,10 +32,10 @@ class ArmDiagHandler(
     def to_ros(
         payload: motor_diagnostics_pb2.ArmBoardDiagnostics,
     ) -> ArmBoardDiagnostics:
-        """The message that says what the payload says."""
+        """Convert ArmBoardDiagnostics to comms/msg/ArmBoardDiagnostics."""
         return ArmBoardDiagnostics(
             gripper_rotation_motor=motor_information.to_ros(
-                payload.gripper_rotation_motor,
+                payload.gripper_rotation_motor
             ),
             gripper_pitch_motor=motor_information.to_ros(payload.gripper_pitch_motor),
             base_motor=motor_information.to_ros(payload.base_motor),
@@ -49,10 +49,10 @@ class ArmDiagHandler(
     def from_ros(
         message: ArmBoardDiagnostics,
     ) -> motor_diagnostics_pb2.ArmBoardDiagnostics:
-        """The payload that says what the message says."""
+        """Convert comms/msg/ArmBoardDiagnostics to ArmBoardDiagnostics."""
         return motor_diagnostics_pb2.ArmBoardDiagnostics(
             gripper_rotation_motor=motor_information.from_ros(
-                message.gripper_rotation_motor,
+                message.gripper_rotation_motor
             ),
             gripper_pitch_motor=motor_information.from_ros(message.gripper_pitch_motor),
             base_motor=motor_information.from_ros(message.base_motor),
@@ -60,47 +60,4 @@ class ArmDiagHandler(
             bottom_motor=motor_information.from_ros(message.bottom_motor),
             jaw_motor=motor_information.from_ros(message.jaw_motor),
             state=message.state,
-        )
-
-    def pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        gripper_rotation_motor = payload.gripper_rotation_motor
-        gripper_pitch_motor = payload.gripper_pitch_motor
-        base_motor = payload.base_motor
-        top_motor = payload.top_motor
-        bottom_motor = payload.bottom_motor
-        jaw_motor = payload.jaw_motor
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            gripper_rotation_motor.state,
-            gripper_rotation_motor.motor_id,
-            gripper_rotation_motor.rpm,
-            gripper_rotation_motor.voltage,
-            gripper_rotation_motor.encoder_angle,
-            gripper_pitch_motor.state,
-            gripper_pitch_motor.motor_id,
-            gripper_pitch_motor.rpm,
-            gripper_pitch_motor.voltage,
-            gripper_pitch_motor.encoder_angle,
-            base_motor.state,
-            base_motor.motor_id,
-            base_motor.rpm,
-            base_motor.voltage,
-            base_motor.encoder_angle,
-            top_motor.state,
-            top_motor.motor_id,
-            top_motor.rpm,
-            top_motor.voltage,
-            top_motor.encoder_angle,
-            bottom_motor.state,
-            bottom_motor.motor_id,
-            bottom_motor.rpm,
-            bottom_motor.voltage,
-            bottom_motor.encoder_angle,
-            jaw_motor.state,
-            jaw_motor.motor_id,
-            jaw_motor.rpm,
-            jaw_motor.voltage,
-            jaw_motor.encoder_angle,
-            payload.state,
         )

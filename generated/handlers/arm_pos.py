@@ -1,24 +1,23 @@
 # Generated from mapping.yaml (row arm_pos) and components/arm_board/movement_software_feedback.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm_pos (5): ArmBoardActualPositions to comms/msg/ArmBoardActualPositions on arm_pos."""
+"""Handler of the row arm_pos: ArmBoardActualPositions and comms/msg/ArmBoardActualPositions."""
 
 from __future__ import annotations
 
 from generated.messages import ArmBoardActualPositions
 from generated.pb2.components.arm_board import movement_software_feedback_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(ArmBoardActualPositions)
 
 
 class ArmPosHandler(
     Handler[
-        movement_software_feedback_pb2.ArmBoardActualPositions,
-        ArmBoardActualPositions,
-    ],
+        movement_software_feedback_pb2.ArmBoardActualPositions, ArmBoardActualPositions
+    ]
 ):
-    """ArmBoardActualPositions to the topic arm_pos."""
+    """Where the joints of the arm are.
+
+    Number 5 of the envelope, hardware_to_ros, topic arm_pos.
+    """
 
     route = Route(
         number=5,
@@ -34,7 +33,7 @@ class ArmPosHandler(
     def to_ros(
         payload: movement_software_feedback_pb2.ArmBoardActualPositions,
     ) -> ArmBoardActualPositions:
-        """The message that says what the payload says."""
+        """Convert ArmBoardActualPositions to comms/msg/ArmBoardActualPositions."""
         return ArmBoardActualPositions(
             jaw_open=payload.jaw_open,
             jaw_actual_position=payload.jaw_actual_position,
@@ -49,7 +48,7 @@ class ArmPosHandler(
     def from_ros(
         message: ArmBoardActualPositions,
     ) -> movement_software_feedback_pb2.ArmBoardActualPositions:
-        """The payload that says what the message says."""
+        """Convert comms/msg/ArmBoardActualPositions to ArmBoardActualPositions."""
         return movement_software_feedback_pb2.ArmBoardActualPositions(
             jaw_open=message.jaw_open,
             jaw_actual_position=message.jaw_actual_position,
@@ -58,20 +57,4 @@ class ArmPosHandler(
             stepper_bottom_actual_position=message.stepper_bottom_actual_position,
             gripper_rotation_actual_position=message.gripper_rotation_actual_position,
             gripper_pitch_actual_position=message.gripper_pitch_actual_position,
-        )
-
-    def pack(
-        self,
-        payload: movement_software_feedback_pb2.ArmBoardActualPositions,
-    ) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.jaw_open,
-            payload.jaw_actual_position,
-            payload.base_actual_position,
-            payload.stepper_top_actual_position,
-            payload.stepper_bottom_actual_position,
-            payload.gripper_rotation_actual_position,
-            payload.gripper_pitch_actual_position,
         )

@@ -1,22 +1,22 @@
 # Generated from mapping.yaml (row detected_object) and components/basestation/detected_object.proto; do not edit.
 # Regenerate with: roverlink generate
-"""detected_object (17): BasestationDetectedObject from comms/msg/BasestationDetectedObject on detected_object."""
+"""Handler of the row detected_object: BasestationDetectedObject and comms/msg/BasestationDetectedObject."""
 
 from __future__ import annotations
 
 from generated.conversions import bounding_box
 from generated.messages import BasestationDetectedObject
 from generated.pb2.components.basestation import detected_object_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(BasestationDetectedObject)
 
 
 class DetectedObjectHandler(
-    Handler[detected_object_pb2.BasestationDetectedObject, BasestationDetectedObject],
+    Handler[detected_object_pb2.BasestationDetectedObject, BasestationDetectedObject]
 ):
-    """BasestationDetectedObject from the topic detected_object."""
+    """One object seen in one camera frame. A frame with N objects travels as N messages.
+
+    Number 17 of the envelope, ros_to_basestation, topic detected_object.
+    """
 
     route = Route(
         number=17,
@@ -31,7 +31,7 @@ class DetectedObjectHandler(
     def to_ros(
         payload: detected_object_pb2.BasestationDetectedObject,
     ) -> BasestationDetectedObject:
-        """The message that says what the payload says."""
+        """Convert BasestationDetectedObject to comms/msg/BasestationDetectedObject."""
         return BasestationDetectedObject(
             frame_id=payload.frame_id,
             total_count=payload.total_count,
@@ -46,7 +46,7 @@ class DetectedObjectHandler(
     def from_ros(
         message: BasestationDetectedObject,
     ) -> detected_object_pb2.BasestationDetectedObject:
-        """The payload that says what the message says."""
+        """Convert comms/msg/BasestationDetectedObject to BasestationDetectedObject."""
         return detected_object_pb2.BasestationDetectedObject(
             frame_id=message.frame_id,
             total_count=message.total_count,
@@ -55,21 +55,4 @@ class DetectedObjectHandler(
             type=message.type,
             bbox=bounding_box.from_ros(message.bbox),
             confidence=message.confidence,
-        )
-
-    def pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        bbox = payload.bbox
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.frame_id,
-            payload.total_count,
-            payload.index,
-            payload.id,
-            payload.type,
-            bbox.x,
-            bbox.y,
-            bbox.width,
-            bbox.height,
-            payload.confidence,
         )

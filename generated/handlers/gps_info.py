@@ -1,19 +1,19 @@
 # Generated from mapping.yaml (row gps_info) and components/sensor_board/gps_sensor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""gps_info (12): SensorBoardGPSInfo to comms/msg/SensorBoardGPSInfo on gps_data."""
+"""Handler of the row gps_info: SensorBoardGPSInfo and comms/msg/SensorBoardGPSInfo."""
 
 from __future__ import annotations
 
 from generated.messages import SensorBoardGPSInfo, SensorState
 from generated.pb2.components.sensor_board import gps_sensor_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(SensorBoardGPSInfo)
 
 
 class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSInfo]):
-    """SensorBoardGPSInfo to the topic gps_data."""
+    """One fix of the GPS receiver.
+
+    Number 12 of the envelope, hardware_to_ros, topic gps_data.
+    """
 
     route = Route(
         number=12,
@@ -27,7 +27,7 @@ class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSIn
 
     @staticmethod
     def to_ros(payload: gps_sensor_pb2.SensorBoardGPSInfo) -> SensorBoardGPSInfo:
-        """The message that says what the payload says."""
+        """Convert SensorBoardGPSInfo to comms/msg/SensorBoardGPSInfo."""
         return SensorBoardGPSInfo(
             latitude=payload.latitude,
             longitude=payload.longitude,
@@ -45,7 +45,7 @@ class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSIn
 
     @staticmethod
     def from_ros(message: SensorBoardGPSInfo) -> gps_sensor_pb2.SensorBoardGPSInfo:
-        """The payload that says what the message says."""
+        """Convert comms/msg/SensorBoardGPSInfo to SensorBoardGPSInfo."""
         return gps_sensor_pb2.SensorBoardGPSInfo(
             latitude=message.latitude,
             longitude=message.longitude,
@@ -59,22 +59,4 @@ class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSIn
             state=message.state.state,
             error_code=message.error_code,
             utc_timestamp=message.utc_timestamp,
-        )
-
-    def pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.latitude,
-            payload.longitude,
-            payload.altitude,
-            payload.speed,
-            payload.heading,
-            payload.hdop,
-            payload.vdop,
-            payload.satellites,
-            payload.fix_quality,
-            payload.state,
-            payload.error_code,
-            payload.utc_timestamp,
         )

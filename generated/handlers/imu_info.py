@@ -1,19 +1,19 @@
 # Generated from mapping.yaml (row imu_info) and components/sensor_board/imu_sensor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""imu_info (13): SensorBoardIMUInfo to comms/msg/ImuSensorInformation on imu_data."""
+"""Handler of the row imu_info: SensorBoardIMUInfo and comms/msg/ImuSensorInformation."""
 
 from __future__ import annotations
 
 from generated.messages import ImuSensorInformation, SensorState
 from generated.pb2.components.sensor_board import imu_sensor_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(ImuSensorInformation)
 
 
 class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInformation]):
-    """SensorBoardIMUInfo to the topic imu_data."""
+    """One sample of the inertial measurement unit.
+
+    Number 13 of the envelope, hardware_to_ros, topic imu_data.
+    """
 
     route = Route(
         number=13,
@@ -27,7 +27,7 @@ class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInforma
 
     @staticmethod
     def to_ros(payload: imu_sensor_pb2.SensorBoardIMUInfo) -> ImuSensorInformation:
-        """The message that says what the payload says."""
+        """Convert SensorBoardIMUInfo to comms/msg/ImuSensorInformation."""
         return ImuSensorInformation(
             accel_x=payload.accel_x,
             accel_y=payload.accel_y,
@@ -45,7 +45,7 @@ class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInforma
 
     @staticmethod
     def from_ros(message: ImuSensorInformation) -> imu_sensor_pb2.SensorBoardIMUInfo:
-        """The payload that says what the message says."""
+        """Convert comms/msg/ImuSensorInformation to SensorBoardIMUInfo."""
         return imu_sensor_pb2.SensorBoardIMUInfo(
             accel_x=message.accel_x,
             accel_y=message.accel_y,
@@ -59,22 +59,4 @@ class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInforma
             is_calibrated=message.is_calibrated,
             state=message.state.state,
             error_code=message.error_code,
-        )
-
-    def pack(self, payload: imu_sensor_pb2.SensorBoardIMUInfo) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.accel_x,
-            payload.accel_y,
-            payload.accel_z,
-            payload.gyro_x,
-            payload.gyro_y,
-            payload.gyro_z,
-            payload.mag_x,
-            payload.mag_y,
-            payload.mag_z,
-            payload.is_calibrated,
-            payload.state,
-            payload.error_code,
         )

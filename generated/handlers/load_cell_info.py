@@ -1,21 +1,21 @@
 # Generated from mapping.yaml (row load_cell_info) and components/sensor_board/load_cell.proto; do not edit.
 # Regenerate with: roverlink generate
-"""load_cell_info (14): SensorBoardLoadCellInfo to comms/msg/SensorBoardLoadCellInfo on load_cell_info."""
+"""Handler of the row load_cell_info: SensorBoardLoadCellInfo and comms/msg/SensorBoardLoadCellInfo."""
 
 from __future__ import annotations
 
 from generated.messages import SensorBoardLoadCellInfo, SensorState
 from generated.pb2.components.sensor_board import load_cell_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(SensorBoardLoadCellInfo)
 
 
 class LoadCellInfoHandler(
-    Handler[load_cell_pb2.SensorBoardLoadCellInfo, SensorBoardLoadCellInfo],
+    Handler[load_cell_pb2.SensorBoardLoadCellInfo, SensorBoardLoadCellInfo]
 ):
-    """SensorBoardLoadCellInfo to the topic load_cell_info."""
+    """One reading of a load cell.
+
+    Number 14 of the envelope, hardware_to_ros, topic load_cell_info.
+    """
 
     route = Route(
         number=14,
@@ -31,7 +31,7 @@ class LoadCellInfoHandler(
     def to_ros(
         payload: load_cell_pb2.SensorBoardLoadCellInfo,
     ) -> SensorBoardLoadCellInfo:
-        """The message that says what the payload says."""
+        """Convert SensorBoardLoadCellInfo to comms/msg/SensorBoardLoadCellInfo."""
         return SensorBoardLoadCellInfo(
             sensor_index=payload.sensor_index,
             force_newtons=payload.force_newtons,
@@ -48,7 +48,7 @@ class LoadCellInfoHandler(
     def from_ros(
         message: SensorBoardLoadCellInfo,
     ) -> load_cell_pb2.SensorBoardLoadCellInfo:
-        """The payload that says what the message says."""
+        """Convert comms/msg/SensorBoardLoadCellInfo to SensorBoardLoadCellInfo."""
         return load_cell_pb2.SensorBoardLoadCellInfo(
             sensor_index=message.sensor_index,
             force_newtons=message.force_newtons,
@@ -59,19 +59,4 @@ class LoadCellInfoHandler(
             tare_offset_counts=message.tare_offset_counts,
             state=message.state.state,
             error_code=message.error_code,
-        )
-
-    def pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.sensor_index,
-            payload.force_newtons,
-            payload.mass_grams,
-            payload.raw_counts,
-            payload.is_calibrated,
-            payload.scale_newtons_per_count,
-            payload.tare_offset_counts,
-            payload.state,
-            payload.error_code,
         )

@@ -1,24 +1,21 @@
 # Generated from mapping.yaml (row object_selection) and components/basestation/object_selection.proto; do not edit.
 # Regenerate with: roverlink generate
-"""object_selection (18): BasestationObjectSelection to comms/msg/BasestationObjectSelection on object_selection."""
+"""Handler of the row object_selection: BasestationObjectSelection and comms/msg/BasestationObjectSelection."""
 
 from __future__ import annotations
 
 from generated.messages import BasestationObjectSelection
 from generated.pb2.components.basestation import object_selection_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(BasestationObjectSelection)
 
 
 class ObjectSelectionHandler(
-    Handler[
-        object_selection_pb2.BasestationObjectSelection,
-        BasestationObjectSelection,
-    ],
+    Handler[object_selection_pb2.BasestationObjectSelection, BasestationObjectSelection]
 ):
-    """BasestationObjectSelection to the topic object_selection."""
+    """The object that the operator picked among the detected ones.
+
+    Number 18 of the envelope, basestation_to_ros, topic object_selection.
+    """
 
     route = Route(
         number=18,
@@ -33,18 +30,16 @@ class ObjectSelectionHandler(
     def to_ros(
         payload: object_selection_pb2.BasestationObjectSelection,
     ) -> BasestationObjectSelection:
-        """The message that says what the payload says."""
-        return BasestationObjectSelection(object_id=payload.object_id)
+        """Convert BasestationObjectSelection to comms/msg/BasestationObjectSelection."""
+        return BasestationObjectSelection(
+            object_id=payload.object_id,
+        )
 
     @staticmethod
     def from_ros(
         message: BasestationObjectSelection,
     ) -> object_selection_pb2.BasestationObjectSelection:
-        """The payload that says what the message says."""
+        """Convert comms/msg/BasestationObjectSelection to BasestationObjectSelection."""
         return object_selection_pb2.BasestationObjectSelection(
             object_id=message.object_id,
         )
-
-    def pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(cdr.LITTLE_ENDIAN, payload.object_id)

@@ -1,21 +1,21 @@
 # Generated from mapping.yaml (row pressure_info) and components/sensor_board/pressure_sensor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""pressure_info (15): SensorBoardPressureInfo to comms/msg/SensorBoardPressureInfo on pressure_info."""
+"""Handler of the row pressure_info: SensorBoardPressureInfo and comms/msg/SensorBoardPressureInfo."""
 
 from __future__ import annotations
 
 from generated.messages import SensorBoardPressureInfo, SensorState
 from generated.pb2.components.sensor_board import pressure_sensor_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(SensorBoardPressureInfo)
 
 
 class PressureInfoHandler(
-    Handler[pressure_sensor_pb2.SensorBoardPressureInfo, SensorBoardPressureInfo],
+    Handler[pressure_sensor_pb2.SensorBoardPressureInfo, SensorBoardPressureInfo]
 ):
-    """SensorBoardPressureInfo to the topic pressure_info."""
+    """One reading of a pressure sensor.
+
+    Number 15 of the envelope, hardware_to_ros, topic pressure_info.
+    """
 
     route = Route(
         number=15,
@@ -31,7 +31,7 @@ class PressureInfoHandler(
     def to_ros(
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
     ) -> SensorBoardPressureInfo:
-        """The message that says what the payload says."""
+        """Convert SensorBoardPressureInfo to comms/msg/SensorBoardPressureInfo."""
         return SensorBoardPressureInfo(
             sensor_index=payload.sensor_index,
             pressure_kpa=payload.pressure_kpa,
@@ -46,7 +46,7 @@ class PressureInfoHandler(
     def from_ros(
         message: SensorBoardPressureInfo,
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
-        """The payload that says what the message says."""
+        """Convert comms/msg/SensorBoardPressureInfo to SensorBoardPressureInfo."""
         return pressure_sensor_pb2.SensorBoardPressureInfo(
             sensor_index=message.sensor_index,
             pressure_kpa=message.pressure_kpa,
@@ -55,17 +55,4 @@ class PressureInfoHandler(
             is_calibrated=message.is_calibrated,
             state=message.state.state,
             error_code=message.error_code,
-        )
-
-    def pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.sensor_index,
-            payload.pressure_kpa,
-            payload.temperature_c,
-            payload.voltage,
-            payload.is_calibrated,
-            payload.state,
-            payload.error_code,
         )

@@ -1,24 +1,24 @@
 # Generated from mapping.yaml (row rock_measure_request) and components/basestation/rock_measure_request.proto; do not edit.
 # Regenerate with: roverlink generate
-"""rock_measure_request (19): BasestationRockMeasureRequest to comms/msg/BasestationRockMeasureRequest on rock_measure_request."""
+"""Handler of the row rock_measure_request: BasestationRockMeasureRequest and comms/msg/BasestationRockMeasureRequest."""
 
 from __future__ import annotations
 
 from generated.messages import BasestationRockMeasureRequest
 from generated.pb2.components.basestation import rock_measure_request_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(BasestationRockMeasureRequest)
 
 
 class RockMeasureRequestHandler(
     Handler[
         rock_measure_request_pb2.BasestationRockMeasureRequest,
         BasestationRockMeasureRequest,
-    ],
+    ]
 ):
-    """BasestationRockMeasureRequest to the topic rock_measure_request."""
+    """The line on the image, from (x1, y1) to (x2, y2) in pixels, along which a rock is to be measured.
+
+    Number 19 of the envelope, basestation_to_ros, topic rock_measure_request.
+    """
 
     route = Route(
         number=19,
@@ -33,7 +33,7 @@ class RockMeasureRequestHandler(
     def to_ros(
         payload: rock_measure_request_pb2.BasestationRockMeasureRequest,
     ) -> BasestationRockMeasureRequest:
-        """The message that says what the payload says."""
+        """Convert BasestationRockMeasureRequest to comms/msg/BasestationRockMeasureRequest."""
         return BasestationRockMeasureRequest(
             x1=payload.x1,
             y1=payload.y1,
@@ -45,23 +45,10 @@ class RockMeasureRequestHandler(
     def from_ros(
         message: BasestationRockMeasureRequest,
     ) -> rock_measure_request_pb2.BasestationRockMeasureRequest:
-        """The payload that says what the message says."""
+        """Convert comms/msg/BasestationRockMeasureRequest to BasestationRockMeasureRequest."""
         return rock_measure_request_pb2.BasestationRockMeasureRequest(
             x1=message.x1,
             y1=message.y1,
             x2=message.x2,
             y2=message.y2,
-        )
-
-    def pack(
-        self,
-        payload: rock_measure_request_pb2.BasestationRockMeasureRequest,
-    ) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.x1,
-            payload.y1,
-            payload.x2,
-            payload.y2,
         )

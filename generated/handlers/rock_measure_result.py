@@ -1,24 +1,24 @@
 # Generated from mapping.yaml (row rock_measure_result) and components/basestation/rock_measure_result.proto; do not edit.
 # Regenerate with: roverlink generate
-"""rock_measure_result (20): BasestationRockMeasureResult from comms/msg/BasestationRockMeasureResult on rock_measure_result."""
+"""Handler of the row rock_measure_result: BasestationRockMeasureResult and comms/msg/BasestationRockMeasureResult."""
 
 from __future__ import annotations
 
 from generated.messages import BasestationRockMeasureResult
 from generated.pb2.components.basestation import rock_measure_result_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(BasestationRockMeasureResult)
 
 
 class RockMeasureResultHandler(
     Handler[
         rock_measure_result_pb2.BasestationRockMeasureResult,
         BasestationRockMeasureResult,
-    ],
+    ]
 ):
-    """BasestationRockMeasureResult from the topic rock_measure_result."""
+    """The measured size of a rock.
+
+    Number 20 of the envelope, ros_to_basestation, topic rock_measure_result.
+    """
 
     route = Route(
         number=20,
@@ -33,7 +33,7 @@ class RockMeasureResultHandler(
     def to_ros(
         payload: rock_measure_result_pb2.BasestationRockMeasureResult,
     ) -> BasestationRockMeasureResult:
-        """The message that says what the payload says."""
+        """Convert BasestationRockMeasureResult to comms/msg/BasestationRockMeasureResult."""
         return BasestationRockMeasureResult(
             length_cm=payload.length_cm,
             width_cm=payload.width_cm,
@@ -43,15 +43,8 @@ class RockMeasureResultHandler(
     def from_ros(
         message: BasestationRockMeasureResult,
     ) -> rock_measure_result_pb2.BasestationRockMeasureResult:
-        """The payload that says what the message says."""
+        """Convert comms/msg/BasestationRockMeasureResult to BasestationRockMeasureResult."""
         return rock_measure_result_pb2.BasestationRockMeasureResult(
             length_cm=message.length_cm,
             width_cm=message.width_cm,
         )
-
-    def pack(
-        self,
-        payload: rock_measure_result_pb2.BasestationRockMeasureResult,
-    ) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(cdr.LITTLE_ENDIAN, payload.length_cm, payload.width_cm)

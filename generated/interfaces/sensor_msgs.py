@@ -47,19 +47,23 @@ class Imu(Message):
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     orientation: geometry_msgs.Quaternion = dataclasses.field(
-        default_factory=geometry_msgs.Quaternion,
+        default_factory=geometry_msgs.Quaternion
     )
     orientation_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
-        default_factory=lambda: [0.0] * 9,
+        default_factory=lambda: [0.0] * 9
     )
     angular_velocity: geometry_msgs.Vector3 = dataclasses.field(
-        default_factory=geometry_msgs.Vector3,
+        default_factory=geometry_msgs.Vector3
     )
-    angular_velocity_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)  # fmt: skip
+    angular_velocity_covariance: Annotated[list[Float64], Length(9)] = (
+        dataclasses.field(default_factory=lambda: [0.0] * 9)
+    )
     linear_acceleration: geometry_msgs.Vector3 = dataclasses.field(
-        default_factory=geometry_msgs.Vector3,
+        default_factory=geometry_msgs.Vector3
     )
-    linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(default_factory=lambda: [0.0] * 9)  # fmt: skip
+    linear_acceleration_covariance: Annotated[list[Float64], Length(9)] = (
+        dataclasses.field(default_factory=lambda: [0.0] * 9)
+    )
 
 
 @dataclass(slots=True)
@@ -70,10 +74,10 @@ class MagneticField(Message):
 
     header: std_msgs.Header = dataclasses.field(default_factory=std_msgs.Header)
     magnetic_field: geometry_msgs.Vector3 = dataclasses.field(
-        default_factory=geometry_msgs.Vector3,
+        default_factory=geometry_msgs.Vector3
     )
     magnetic_field_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
-        default_factory=lambda: [0.0] * 9,
+        default_factory=lambda: [0.0] * 9
     )
 
 
@@ -113,7 +117,7 @@ class NavSatFix(Message):
     longitude: Float64 = 0.0
     altitude: Float64 = 0.0
     position_covariance: Annotated[list[Float64], Length(9)] = dataclasses.field(
-        default_factory=lambda: [0.0] * 9,
+        default_factory=lambda: [0.0] * 9
     )
     position_covariance_type: UInt8 = 0
 

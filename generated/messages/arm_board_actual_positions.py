@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardActualPositions); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/ArmBoardActualPositions."""
+"""The ROS message comms/msg/ArmBoardActualPositions."""
 
 from __future__ import annotations
 

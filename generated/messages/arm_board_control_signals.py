@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardControlSignals); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/ArmBoardControlSignals."""
+"""The ROS message comms/msg/ArmBoardControlSignals."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/ArmBoardDiagnostics."""
+"""The ROS message comms/msg/ArmBoardDiagnostics."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class ArmBoardDiagnostics(Message):
     ERROR: ClassVar[int] = 3
 
     gripper_rotation_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     gripper_pitch_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     base_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)
     top_motor: MotorInformation = dataclasses.field(default_factory=MotorInformation)

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardTargetMovement); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/ArmBoardTargetMovement."""
+"""The ROS message comms/msg/ArmBoardTargetMovement."""
 
 from __future__ import annotations
 

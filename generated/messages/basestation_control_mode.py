@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationControlMode); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/BasestationControlMode."""
+"""The ROS message comms/msg/BasestationControlMode."""
 
 from __future__ import annotations
 

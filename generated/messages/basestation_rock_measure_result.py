@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationRockMeasureResult); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/BasestationRockMeasureResult."""
+"""The ROS message comms/msg/BasestationRockMeasureResult."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationRoverLocalization); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/BasestationRoverLocalization."""
+"""The ROS message comms/msg/BasestationRoverLocalization."""
 
 from __future__ import annotations
 

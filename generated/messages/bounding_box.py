@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BoundingBox); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/BoundingBox."""
+"""The ROS message comms/msg/BoundingBox."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/DrivingBoardDiagnostics."""
+"""The ROS message comms/msg/DrivingBoardDiagnostics."""
 
 from __future__ import annotations
 
@@ -28,32 +28,32 @@ class DrivingBoardDiagnostics(Message):
 
     state: UInt8 = 0
     front_left_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     middle_left_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     back_left_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     front_right_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     middle_right_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     back_right_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     steering_front_left_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     steering_back_left_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     steering_front_right_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )
     steering_back_right_motor: MotorInformation = dataclasses.field(
-        default_factory=MotorInformation,
+        default_factory=MotorInformation
     )

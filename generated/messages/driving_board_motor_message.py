@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardMotorMessage); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/DrivingBoardMotorMessage."""
+"""The ROS message comms/msg/DrivingBoardMotorMessage."""
 
 from __future__ import annotations
 

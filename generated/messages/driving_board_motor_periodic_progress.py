@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardMotorPeriodicProgress); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/DrivingBoardMotorPeriodicProgress."""
+"""The ROS message comms/msg/DrivingBoardMotorPeriodicProgress."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardIMUInfo); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/ImuSensorInformation."""
+"""The ROS message comms/msg/ImuSensorInformation."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/SensorBoardDiagnostics."""
+"""The ROS message comms/msg/SensorBoardDiagnostics."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ class SensorBoardDiagnostics(Message):
     state: UInt8 = 0
     ph_sensor: SensorBoardPHInfo = dataclasses.field(default_factory=SensorBoardPHInfo)
     imu_sensor: ImuSensorInformation = dataclasses.field(
-        default_factory=ImuSensorInformation,
+        default_factory=ImuSensorInformation
     )
     board_temperature: Float32 = 0.0
     board_voltage: Float32 = 0.0
     gps_sensor: SensorBoardGPSInfo = dataclasses.field(
-        default_factory=SensorBoardGPSInfo,
+        default_factory=SensorBoardGPSInfo
     )
     load_cell: SensorBoardLoadCellInfo = dataclasses.field(
-        default_factory=SensorBoardLoadCellInfo,
+        default_factory=SensorBoardLoadCellInfo
     )
     pressure_sensor: SensorBoardPressureInfo = dataclasses.field(
-        default_factory=SensorBoardPressureInfo,
+        default_factory=SensorBoardPressureInfo
     )

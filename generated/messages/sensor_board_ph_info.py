@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardPHInfo); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/SensorBoardPHInfo."""
+"""The ROS message comms/msg/SensorBoardPHInfo."""
 
 from __future__ import annotations
 

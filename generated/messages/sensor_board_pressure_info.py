@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardPressureInfo); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/SensorBoardPressureInfo."""
+"""The ROS message comms/msg/SensorBoardPressureInfo."""
 
 from __future__ import annotations
 

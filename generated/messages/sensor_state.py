@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorState); do not edit.
 # Regenerate with: roverlink generate
-"""comms/msg/SensorState."""
+"""The ROS message comms/msg/SensorState."""
 
 from __future__ import annotations
 

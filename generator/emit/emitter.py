@@ -10,6 +10,7 @@ from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
 from roverlink.generator.emit import envelope_file, mapping_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
+from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files
 from roverlink.generator.table import Table
 
@@ -72,7 +73,7 @@ class _Collected:
 
 def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
     if target := targets.built_in(name):
-        yield from target(bridge)
+        yield from _formatted(target(bridge))
     elif found := targets.installed(name):
         yield from _below_folder(_of_installed(found, bridge, span), span)
     else:
@@ -90,6 +91,13 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
         raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
+
+
+def _formatted(files: Files) -> Files:
+    """Format the Python of a target; protoc's modules stay as protoc wrote them."""
+    texts = dict(files)
+    ours = {path: text for path, text in texts.items() if path.endswith(".py") and "/pb2/" not in path}
+    yield from (texts | format_python(ours)).items()
 
 
 def _placed(files: Files, bridge: ir.Bridge) -> Files:

@@ -1,8 +1,9 @@
-"""What generated code calls the feeds that stand beside a row's own topic."""
+"""The names of extra topics in generated code."""
 
 from __future__ import annotations
 
 import dataclasses
+import keyword
 from dataclasses import dataclass
 
 from roverlink.generator import ir
@@ -11,38 +12,38 @@ from roverlink.generator.ir import Feed, ros_names
 
 @dataclass(frozen=True, slots=True)
 class NamedFeed:
-    """A feed of a row, with its names."""
+    """An extra topic of a row, with its names."""
 
     route: ir.Route
-    """The row, with the feed's topic and quality of service, and without what only the row's own topic has."""
+    """The row, with the topic and the quality of service of the extra topic, and without the settings of its own."""
     feed: Feed
     file: str
-    """The name of its file, without what the language puts behind: ``imu_info_imu_data_raw``."""
+    """The name of its module, without a suffix: ``imu_data_raw``."""
     name: str
-    """The name of its class: ``ImuInfoImuDataRawFeed``."""
+    """The name of its class: ``ImuDataRawTopic``."""
 
 
 def named_feeds(bridge: ir.Bridge) -> list[NamedFeed]:
-    """Every feed beside the rows' own, each name given once."""
+    """Return every extra topic, named after the topic; an underscore tells apart what would have one name."""
     found: list[NamedFeed] = []
     names: set[str] = set()
     files: set[str] = set()
     for route in bridge.routes:
         for feed in route.also:
-            words = [route.name, *feed.topic.strip("~/").split("/")]
-            name = "".join(ros_names.camel_case(word) for word in words) + "Feed"
+            words = feed.topic.strip("~/").split("/")
+            name = "".join(map(ros_names.camel_case, words))
             while name.lower() in names:
-                name = f"{name.removesuffix('Feed')}_Feed"
+                name += "_"
             names.add(name.lower())
             file = "_".join(words).lower()
-            while file in files:
+            while file in files or keyword.iskeyword(file):
                 file += "_"
             files.add(file)
-            found.append(NamedFeed(_turned(route, feed), feed, file, name))
+            found.append(NamedFeed(_on_topic(route, feed), feed, file, f"{name}Topic"))
     return found
 
 
-def _turned(route: ir.Route, feed: Feed) -> ir.Route:
+def _on_topic(route: ir.Route, feed: Feed) -> ir.Route:
     return dataclasses.replace(
         route, topic=feed.topic, qos=feed.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
     )

@@ -34,8 +34,23 @@ def environment(folder: Path) -> Environment:
 
 
 def render(template: str, **view: Any) -> str:
-    """The text of a template."""
-    return environment(shipped("templates")).get_template(template).render(view)
+    """Return the text of a template."""
+    own = environment(shipped("templates"))
+    own.filters |= {"docstring": _docstring, "literal": repr}
+    return own.get_template(template).render(view)
+
+
+def _docstring(text: str) -> str:
+    """Return a Python docstring with the indentation of the text's first line."""
+    margin = " " * (len(text) - len(text.lstrip(" ")))
+    escaped = text.expandtabs(4).replace('"""', "'''").strip()
+    first, *others = (line.removeprefix(margin).rstrip() for line in escaped.splitlines())
+    quotes = 'r"""' if "\\" in escaped else '"""'
+    if not others:
+        end = " " if first.endswith(('"', "\\")) else ""
+        return f'{margin}{quotes}{first}{end}"""\n'
+    lines = [f"{quotes}{first}", *others, '"""']
+    return "".join(f"{margin if line else ''}{line}\n" for line in lines)
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:

@@ -283,6 +283,8 @@ class Route:
     """Full name of the payload's message."""
     conversion: Conversion | None
     """To a message of the package; None where the row becomes a standard message."""
+    comment: str = ""
+    """The comment of the payload's message."""
     deadman: Deadman | None = None
     max_rate: int | None = None
     """Most messages a second; None for any number."""

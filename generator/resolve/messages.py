@@ -47,9 +47,10 @@ class RosMessages:
 
     def route(self, row: Row) -> ir.Route:
         """A row, with the conversion of its payload to a message of the package, where it becomes one."""
-        conversion = None if row.feed else self._conversion(self.schema.messages[row.proto])
+        payload = self.schema.messages[row.proto]
+        conversion = None if row.feed else self._conversion(payload)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
-        return ir.Route(*where, row.proto, conversion, expect_rate=row.expect_rate)
+        return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
 
     def check_enums(self) -> None:
         """An enum that the table names, but no payload has, is a mistake."""

@@ -7,7 +7,7 @@ that its code does not mean; nothing else would notice.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from google.protobuf import descriptor_pool
 from google.protobuf.descriptor import FieldDescriptor
@@ -24,12 +24,17 @@ _SCALARS = {
 }
 
 
-def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[str, tuple[str, ...]]) -> None:
-    """Compare what is loaded with what it was at generation.
+Fields = tuple[tuple[int, str, str], ...]
+"""The fields of a message by number: number, name and type (``repeated <type>`` for a list)."""
+Values = tuple[tuple[int, str], ...]
+"""The values of an enum by number: number and name."""
+Parts = TypeVar("Parts", Fields, Values)
 
-    ``messages`` maps a message's full name to its fields, each as ``"<number> <name> [repeated ]<type>"``, ``enums``
-    an enum's to its values, each as ``"<number> <name>"``; both in the order of the numbers. Raises `RegistryError`
-    that lists every difference.
+
+def check_descriptors(messages: Mapping[str, Fields], enums: Mapping[str, Values]) -> None:
+    """Compare the loaded messages and enums, by their full names, with those at generation.
+
+    Raises `RegistryError` with a list of the differences.
     """
     pool = descriptor_pool.Default()
     differences = [
@@ -44,31 +49,40 @@ def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[st
         )
 
 
-def _differences(generated: Mapping[str, tuple[str, ...]], load: Callable[[str], tuple[str, ...]]) -> Iterator[str]:
+def _differences(generated: Mapping[str, Parts], load: Callable[[str], Parts]) -> Iterator[str]:
     for name, expected in generated.items():
         try:
             loaded = load(name)
         except KeyError:
             yield f"{name}: not loaded at all"
             continue
-        yield from (f"{name}: {part!r} was generated, but is not loaded" for part in expected if part not in loaded)
-        yield from (f"{name}: {part!r} is loaded, but was not generated" for part in loaded if part not in expected)
+        yield from (
+            f"{name}: {_shown(part)} was generated, but is not loaded" for part in expected if part not in loaded
+        )
+        yield from (
+            f"{name}: {_shown(part)} is loaded, but was not generated" for part in loaded if part not in expected
+        )
 
 
-def describe(descriptor: Descriptor) -> tuple[str, ...]:
-    """A loaded message's fields, in the spelling of `check_descriptors`."""
+def _shown(part: tuple[object, ...]) -> str:
+    """Return a field as ``'1 latitude double'``, or a value as ``'0 NO_FIX'``."""
+    return f"'{' '.join(map(str, part))}'"
+
+
+def describe(descriptor: Descriptor) -> Fields:
+    """Return the fields of a loaded message."""
     return tuple(_describe_field(field) for field in sorted(descriptor.fields, key=lambda field: field.number))
 
 
-def describe_enum(descriptor: EnumDescriptor) -> tuple[str, ...]:
-    """A loaded enum's values, in the spelling of `check_descriptors`."""
-    return tuple(f"{value.number} {value.name}" for value in sorted(descriptor.values, key=lambda v: v.number))
+def describe_enum(descriptor: EnumDescriptor) -> Values:
+    """Return the values of a loaded enum."""
+    return tuple((value.number, value.name) for value in sorted(descriptor.values, key=lambda v: v.number))
 
 
-def _describe_field(field: FieldDescriptor) -> str:
+def _describe_field(field: FieldDescriptor) -> tuple[int, str, str]:
     repeated = "repeated " if field.is_repeated else ""
     named = field.message_type or field.enum_type
-    return f"{field.number} {field.name} {repeated}{named.full_name if named else scalar_name(field)}"
+    return field.number, field.name, f"{repeated}{named.full_name if named else scalar_name(field)}"
 
 
 def scalar_name(field: FieldDescriptor) -> str:

@@ -137,8 +137,8 @@ def test_modules_of_another_commit_are_found_at_start(python: Python, project: P
     """Where the protobuf modules that load are not those of the generation, loading fails and lists each difference."""
     checks_module = project / "generated" / "checks.py"
     text = checks_module.read_text()
-    assert '"1 accel_x float"' in text
-    checks_module.write_text(text.replace('"1 accel_x float"', '"1 accel_x double"', 1))
+    assert '(1, "accel_x", "float")' in text
+    checks_module.write_text(text.replace('(1, "accel_x", "float")', '(1, "accel_x", "double")', 1))
     message = _loading_fails(python, project)
     assert "SensorBoardIMUInfo: '1 accel_x double' was generated, but is not loaded" in message
     assert "SensorBoardIMUInfo: '1 accel_x float' is loaded, but was not generated" in message
@@ -164,7 +164,12 @@ def _private_messages() -> None:
     descriptor_pool.Default().Add(file)
 
 
-_WHOLE = ("1 mode tests.Whole.Mode", "2 parts repeated tests.Part", "3 numbers repeated fixed64", "9 later sint32")
+_WHOLE = (
+    (1, "mode", "tests.Whole.Mode"),
+    (2, "parts", "repeated tests.Part"),
+    (3, "numbers", "repeated fixed64"),
+    (9, "later", "sint32"),
+)
 
 
 def test_a_message_is_described_by_number_name_and_type() -> None:
@@ -174,7 +179,7 @@ def test_a_message_is_described_by_number_name_and_type() -> None:
 
 def test_descriptors_that_agree_pass() -> None:
     """Nothing is raised where what is loaded is what was generated from."""
-    descriptor_check.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ("1 text string",)}, {})
+    descriptor_check.check_descriptors({"tests.Whole": _WHOLE, "tests.Part": ((1, "text", "string"),)}, {})
     checks.check()
 
 
@@ -182,18 +187,21 @@ def test_descriptors_that_agree_pass() -> None:
     ("fields", "expected"),
     [
         (_WHOLE[:3], ["'9 later sint32' is loaded, but was not generated"]),
-        ((*_WHOLE, "10 more bool"), ["'10 more bool' was generated, but is not loaded"]),
-        ((*_WHOLE[:2], "3 numbers fixed64", _WHOLE[3]), ["'3 numbers fixed64' was", "'3 numbers repeated fixed64' is"]),
-        ((*_WHOLE[:3], "8 later sint32"), ["'8 later sint32' was generated", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], "9 after sint32"), ["'9 after sint32' was generated", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], "9 later int32"), ["'9 later int32' was generated", "'9 later sint32' is loaded"]),
+        ((*_WHOLE, (10, "more", "bool")), ["'10 more bool' was generated, but is not loaded"]),
+        (
+            (*_WHOLE[:2], (3, "numbers", "fixed64"), _WHOLE[3]),
+            ["'3 numbers fixed64' was", "'3 numbers repeated fixed64' is"],
+        ),
+        ((*_WHOLE[:3], (8, "later", "sint32")), ["'8 later sint32' was generated", "'9 later sint32' is loaded"]),
+        ((*_WHOLE[:3], (9, "after", "sint32")), ["'9 after sint32' was generated", "'9 later sint32' is loaded"]),
+        ((*_WHOLE[:3], (9, "later", "int32")), ["'9 later int32' was generated", "'9 later sint32' is loaded"]),
     ],
     ids=["one more", "one less", "not repeated", "other number", "other name", "other encoding"],
 )
-def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str]) -> None:
+def test_each_disagreement_is_told(fields: descriptor_check.Fields, expected: list[str]) -> None:
     """A field more or less, another number, name, label or type: the message, and each difference, are named."""
     with pytest.raises(RegistryError) as caught:
-        descriptor_check.check_descriptors({"tests.Whole": fields, "tests.Part": ("1 text string",)}, {})
+        descriptor_check.check_descriptors({"tests.Whole": fields, "tests.Part": ((1, "text", "string"),)}, {})
     for line in expected:
         assert f"tests.Whole: {line}" in str(caught.value)
     assert "tests.Part:" not in str(caught.value)
@@ -204,7 +212,7 @@ def test_each_disagreement_is_told(fields: tuple[str, ...], expected: list[str])
 def test_a_message_that_is_not_loaded_is_told() -> None:
     """A message that is missing altogether is one line, among those of the others."""
     with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded at all[^$]*tests\.Whole"):
-        descriptor_check.check_descriptors({"tests.Nothing": ("1 a bool",), "tests.Whole": ()}, {})
+        descriptor_check.check_descriptors({"tests.Nothing": ((1, "a", "bool"),), "tests.Whole": ()}, {})
 
 
 def test_an_enum_that_differs_is_told() -> None:
@@ -212,9 +220,9 @@ def test_an_enum_that_differs_is_told() -> None:
     name = "DrivingBoardDiagnostics.State"
     loaded = checks.ENUMS[name]
     with pytest.raises(RegistryError) as caught:
-        descriptor_check.check_descriptors({}, {name: (*loaded[:-1], "9 ELSE"), "tests.NoEnum": ("0 A",)})
+        descriptor_check.check_descriptors({}, {name: (*loaded[:-1], (9, "ELSE")), "tests.NoEnum": ((0, "A"),)})
     assert f"{name}: '9 ELSE' was generated, but is not loaded" in str(caught.value)
-    assert f"{name}: {loaded[-1]!r} is loaded, but was not generated" in str(caught.value)
+    assert f"{name}: '{loaded[-1][0]} {loaded[-1][1]}' is loaded, but was not generated" in str(caught.value)
     assert "tests.NoEnum: not loaded at all" in str(caught.value)
 
 

@@ -21,6 +21,7 @@ from pathlib import Path
 from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes
 from roverlink.generator.protos import parser, schema
 from roverlink.generator.protos.schema import Fact
+from roverlink.generator.user_cache import cache_folder
 
 _LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a million
 
@@ -30,7 +31,7 @@ class BlobCache:
 
     def __init__(self, repository: Path) -> None:
         name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
-        self._file = _folder() / f"{name}.json"
+        self._file = cache_folder() / "history" / f"{name}.json"
 
     def load(self) -> dict[str, NumberedTypes]:
         """Return what is known, by the ids of blobs; nothing where the cache cannot be read or is not ours."""
@@ -58,12 +59,6 @@ class BlobCache:
                 os.unlink(temporary)
                 raise
             _remove_oldest(folder)
-
-
-def _folder() -> Path:
-    """Return the folder of the cache; by the specification of XDG, a relative path does not count."""
-    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    return (given if given.is_absolute() else Path(os.path.expanduser("~"), ".cache")) / "roverlink" / "history"
 
 
 def _remove_oldest(folder: Path) -> None:

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files
-from roverlink.generator.emit.targets.python import conversions, feeds, handlers, interfaces, messages, pb2, registry
+from roverlink.generator.emit.targets.python import (
+    conversions,
+    extra_topics,
+    handlers,
+    interfaces,
+    messages,
+    pb2,
+    registry,
+    serializers,
+)
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Handlers and feeds, message classes, conversions, protobuf's modules, the registry and its checks."""
-    for part in (conversions, feeds, handlers, interfaces, messages, pb2, registry):
+    """Yield handlers, serializers, message classes, conversions, protobuf's modules, the registry and its checks."""
+    fast = serializers.serializers(bridge)
+    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2):
         yield from part.emit(bridge)
+    yield from registry.emit(bridge, fast)
+    yield from serializers.emit(bridge, fast)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render
-from roverlink.generator.emit.targets.python import layout, spelling
+from roverlink.generator.emit.targets.python import spelling
+from roverlink.generator.emit.targets.python.imports import Import, import_lines
 from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, InterfaceField, InterfaceType
 
 _TAKEN = frozenset({"Annotated", "Bound", "Byte", "Char", "Length"})
@@ -24,6 +26,36 @@ OF_THE_RUNTIME = frozenset(
     }
 )
 """The messages whose classes stand in `roverlink.runtime.interfaces`; generated code takes them from there."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Constant:
+    """A class attribute."""
+
+    name: str
+    annotation: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """A field of a dataclass."""
+
+    name: str
+    annotation: str
+    default: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Message:
+    """A dataclass."""
+
+    ros: str
+    """The full name of the ROS message."""
+    name: str
+    suppression: str
+    constants: tuple[_Constant, ...]
+    fields: tuple[_Field, ...]
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -44,7 +76,7 @@ def reference(name: str, within: str = "") -> str:
     return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
 
 
-def import_of(name: str, generated: str) -> tuple[str, str]:
+def import_of(name: str, generated: str) -> Import:
     """What `reference` needs: a module, and what is imported from it."""
     package, _, local = name.partition("/msg/")
     return ("roverlink.runtime.interfaces", local) if package == _TIMES else (f"{generated}.interfaces", package)
@@ -57,29 +89,25 @@ def _class(local: str) -> str:
 def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
     ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
     used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
-    imports: dict[str, set[str]] = {"roverlink.runtime.core.messages": {"Message"}} if ours else {}
-    for interface in interfaces:
-        if interface.name in OF_THE_RUNTIME:
-            imports.setdefault(f"roverlink.runtime.interfaces.{package}", set()).add(interface.local_name)
-    for name in used:
-        module, what = import_of(name, bridge.python_package)
-        if what != package:
-            imports.setdefault(module, set()).add(what)
-    for interface in ours:
-        imports["roverlink.runtime.core.messages"] |= {
-            name for field in interface.fields for name in _marks(field.type)
-        }
-    views = [_view(interface, package) for interface in ours]
-    lines = [line for view in views for line in view["fields"]]
+    imports: set[Import] = {
+        (f"roverlink.runtime.interfaces.{package}", interface.local_name)
+        for interface in interfaces
+        if interface.name in OF_THE_RUNTIME
+    }
+    imports |= {found for name in used if (found := import_of(name, bridge.python_package))[1] != package}
+    marks = {name for interface in ours for field in interface.fields for name in _marks(field.type)}
+    imports |= {("roverlink.runtime.core.messages", name) for name in (["Message", *marks] if ours else [])}
+    messages = [_message(interface, package) for interface in ours]
+    fields = [field for message in messages for field in message.fields]
     return render(
         "interfaces.py.j2",
         header=header(bridge.table),
-        docstring=layout.docstring(f"Messages of the ROS 2 package {package}.", 0),
-        uses_dataclasses=any("dataclasses." in line for line in lines),
-        typing="Annotated, ClassVar" if any("Annotated[" in line for line in lines) else "ClassVar",
-        imports=layout.in_import_order(layout.import_from(module, names) for module, names in imports.items()),
+        package=package,
+        uses_dataclasses=any("dataclasses." in field.default for field in fields),
+        typing="Annotated, ClassVar" if any("Annotated[" in field.annotation for field in fields) else "ClassVar",
+        imports=import_lines(imports),
         names=sorted(_class(interface.local_name) for interface in interfaces),
-        messages=views,
+        messages=messages,
     )
 
 
@@ -101,28 +129,20 @@ def _holders_last(interfaces: list[Interface]) -> Iterator[Interface]:
         yield from visit(interface)
 
 
-def _view(interface: Interface, package: str) -> dict[str, list[str]]:
+def _message(interface: Interface, package: str) -> _Message:
     name = _class(interface.local_name)
-    suppression = "" if name == interface.local_name else "  # noqa: N801  # the code here needs the name itself"
-    view: dict[str, object] = {
-        "class_line": f"class {name}(Message):{suppression}",
-        "docstring": layout.docstring(f"{interface.name}.", 4),
-        "type_line": layout.line(f'__msgtype__: ClassVar[str] = "{interface.name}"', 4),
-        "constants": [_constant(constant) for constant in interface.constants],
-        "fields": [_field(field, package) for field in interface.fields],
-    }
-    return view  # type: ignore[return-value]  # the template's
+    return _Message(
+        ros=interface.name,
+        name=name,
+        suppression=spelling.class_suppression(name, interface.local_name),
+        constants=tuple(_constant(constant) for constant in interface.constants),
+        fields=tuple(_field(field, package) for field in interface.fields),
+    )
 
 
-def _constant(constant: InterfaceConstant) -> str:
-    type = "int" if "int" in constant.type or constant.type in ("byte", "char") else spelling_of_value(constant.value)
-    value = f'"{constant.value}"' if isinstance(constant.value, str) else repr(constant.value)
-    return layout.line(f"{constant.name}: ClassVar[{type}] = {value}", 4)
-
-
-def spelling_of_value(value: object) -> str:
-    """The type of a value, as an annotation."""
-    return type(value).__name__
+def _constant(constant: InterfaceConstant) -> _Constant:
+    is_integer = "int" in constant.type or constant.type in ("byte", "char")
+    return _Constant(constant.name, "int" if is_integer else type(constant.value).__name__, repr(constant.value))
 
 
 # --- fields -----------------------------------------------------------------------------------------------------
@@ -154,15 +174,9 @@ def _annotation(type: InterfaceType, package: str) -> str:
     return container if type.bound is None else f"Annotated[{container}, Bound({type.bound})]"
 
 
-def _field(field: InterfaceField, package: str) -> str:
-    head = f"{field.name}: {_annotation(field.type, package)} = "
-    default = _default(field)
-    if default:
-        return layout.line(f"{head}{default}", 4)
-    factory = layout.Group(f"{head}dataclasses.field(", [f"default_factory={_factory(field.type, package)}"], ")")
-    if len(factory.head) + 4 > layout.LINE_LENGTH:
-        return layout.line(factory.flat(), 4)
-    return layout.statement(factory, 4)
+def _field(field: InterfaceField, package: str) -> _Field:
+    default = _default(field) or f"dataclasses.field(default_factory={_factory(field.type, package)})"
+    return _Field(field.name, _annotation(field.type, package), default)
 
 
 def _default(field: InterfaceField) -> str:

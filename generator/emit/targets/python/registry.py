@@ -3,80 +3,52 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 
 from roverlink.generator import ir, lock
 from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.render import Files, header, render
-from roverlink.generator.emit.targets.python import layout, spelling
+from roverlink.generator.emit.targets.python import spelling
+from roverlink.generator.emit.targets.python.imports import Import, import_lines
+from roverlink.generator.emit.targets.python.serializers import Serializer
 from roverlink.generator.ir.msg_types import msg_type
 
 
-def emit(bridge: ir.Bridge) -> Files:
-    """``registry.py`` and ``checks.py``."""
+def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
+    """Yield ``registry.py``, ``checks.py`` and the package that names the registry and the handlers.
+
+    ``fast`` are the serializers by the names of the handlers.
+    """
     module, own = spelling.proto_module(bridge.envelope.file), bridge.python_package
-    classes = [spelling.handler_class(route) for route in bridge.routes]
-    feed_classes = [feed.name for feed in named_feeds(bridge)]
-    yield (
-        "generated/registry.py",
-        render(
-            "registry.py.j2",
-            header=header(bridge.table),
-            imports=layout.in_import_order(
-                [
-                    layout.import_from(f"{own}.handlers", classes),
-                    *([layout.import_from(f"{own}.feeds", feed_classes)] if feed_classes else []),
-                    layout.import_from(spelling.proto_package(own, bridge.envelope.file), [module]),
-                    layout.import_from("roverlink.runtime.core.registry", ["Peer", "Registry"]),
-                ]
-            ),
-            package=bridge.package,
-            envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
-            oneof=bridge.envelope.oneof,
-            peers=layout.entry("peers=", "(", [layout.statement(_peer(peer), 8) for peer in bridge.peers], ")", 4),
-            handlers=layout.entry("handlers=", "(", [f"{name}()" for name in classes], ")", 4),
-            feeds=layout.entry("feeds=", "(", [f"{name}()" for name in feed_classes], ")", 4) if feed_classes else "",
-            fingerprint=fingerprint(bridge),
-            retired=layout.entry(
-                "retired=", "{", [f'{row.number}: "{row.name}"' for row in bridge.envelope.retired], "}", 4
-            ),
-        ),
+    handlers = {spelling.handler_class(route): f"{own}.handlers" for route in bridge.routes}
+    extra_topics = {extra.name: f"{own}.extra_topics" for extra in named_feeds(bridge)}
+    imports: set[Import] = {
+        (spelling.proto_package(own, bridge.envelope.file), module),
+        ("roverlink.runtime.core.registry", "Peer"),
+        ("roverlink.runtime.core.registry", "Registry"),
+    }
+    for name, package in (handlers | extra_topics).items():
+        serializer = fast.get(name)
+        imports.add((f"{own}.serializers.{serializer.file}", serializer.name) if serializer else (package, name))
+    yield "generated/registry.py", render(
+        "registry.py.j2",
+        header=header(bridge.table),
+        imports=import_lines(imports),
+        bridge=bridge,
+        envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
+        handlers=[fast[name].name if name in fast else name for name in handlers],
+        extra_topics=[fast[name].name if name in fast else name for name in extra_topics],
+        fingerprint=fingerprint(bridge),
     )
-    yield (
-        "generated/checks.py",
-        render(
-            "checks.py.j2",
-            header=header(bridge.table),
-            messages=[_entry(message.name, map(_field, message.fields)) for message in bridge.wire_messages],
-            enums=[
-                _entry(enum.name, (f"{value.number} {value.name}" for value in enum.values))
-                for enum in bridge.wire_enums
-            ],
-        ),
+    yield "generated/checks.py", render("checks.py.j2", header=header(bridge.table), bridge=bridge)
+    exported = {(f"{own}.handlers", name) for name in handlers} | {(f"{own}.registry", "REGISTRY")}
+    yield "generated/__init__.py", render(
+        "package.py.j2",
+        header=header(bridge.table),
+        docstring=f"The handlers and the registry that are compiled from {bridge.table}.",
+        imports=import_lines(exported),
+        names=sorted({*handlers, "REGISTRY"}),
     )
-    yield "generated/__init__.py", header(bridge.table) + '\n"""The code that is compiled from the table."""\n'
-
-
-def _entry(name: str, parts: Iterable[str]) -> str:
-    return layout.entry(f'"{name}": ', "(", [f'"{part}"' for part in parts], ")", 4)
-
-
-def _field(field: ir.WireField) -> str:
-    """A field in the spelling of `roverlink.runtime.core.descriptor_check.check_descriptors`."""
-    return f"{field.number} {field.name} {'repeated ' if field.label == 'repeated' else ''}{field.type}"
-
-
-def _peer(peer: ir.Peer) -> layout.Group:
-    arguments: list[layout.Item] = [f'name="{peer.name}"', f'port_parameter="{peer.parameter}"', f"port={peer.port}"]
-    arguments += ["strip_trailing_zeros=True"] if peer.strip_trailing_zeros else []
-    arguments += [layout.Group("sources=(", _sources(peer), ")")] if peer.sources else []
-    arguments += [f"source_rate={peer.source_rate}"] if peer.source_rate is not None else []
-    return layout.Group("Peer(", arguments, ")")
-
-
-def _sources(peer: ir.Peer) -> list[str]:
-    quoted = [f'"{source}"' for source in peer.sources]
-    return quoted if len(quoted) > 1 else [f"{quoted[0]},"]
 
 
 def _becomes(route: ir.Route) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import builtins
 import keyword
+import re
+from collections.abc import Iterator
 
 from roverlink.generator import ir
+from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir import ros_names
 
 _ANNOTATIONS = {
@@ -42,6 +45,27 @@ _TAKEN_MODULES = frozenset(
 def handler_class(route: ir.Route) -> str:
     """``ImuInfoHandler`` for the row ``imu_info``."""
     return f"{ros_names.camel_case(route.name)}Handler"
+
+
+def route_imports(route: ir.Route) -> Iterator[Import]:
+    """Return what the route of a handler needs from the runtime."""
+    module = "roverlink.runtime.core.handler"
+    yield module, "Route"
+    if route.deadman:
+        yield module, "Deadman"
+    if route.qos != ir.Qos():
+        yield module, "Qos"
+
+
+def documented(comment: str, summary: str) -> str:
+    """Return the text of a docstring: the comment of a .proto, below the summary where it does not open with one."""
+    is_sentence = re.fullmatch(r"(?!This )[A-Z].*\.(\n\nDeprecated\.)?", comment)
+    return comment if is_sentence else f"{summary}\n\n{comment}".rstrip()
+
+
+def class_suppression(name: str, ros: str) -> str:
+    """Return a comment that lets ruff accept the name of a class."""
+    return "" if name == ros else "  # noqa: N801  # the code here needs the name itself"
 
 
 def module(name: str) -> str:

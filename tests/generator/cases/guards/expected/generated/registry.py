@@ -1,11 +1,13 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Every row's handler, with the envelope they travel in."""
+"""The registry: the envelope, the peers, and a handler for every row and every extra topic."""
 
 from __future__ import annotations
 
-from generated.handlers import ArmHandler, DriveHandler, IdleHandler, SensorHandler
+from generated.handlers import ArmHandler, IdleHandler
 from generated.pb2 import envelope_pb2
+from generated.serializers.drive import FastDriveHandler
+from generated.serializers.sensor import FastSensorHandler
 from roverlink.runtime.core.registry import Peer, Registry
 
 REGISTRY = Registry(
@@ -26,13 +28,17 @@ REGISTRY = Registry(
             sources=("10.0.0.7", "10.0.1.0/24"),
             source_rate=2000,
         ),
-        Peer(name="other", port_parameter="dst_c_port", port=6002),
+        Peer(
+            name="other",
+            port_parameter="dst_c_port",
+            port=6002,
+        ),
     ),
     handlers=(
-        DriveHandler(),
+        FastDriveHandler(),
         ArmHandler(),
         IdleHandler(),
-        SensorHandler(),
+        FastSensorHandler(),
     ),
     fingerprint="50ed3662de6020bfdcb9c872829c343ca7b4f14ad0a86a06211a8d477fa2225c",
     retired={},

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and packet.proto; do not edit.
 # Regenerate with: roverlink generate
-"""Inner to and from rover/msg/Inner."""
+"""Convert between the nested messages Inner and rover/msg/Inner."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.runtime.convert.well_known import timestamp
 
 
 def to_ros(payload: packet_pb2.Inner) -> Inner:
-    """The message that says what the payload says."""
+    """Convert Inner to rover/msg/Inner."""
     return Inner(
         detail=inner_detail.to_ros(payload.detail),
         has_stamp=payload.HasField("stamp"),
@@ -20,7 +20,7 @@ def to_ros(payload: packet_pb2.Inner) -> Inner:
 
 
 def from_ros(message: Inner) -> packet_pb2.Inner:
-    """The payload that says what the message says."""
+    """Convert rover/msg/Inner to Inner."""
     return packet_pb2.Inner(
         detail=inner_detail.from_ros(message.detail),
         stamp=(

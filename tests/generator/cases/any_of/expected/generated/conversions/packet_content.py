@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Packet.content); do not edit.
 # Regenerate with: roverlink generate
-"""Packet.content to and from rover/msg/PacketContent."""
+"""Convert between Packet.content and rover/msg/PacketContent."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from roverlink.runtime.convert.any_of import (
 
 
 def to_ros(payload: any_pb2.Any) -> PacketContent:
-    """The message that says what the payload says."""
+    """Convert the Any to rover/msg/PacketContent."""
     if holds(payload, pb2_sensors_parts_pb2.IMU):
         return PacketContent(
             which=PacketContent.IMU,
             imu=ImuHandler.to_ros(
-                unpacked(payload, pb2_sensors_parts_pb2.IMU, "PacketContent.imu"),
+                unpacked(payload, pb2_sensors_parts_pb2.IMU, "PacketContent.imu")
             ),
         )
     if holds(payload, pb2_sensors_parts_pb2.Gps):
         return PacketContent(
             which=PacketContent.GPS,
             gps=gps.to_ros(
-                unpacked(payload, pb2_sensors_parts_pb2.Gps, "PacketContent.gps"),
+                unpacked(payload, pb2_sensors_parts_pb2.Gps, "PacketContent.gps")
             ),
         )
     if holds(payload, pb2_other_parts_pb2.Gps2):
         return PacketContent(
             which=PacketContent.GPS2,
             gps2=gps2.to_ros(
-                unpacked(payload, pb2_other_parts_pb2.Gps2, "PacketContent.gps2"),
+                unpacked(payload, pb2_other_parts_pb2.Gps2, "PacketContent.gps2")
             ),
         )
     check_empty(payload, "PacketContent")
@@ -48,7 +48,7 @@ def to_ros(payload: any_pb2.Any) -> PacketContent:
 
 
 def from_ros(message: PacketContent) -> any_pb2.Any:
-    """The payload that says what the message says."""
+    """Convert rover/msg/PacketContent to the Any."""
     if message.which == PacketContent.IMU:
         return packed(ImuHandler.from_ros(message.imu))
     if message.which == PacketContent.GPS:

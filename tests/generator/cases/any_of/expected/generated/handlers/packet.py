@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row packet) and packet.proto; do not edit.
 # Regenerate with: roverlink generate
-"""packet (1): Packet to rover/msg/Packet on packet."""
+"""Handler of the row packet: Packet and rover/msg/Packet."""
 
 from __future__ import annotations
 
@@ -18,15 +18,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class PacketHandler(Handler[packet_pb2.Packet, Packet]):
-    """Packet to the topic packet."""
+    """Packet as rover/msg/Packet.
 
-    route = Route(number=1, name="packet", topic="packet", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic packet.
+    """
+
+    route = Route(
+        number=1,
+        name="packet",
+        topic="packet",
+        direction="board_to_ros",
+    )
     payload_type = packet_pb2.Packet
     message_type = Packet
 
     @staticmethod
     def to_ros(payload: packet_pb2.Packet) -> Packet:
-        """The message that says what the payload says."""
+        """Convert Packet to rover/msg/Packet."""
         return Packet(
             has_content=payload.HasField("content"),
             content=packet_content.to_ros(payload.content),
@@ -41,7 +49,7 @@ class PacketHandler(Handler[packet_pb2.Packet, Packet]):
 
     @staticmethod
     def from_ros(message: Packet) -> packet_pb2.Packet:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Packet to Packet."""
         return packet_pb2.Packet(
             content=(
                 packet_content.from_ros(message.content)

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Packet.content); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/PacketContent."""
+"""The ROS message rover/msg/PacketContent."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ class PacketContent(Message):
 
     which: UInt8 = 0
     """Which of them it holds."""
+
     imu: IMU_ = dataclasses.field(default_factory=IMU_)
     gps: Gps = dataclasses.field(default_factory=Gps)
     gps2: Gps2 = dataclasses.field(default_factory=Gps2)

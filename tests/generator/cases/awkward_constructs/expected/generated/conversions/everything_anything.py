@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Everything.anything); do not edit.
 # Regenerate with: roverlink generate
-"""Everything.anything to and from rover/msg/EverythingAnything."""
+"""Convert between Everything.anything and rover/msg/EverythingAnything."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from roverlink.runtime.convert.any_of import (
 
 
 def to_ros(payload: any_pb2.Any) -> EverythingAnything:
-    """The message that says what the payload says."""
+    """Convert the Any to rover/msg/EverythingAnything."""
     if holds(payload, pb2_any_pb2.Packed):
         return EverythingAnything(
             which=EverythingAnything.PACKED,
             packed=packed_.to_ros(
-                unpacked(payload, pb2_any_pb2.Packed, "EverythingAnything.packed"),
+                unpacked(payload, pb2_any_pb2.Packed, "EverythingAnything.packed")
             ),
         )
     if holds(payload, pb2_any_pb2.Holds):
         return EverythingAnything(
             which=EverythingAnything.HOLDS,
             holds=holds_.to_ros(
-                unpacked(payload, pb2_any_pb2.Holds, "EverythingAnything.holds"),
+                unpacked(payload, pb2_any_pb2.Holds, "EverythingAnything.holds")
             ),
         )
     if holds(payload, pb2_any_pb2.Unpacked):
         return EverythingAnything(
             which=EverythingAnything.UNPACKED,
             unpacked=unpacked_.to_ros(
-                unpacked(payload, pb2_any_pb2.Unpacked, "EverythingAnything.unpacked"),
+                unpacked(payload, pb2_any_pb2.Unpacked, "EverythingAnything.unpacked")
             ),
         )
     check_empty(payload, "EverythingAnything")
@@ -46,7 +46,7 @@ def to_ros(payload: any_pb2.Any) -> EverythingAnything:
 
 
 def from_ros(message: EverythingAnything) -> any_pb2.Any:
-    """The payload that says what the message says."""
+    """Convert rover/msg/EverythingAnything to the Any."""
     if message.which == EverythingAnything.PACKED:
         return packed(packed_.from_ros(message.packed))
     if message.which == EverythingAnything.HOLDS:

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row everything) and any.proto; do not edit.
 # Regenerate with: roverlink generate
-"""everything (1): Everything to rover/msg/Everything on everything."""
+"""Handler of the row everything: Everything and rover/msg/Everything."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from roverlink.runtime.convert.maps import mapping
 from roverlink.runtime.convert.well_known import duration, json_struct, timestamp
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_KIND = {
+WHICH_KIND_MEMBERS = {
     "depth": Everything.KIND_DEPTH,
     "json_struct": Everything.KIND_JSON_STRUCT,
     "struct": Everything.KIND_STRUCT,
@@ -37,7 +37,10 @@ _WHICH_KIND = {
 
 
 class EverythingHandler(Handler[any_pb2.Everything, Everything]):
-    """Everything to the topic everything."""
+    """Everything as rover/msg/Everything.
+
+    Number 1 of the envelope, board_to_ros, topic everything.
+    """
 
     route = Route(
         number=1,
@@ -50,7 +53,7 @@ class EverythingHandler(Handler[any_pb2.Everything, Everything]):
 
     @staticmethod
     def to_ros(payload: any_pb2.Everything) -> Everything:
-        """The message that says what the payload says."""
+        """Convert Everything to rover/msg/Everything."""
         return Everything(
             key=[
                 EverythingKeyEntry(key=key, value=key_.to_ros(value))
@@ -69,7 +72,7 @@ class EverythingHandler(Handler[any_pb2.Everything, Everything]):
             stamp=timestamp.to_ros(payload.stamp, "stamp"),
             duration=duration.to_ros(payload.duration, "duration"),
             oneof=oneof_.to_ros(payload.oneof_),
-            which_kind=oneof.number(payload, "kind", _WHICH_KIND),
+            which_kind=oneof.number(payload, "kind", WHICH_KIND_MEMBERS),
             depth=depth_.to_ros(payload.depth),
             json_struct=json_struct_.to_ros(payload.json_struct),
             struct_field=(
@@ -85,12 +88,11 @@ class EverythingHandler(Handler[any_pb2.Everything, Everything]):
 
     @staticmethod
     def from_ros(message: Everything) -> any_pb2.Everything:
-        """The payload that says what the message says."""
-        which_kind = oneof.member(message.which_kind, _WHICH_KIND, "which_kind")
+        """Convert rover/msg/Everything to Everything."""
+        which_kind = oneof.member(message.which_kind, WHICH_KIND_MEMBERS, "which_kind")
         return any_pb2.Everything(
             key=mapping(
-                ((item.key, key_.from_ros(item.value)) for item in message.key),
-                "key",
+                ((item.key, key_.from_ros(item.value)) for item in message.key), "key"
             ),
             value=mapping(
                 ((item.key, value_.from_ros(item.value)) for item in message.value),
@@ -119,5 +121,9 @@ class EverythingHandler(Handler[any_pb2.Everything, Everything]):
             anything=everything_anything.from_ros(message.anything),
             keywords=keywords_.from_ros(message.keywords),
             other=duration_.from_ros(message.other),
-            **keywords({"class": message.class_field}),
+            **keywords(
+                {
+                    "class": message.class_field,
+                }
+            ),
         )

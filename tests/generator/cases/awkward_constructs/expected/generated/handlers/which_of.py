@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row which_of) and any.proto; do not edit.
 # Regenerate with: roverlink generate
-"""which_of (2): WhichOf from rover/msg/WhichOf on which_of."""
+"""Handler of the row which_of: WhichOf and rover/msg/WhichOf."""
 
 from __future__ import annotations
 
@@ -12,32 +12,41 @@ from generated.pb2 import any_pb2
 from roverlink.runtime.convert import oneof
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_MESSAGE = {"which": WhichOf.MESSAGE_WHICH, "text": WhichOf.MESSAGE_TEXT}
+WHICH_MESSAGE_MEMBERS = {
+    "which": WhichOf.MESSAGE_WHICH,
+    "text": WhichOf.MESSAGE_TEXT,
+}
 
 
 class WhichOfHandler(Handler[any_pb2.WhichOf, WhichOf]):
-    """WhichOf from the topic which_of."""
+    """WhichOf as rover/msg/WhichOf.
 
-    route = Route(number=2, name="which_of", topic="which_of", direction="ros_to_board")
+    Number 2 of the envelope, ros_to_board, topic which_of.
+    """
+
+    route = Route(
+        number=2,
+        name="which_of",
+        topic="which_of",
+        direction="ros_to_board",
+    )
     payload_type = any_pb2.WhichOf
     message_type = WhichOf
 
     @staticmethod
     def to_ros(payload: any_pb2.WhichOf) -> WhichOf:
-        """The message that says what the payload says."""
+        """Convert WhichOf to rover/msg/WhichOf."""
         return WhichOf(
-            which_message=oneof.number(payload, "message", _WHICH_MESSAGE),
+            which_message=oneof.number(payload, "message", WHICH_MESSAGE_MEMBERS),
             which=which_message.to_ros(payload.which),
             text=payload.text.value,
         )
 
     @staticmethod
     def from_ros(message: WhichOf) -> any_pb2.WhichOf:
-        """The payload that says what the message says."""
+        """Convert rover/msg/WhichOf to WhichOf."""
         which_message_ = oneof.member(
-            message.which_message,
-            _WHICH_MESSAGE,
-            "which_message",
+            message.which_message, WHICH_MESSAGE_MEMBERS, "which_message"
         )
         return any_pb2.WhichOf(
             which=(

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Everything); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Everything."""
+"""The ROS message rover/msg/Everything."""
 
 from __future__ import annotations
 
@@ -46,6 +46,7 @@ class Everything(Message):
     oneof: Oneof = dataclasses.field(default_factory=Oneof)
     which_kind: UInt8 = 0
     """Which member of kind is set."""
+
     depth: Depth = dataclasses.field(default_factory=Depth)
     json_struct: JsonStruct = dataclasses.field(default_factory=JsonStruct)
     struct_field: str = ""

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The handlers: one a row of the table."""
+"""The handlers: one class for each row of the table."""
 
 from __future__ import annotations
 

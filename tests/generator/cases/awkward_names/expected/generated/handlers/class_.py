@@ -1,27 +1,32 @@
 # Generated from mapping.yaml (row class) and awkward.proto; do not edit.
 # Regenerate with: roverlink generate
-"""class (1): Class to rover/msg/Class on class."""
+"""Handler of the row class: Class and rover/msg/Class."""
 
 from __future__ import annotations
 
 from generated.messages import Class
 from generated.pb2 import awkward_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(Class)
 
 
 class ClassHandler(Handler[awkward_pb2.Class, Class]):
-    """Class to the topic class."""
+    """Class as rover/msg/Class.
 
-    route = Route(number=1, name="class", topic="class", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic class.
+    """
+
+    route = Route(
+        number=1,
+        name="class",
+        topic="class",
+        direction="board_to_ros",
+    )
     payload_type = awkward_pb2.Class
     message_type = Class
 
     @staticmethod
     def to_ros(payload: awkward_pb2.Class) -> Class:
-        """The message that says what the payload says."""
+        """Convert Class to rover/msg/Class."""
         return Class(
             l=payload.l,
             self=payload.self,
@@ -42,7 +47,7 @@ class ClassHandler(Handler[awkward_pb2.Class, Class]):
 
     @staticmethod
     def from_ros(message: Class) -> awkward_pb2.Class:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Class to Class."""
         return awkward_pb2.Class(
             l=message.l,
             self=message.self,
@@ -59,25 +64,4 @@ class ClassHandler(Handler[awkward_pb2.Class, Class]):
             dataclass=message.dataclass,
             print=message.print,
             match=message.match,
-        )
-
-    def pack(self, payload: awkward_pb2.Class) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.l,
-            payload.self,
-            payload.cls,
-            payload.payload,
-            payload.message,
-            payload.item,
-            payload.cdr,
-            payload.type,
-            payload.id,
-            payload.len,
-            payload.object,
-            payload.field,
-            payload.dataclass,
-            payload.print,
-            payload.match,
         )

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row message) and awkward.proto; do not edit.
 # Regenerate with: roverlink generate
-"""message (7): Message to rover/msg/Message on message."""
+"""Handler of the row message: Message and rover/msg/Message."""
 
 from __future__ import annotations
 
@@ -20,15 +20,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class MessageHandler(Handler[awkward_pb2.Message, Message_]):
-    """Message to the topic message."""
+    """Message as rover/msg/Message.
 
-    route = Route(number=7, name="message", topic="message", direction="board_to_ros")
+    Number 7 of the envelope, board_to_ros, topic message.
+    """
+
+    route = Route(
+        number=7,
+        name="message",
+        topic="message",
+        direction="board_to_ros",
+    )
     payload_type = awkward_pb2.Message
     message_type = Message_
 
     @staticmethod
     def to_ros(payload: awkward_pb2.Message) -> Message_:
-        """The message that says what the payload says."""
+        """Convert Message to rover/msg/Message."""
         return Message_(
             item=[item_.to_ros(item) for item in payload.item],
             payload=payload_.to_ros(payload.payload),
@@ -42,7 +50,7 @@ class MessageHandler(Handler[awkward_pb2.Message, Message_]):
 
     @staticmethod
     def from_ros(message: Message_) -> awkward_pb2.Message:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Message to Message."""
         return awkward_pb2.Message(
             item=[item_.from_ros(item) for item in message.item],
             payload=payload_.from_ros(message.payload),

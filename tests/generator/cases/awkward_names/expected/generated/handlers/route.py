@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row route) and awkward.proto; do not edit.
 # Regenerate with: roverlink generate
-"""route (3): Route from rover/msg/Route on route."""
+"""Handler of the row route: Route and rover/msg/Route."""
 
 from __future__ import annotations
 
@@ -11,21 +11,26 @@ from roverlink.runtime.core.handler import Handler, Qos, Route
 
 
 class RouteHandler(Handler[awkward_pb2.Route, Route_]):
-    """Route from the topic route."""
+    """Route as rover/msg/Route.
+
+    Number 3 of the envelope, ros_to_board, topic route.
+    """
 
     route = Route(
         number=3,
         name="route",
         topic="route",
         direction="ros_to_board",
-        qos=Qos(depth=3),
+        qos=Qos(
+            depth=3,
+        ),
     )
     payload_type = awkward_pb2.Route
     message_type = Route_
 
     @staticmethod
     def to_ros(payload: awkward_pb2.Route) -> Route_:
-        """The message that says what the payload says."""
+        """Convert Route to rover/msg/Route."""
         return Route_(
             handler=route_handler.to_ros(payload.handler),
             qos=route_qos.to_ros(payload.qos),
@@ -34,7 +39,7 @@ class RouteHandler(Handler[awkward_pb2.Route, Route_]):
 
     @staticmethod
     def from_ros(message: Route_) -> awkward_pb2.Route:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Route to Route."""
         return awkward_pb2.Route(
             handler=route_handler.from_ros(message.handler),
             qos=route_qos.from_ros(message.qos),

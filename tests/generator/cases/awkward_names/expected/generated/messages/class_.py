@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Class); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Class."""
+"""The ROS message rover/msg/Class."""
 
 from __future__ import annotations
 

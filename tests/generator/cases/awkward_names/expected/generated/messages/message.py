@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Message); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Message."""
+"""The ROS message rover/msg/Message."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Waypoint); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Waypoint."""
+"""The ROS message rover/msg/Waypoint."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Another); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Another."""
+"""The ROS message rover/msg/Another."""
 
 from __future__ import annotations
 

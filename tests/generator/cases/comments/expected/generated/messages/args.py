@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Args); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Args."""
+"""The ROS message rover/msg/Args."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Args(Message):
     Takes much.
 
     Args:
-        x: the first
+    x: the first
 
       indented more
     Returns:
-        nothing, and this line is so long that it does not fit into the eighty-eight columns that generated code has.
+    nothing, and this line is so long that it does not fit into the eighty-eight columns that generated code has.
     """
 
     __msgtype__: ClassVar[str] = "rover/msg/Args"

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Quoted); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Quoted."""
+"""The ROS message rover/msg/Quoted."""
 
 from __future__ import annotations
 

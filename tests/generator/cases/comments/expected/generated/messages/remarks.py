@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Remarks); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Remarks."""
+"""The ROS message rover/msg/Remarks."""
 
 from __future__ import annotations
 
@@ -35,21 +35,27 @@ class Remarks(Message):
 
     before: Float32 = 0.0
     """Before the field. Ends with a quote: "so" """
+
     after: Float32 = 0.0
     """Behind the field, in °C | with a bar."""
+
     block: Float32 = 0.0
     """A block
-    of two lines.
-    """
+of two lines.
+"""
+
     both: Float32 = 0.0
     """Both: this one counts."""
+
     none: Float32 = 0.0
     slash: Float32 = 0.0
     r"""Ends with a backslash \\ """
+
     level: UInt8 = 0
     """no space
-    a tab
-    """
+a tab
+"""
+
     tidy: Tidy = dataclasses.field(default_factory=Tidy)
     quoted: Quoted = dataclasses.field(default_factory=Quoted)
     another: Another = dataclasses.field(default_factory=Another)

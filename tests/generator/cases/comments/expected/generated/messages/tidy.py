@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Tidy); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Tidy."""
+"""The ROS message rover/msg/Tidy."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Old); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Old."""
+"""The ROS message rover/msg/Old."""
 
 from __future__ import annotations
 
@@ -31,9 +31,11 @@ class Old(Message):
     angle: Float32 = 0.0
     """In degrees.
 
-    Deprecated.
-    """
+Deprecated.
+"""
+
     bare: Float32 = 0.0
     """Deprecated."""
+
     mode: UInt8 = 0
     inner: Bare = dataclasses.field(default_factory=Bare)

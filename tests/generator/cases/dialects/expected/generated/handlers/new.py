@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row new) and new.proto; do not edit.
 # Regenerate with: roverlink generate
-"""new (2): New to rover/msg/New on new."""
+"""Handler of the row new: New and rover/msg/New."""
 
 from __future__ import annotations
 
@@ -11,15 +11,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class NewHandler(Handler[new_pb2.New, New]):
-    """New to the topic new."""
+    """New as rover/msg/New.
 
-    route = Route(number=2, name="new", topic="new", direction="board_to_ros")
+    Number 2 of the envelope, board_to_ros, topic new.
+    """
+
+    route = Route(
+        number=2,
+        name="new",
+        topic="new",
+        direction="board_to_ros",
+    )
     payload_type = new_pb2.New
     message_type = New
 
     @staticmethod
     def to_ros(payload: new_pb2.New) -> New:
-        """The message that says what the payload says."""
+        """Convert New to rover/msg/New."""
         return New(
             has_explicit_field=payload.HasField("explicit"),
             explicit_field=payload.explicit,
@@ -34,7 +42,7 @@ class NewHandler(Handler[new_pb2.New, New]):
 
     @staticmethod
     def from_ros(message: New) -> new_pb2.New:
-        """The payload that says what the message says."""
+        """Convert rover/msg/New to New."""
         return new_pb2.New(
             explicit=message.explicit_field if message.has_explicit_field else None,
             implicit=message.implicit,

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row newest) and newest.proto; do not edit.
 # Regenerate with: roverlink generate
-"""newest (3): Newest to rover/msg/Newest on newest."""
+"""Handler of the row newest: Newest and rover/msg/Newest."""
 
 from __future__ import annotations
 
@@ -9,24 +9,35 @@ from generated.pb2 import newest_pb2
 from roverlink.runtime.convert import oneof
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_WHICH = {"a": Newest.WHICH_A, "b": Newest.WHICH_B}
+WHICH_WHICH_MEMBERS = {
+    "a": Newest.WHICH_A,
+    "b": Newest.WHICH_B,
+}
 
 
 class NewestHandler(Handler[newest_pb2.Newest, Newest]):
-    """Newest to the topic newest."""
+    """Newest as rover/msg/Newest.
 
-    route = Route(number=3, name="newest", topic="newest", direction="board_to_ros")
+    Number 3 of the envelope, board_to_ros, topic newest.
+    """
+
+    route = Route(
+        number=3,
+        name="newest",
+        topic="newest",
+        direction="board_to_ros",
+    )
     payload_type = newest_pb2.Newest
     message_type = Newest
 
     @staticmethod
     def to_ros(payload: newest_pb2.Newest) -> Newest:
-        """The message that says what the payload says."""
+        """Convert Newest to rover/msg/Newest."""
         return Newest(
             has_x=payload.HasField("x"),
             x=payload.x,
             names=list(payload.names),
-            which_which=oneof.number(payload, "which", _WHICH_WHICH),
+            which_which=oneof.number(payload, "which", WHICH_WHICH_MEMBERS),
             a=payload.a,
             b=payload.b,
             has_gear=payload.HasField("gear"),
@@ -36,8 +47,10 @@ class NewestHandler(Handler[newest_pb2.Newest, Newest]):
 
     @staticmethod
     def from_ros(message: Newest) -> newest_pb2.Newest:
-        """The payload that says what the message says."""
-        which_which = oneof.member(message.which_which, _WHICH_WHICH, "which_which")
+        """Convert rover/msg/Newest to Newest."""
+        which_which = oneof.member(
+            message.which_which, WHICH_WHICH_MEMBERS, "which_which"
+        )
         return newest_pb2.Newest(
             x=message.x if message.has_x else None,
             names=message.names,

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row old) and old.proto; do not edit.
 # Regenerate with: roverlink generate
-"""old (1): Old to rover/msg/Old on old."""
+"""Handler of the row old: Old and rover/msg/Old."""
 
 from __future__ import annotations
 
@@ -12,19 +12,30 @@ from roverlink.runtime.convert.maps import mapping
 from roverlink.runtime.convert.well_known import timestamp
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_ONE = {"text": Old.ONE_TEXT, "part": Old.ONE_PART}
+WHICH_ONE_MEMBERS = {
+    "text": Old.ONE_TEXT,
+    "part": Old.ONE_PART,
+}
 
 
 class OldHandler(Handler[old_pb2.Old, Old]):
-    """Old to the topic old."""
+    """Old as rover/msg/Old.
 
-    route = Route(number=1, name="old", topic="old", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic old.
+    """
+
+    route = Route(
+        number=1,
+        name="old",
+        topic="old",
+        direction="board_to_ros",
+    )
     payload_type = old_pb2.Old
     message_type = Old
 
     @staticmethod
     def to_ros(payload: old_pb2.Old) -> Old:
-        """The message that says what the payload says."""
+        """Convert Old to rover/msg/Old."""
         return Old(
             needed=payload.needed,
             has_level=payload.HasField("level"),
@@ -36,7 +47,7 @@ class OldHandler(Handler[old_pb2.Old, Old]):
                 OldByNumberEntry(key=key, value=value)
                 for key, value in sorted(payload.by_number.items())
             ],
-            which_one=oneof.number(payload, "one", _WHICH_ONE),
+            which_one=oneof.number(payload, "one", WHICH_ONE_MEMBERS),
             text=payload.text,
             part=old_part.to_ros(payload.part),
             stamp=timestamp.to_ros(payload.stamp, "stamp"),
@@ -46,8 +57,8 @@ class OldHandler(Handler[old_pb2.Old, Old]):
 
     @staticmethod
     def from_ros(message: Old) -> old_pb2.Old:
-        """The payload that says what the message says."""
-        which_one = oneof.member(message.which_one, _WHICH_ONE, "which_one")
+        """Convert rover/msg/Old to Old."""
+        which_one = oneof.member(message.which_one, WHICH_ONE_MEMBERS, "which_one")
         return old_pb2.Old(
             needed=message.needed,
             level=message.level if message.has_level else None,
@@ -55,8 +66,7 @@ class OldHandler(Handler[old_pb2.Old, Old]):
             result=old_result.from_ros(message.result),
             more=[old_more.from_ros(item) for item in message.more],
             by_number=mapping(
-                ((item.key, item.value) for item in message.by_number),
-                "by_number",
+                ((item.key, item.value) for item in message.by_number), "by_number"
             ),
             text=message.text if which_one == "text" else None,
             part=old_part.from_ros(message.part) if which_one == "part" else None,

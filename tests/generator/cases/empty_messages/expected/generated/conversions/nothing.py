@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and empty.proto; do not edit.
 # Regenerate with: roverlink generate
-"""Nothing to and from rover/msg/Nothing."""
+"""Convert between the nested messages Nothing and rover/msg/Nothing."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from generated.pb2 import empty_pb2
 
 
 def to_ros(_payload: empty_pb2.Nothing) -> Nothing:
-    """The message that says what the payload says."""
+    """Convert Nothing to rover/msg/Nothing."""
     return Nothing()
 
 
 def from_ros(_message: Nothing) -> empty_pb2.Nothing:
-    """The payload that says what the message says."""
+    """Convert rover/msg/Nothing to Nothing."""
     return empty_pb2.Nothing()

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row holder) and empty.proto; do not edit.
 # Regenerate with: roverlink generate
-"""holder (3): Holder from rover/msg/Holder on holder."""
+"""Handler of the row holder: Holder and rover/msg/Holder."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class HolderHandler(Handler[empty_pb2.Holder, Holder]):
-    """Holder from the topic holder."""
+    """Holder as rover/msg/Holder.
 
-    route = Route(number=3, name="holder", topic="holder", direction="ros_to_board")
+    Number 3 of the envelope, ros_to_board, topic holder.
+    """
+
+    route = Route(
+        number=3,
+        name="holder",
+        topic="holder",
+        direction="ros_to_board",
+    )
     payload_type = empty_pb2.Holder
     message_type = Holder
 
     @staticmethod
     def to_ros(payload: empty_pb2.Holder) -> Holder:
-        """The message that says what the payload says."""
+        """Convert Holder to rover/msg/Holder."""
         return Holder(
             nothing=nothing.to_ros(payload.nothing),
             ping=PingHandler.to_ros(payload.ping),
@@ -32,7 +40,7 @@ class HolderHandler(Handler[empty_pb2.Holder, Holder]):
 
     @staticmethod
     def from_ros(message: Holder) -> empty_pb2.Holder:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Holder to Holder."""
         return empty_pb2.Holder(
             nothing=nothing.from_ros(message.nothing),
             ping=PingHandler.from_ros(message.ping),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row ping) and empty.proto; do not edit.
 # Regenerate with: roverlink generate
-"""ping (1): Ping to rover/msg/Ping on ping."""
+"""Handler of the row ping: Ping and rover/msg/Ping."""
 
 from __future__ import annotations
 
@@ -10,18 +10,26 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class PingHandler(Handler[empty_pb2.Ping, Ping]):
-    """Ping to the topic ping."""
+    """Ping as rover/msg/Ping.
 
-    route = Route(number=1, name="ping", topic="ping", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic ping.
+    """
+
+    route = Route(
+        number=1,
+        name="ping",
+        topic="ping",
+        direction="board_to_ros",
+    )
     payload_type = empty_pb2.Ping
     message_type = Ping
 
     @staticmethod
     def to_ros(_payload: empty_pb2.Ping) -> Ping:
-        """The message that says what the payload says."""
+        """Convert Ping to rover/msg/Ping."""
         return Ping()
 
     @staticmethod
     def from_ros(_message: Ping) -> empty_pb2.Ping:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Ping to Ping."""
         return empty_pb2.Ping()

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Ping); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Ping."""
+"""The ROS message rover/msg/Ping."""
 
 from __future__ import annotations
 

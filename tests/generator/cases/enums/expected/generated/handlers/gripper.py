@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row gripper) and gripper.proto; do not edit.
 # Regenerate with: roverlink generate
-"""gripper (1): Gripper to rover/msg/Gripper on gripper."""
+"""Handler of the row gripper: Gripper and rover/msg/Gripper."""
 
 from __future__ import annotations
 
@@ -11,15 +11,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class GripperHandler(Handler[gripper_pb2.Gripper, Gripper]):
-    """Gripper to the topic gripper."""
+    """Gripper as rover/msg/Gripper.
 
-    route = Route(number=1, name="gripper", topic="gripper", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic gripper.
+    """
+
+    route = Route(
+        number=1,
+        name="gripper",
+        topic="gripper",
+        direction="board_to_ros",
+    )
     payload_type = gripper_pb2.Gripper
     message_type = Gripper
 
     @staticmethod
     def to_ros(payload: gripper_pb2.Gripper) -> Gripper:
-        """The message that says what the payload says."""
+        """Convert Gripper to rover/msg/Gripper."""
         return Gripper(
             mode=GripperMode(mode=payload.mode),
             history=[GripperMode(mode=item) for item in payload.history],
@@ -35,7 +43,7 @@ class GripperHandler(Handler[gripper_pb2.Gripper, Gripper]):
 
     @staticmethod
     def from_ros(message: Gripper) -> gripper_pb2.Gripper:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Gripper to Gripper."""
         return gripper_pb2.Gripper(
             mode=message.mode.mode,
             history=[item.mode for item in message.history],

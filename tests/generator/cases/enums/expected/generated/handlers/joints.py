@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row joints) and gripper.proto; do not edit.
 # Regenerate with: roverlink generate
-"""joints (2): Joints to rover/msg/Joints on joints."""
+"""Handler of the row joints: Joints and rover/msg/Joints."""
 
 from __future__ import annotations
 
@@ -10,15 +10,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class JointsHandler(Handler[gripper_pb2.Joints, Joints]):
-    """Joints to the topic joints."""
+    """Joints as rover/msg/Joints.
 
-    route = Route(number=2, name="joints", topic="joints", direction="board_to_ros")
+    Number 2 of the envelope, board_to_ros, topic joints.
+    """
+
+    route = Route(
+        number=2,
+        name="joints",
+        topic="joints",
+        direction="board_to_ros",
+    )
     payload_type = gripper_pb2.Joints
     message_type = Joints
 
     @staticmethod
     def to_ros(payload: gripper_pb2.Joints) -> Joints:
-        """The message that says what the payload says."""
+        """Convert Joints to rover/msg/Joints."""
         return Joints(
             small=bytes(payload.small),
             medium=list(payload.medium),
@@ -28,7 +36,7 @@ class JointsHandler(Handler[gripper_pb2.Joints, Joints]):
 
     @staticmethod
     def from_ros(message: Joints) -> gripper_pb2.Joints:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Joints to Joints."""
         return gripper_pb2.Joints(
             small=message.small,
             medium=message.medium,

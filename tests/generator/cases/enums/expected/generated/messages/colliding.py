@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Colliding); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Colliding."""
+"""The ROS message rover/msg/Colliding."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Mode); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/GripperMode."""
+"""The ROS message rover/msg/GripperMode."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Joints); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Joints."""
+"""The ROS message rover/msg/Joints."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row arm) and all.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm (2): Arm from rover/msg/Arm on arm."""
+"""Handler of the row arm: Arm and rover/msg/Arm."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from roverlink.runtime.core.handler import Deadman, Handler, Route
 
 
 class ArmHandler(Handler[all_pb2.Arm, Arm]):
-    """Arm from the topic arm."""
+    """Arm as rover/msg/Arm.
+
+    Number 2 of the envelope, ros_to_board, topic arm.
+    """
 
     route = Route(
         number=2,
@@ -37,7 +40,7 @@ class ArmHandler(Handler[all_pb2.Arm, Arm]):
 
     @staticmethod
     def to_ros(payload: all_pb2.Arm) -> Arm:
-        """The message that says what the payload says."""
+        """Convert Arm to rover/msg/Arm."""
         return Arm(
             mode=payload.mode,
             grip=grip.to_ros(payload.grip),
@@ -49,7 +52,7 @@ class ArmHandler(Handler[all_pb2.Arm, Arm]):
 
     @staticmethod
     def from_ros(message: Arm) -> all_pb2.Arm:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Arm to Arm."""
         return all_pb2.Arm(
             mode=message.mode,
             grip=grip.from_ros(message.grip),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row long) and long.proto; do not edit.
 # Regenerate with: roverlink generate
-"""long (1): Long to rover/msg/Long on long."""
+"""Handler of the row long: Long and rover/msg/Long."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from roverlink.runtime.convert.well_known import (
 )
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT = {
+WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_MEMBERS = {
     "a_member_field_with_a_name_so_long_that_nothing_fits_beside_it": Long.A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_A_MEMBER_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,
     "another_member_field_with_a_name_so_long_that_nothing_fits_beside_it": Long.A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_ANOTHER_MEMBER_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,
     "time_member_field_with_a_name_so_long_that_nothing_fits_beside_it": Long.A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_TIME_MEMBER_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,
@@ -42,25 +42,33 @@ _WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT = {
 
 
 class LongHandler(Handler[long_pb2.Long, Long]):
-    """Long to the topic long."""
+    """Long as rover/msg/Long.
 
-    route = Route(number=1, name="long", topic="long", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic long.
+    """
+
+    route = Route(
+        number=1,
+        name="long",
+        topic="long",
+        direction="board_to_ros",
+    )
     payload_type = long_pb2.Long
     message_type = Long
 
     @staticmethod
     def to_ros(payload: long_pb2.Long) -> Long:
-        """The message that says what the payload says."""
+        """Convert Long to rover/msg/Long."""
         return Long(
             a_map_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 LongAMapFieldWithANameSoLongThatNothingFitsBesideItEntry(
                     key=key,
                     value=a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.to_ros(
-                        value,
+                        value
                     ),
                 )
                 for key, value in sorted(
-                    payload.a_map_field_with_a_name_so_long_that_nothing_fits_beside_it.items(),
+                    payload.a_map_field_with_a_name_so_long_that_nothing_fits_beside_it.items()
                 )
             ],
             a_map_of_times_field_with_a_name_so_long_that_nothing_fits_beside_it=[
@@ -72,32 +80,30 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                     ),
                 )
                 for key, value in sorted(
-                    payload.a_map_of_times_field_with_a_name_so_long_that_nothing_fits_beside_it.items(),
+                    payload.a_map_of_times_field_with_a_name_so_long_that_nothing_fits_beside_it.items()
                 )
             ],
             a_plain_map_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 LongAPlainMapFieldWithANameSoLongThatNothingFitsBesideItEntry(
-                    key=key,
-                    value=value,
+                    key=key, value=value
                 )
                 for key, value in sorted(
-                    payload.a_plain_map_field_with_a_name_so_long_that_nothing_fits_beside_it.items(),
+                    payload.a_plain_map_field_with_a_name_so_long_that_nothing_fits_beside_it.items()
                 )
             ],
             a_map_of_wrappers_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 LongAMapOfWrappersFieldWithANameSoLongThatNothingFitsBesideItEntry(
-                    key=key,
-                    value=value.value,
+                    key=key, value=value.value
                 )
                 for key, value in sorted(
-                    payload.a_map_of_wrappers_field_with_a_name_so_long_that_nothing_fits_beside_it.items(),
+                    payload.a_map_of_wrappers_field_with_a_name_so_long_that_nothing_fits_beside_it.items()
                 )
             ],
             an_any_field_with_a_name_so_long_that_nothing_fits_beside_it=long_an_any_field_with_a_name_so_long_that_nothing_fits_beside_it.to_ros(
-                payload.an_any_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                payload.an_any_field_with_a_name_so_long_that_nothing_fits_beside_it
             ),
             has_a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it=payload.HasField(
-                "a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it",
+                "a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it"
             ),
             a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it=payload.a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it.value,
             a_time_field_with_a_name_so_long_that_nothing_fits_beside_it=timestamp.to_ros(
@@ -110,12 +116,12 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                     "a_struct_field_with_a_name_so_long_that_nothing_fits_beside_it",
                 )
                 if payload.HasField(
-                    "a_struct_field_with_a_name_so_long_that_nothing_fits_beside_it",
+                    "a_struct_field_with_a_name_so_long_that_nothing_fits_beside_it"
                 )
                 else ""
             ),
             has_an_empty_field_with_a_name_so_long_that_nothing_fits_beside_it=payload.HasField(
-                "an_empty_field_with_a_name_so_long_that_nothing_fits_beside_it",
+                "an_empty_field_with_a_name_so_long_that_nothing_fits_beside_it"
             ),
             durations_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 duration.to_ros(
@@ -133,11 +139,11 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                 for item in payload.parts_field_with_a_name_so_long_that_nothing_fits_beside_it
             ],
             mask_field_with_a_name_so_long_that_nothing_fits_beside_it=list(
-                payload.mask_field_with_a_name_so_long_that_nothing_fits_beside_it.paths,
+                payload.mask_field_with_a_name_so_long_that_nothing_fits_beside_it.paths
             ),
             messages_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.to_ros(
-                    item,
+                    item
                 )
                 for item in payload.messages_field_with_a_name_so_long_that_nothing_fits_beside_it
             ],
@@ -150,11 +156,11 @@ class LongHandler(Handler[long_pb2.Long, Long]):
             which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it=oneof.number(
                 payload,
                 "a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it",
-                _WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,
+                WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_MEMBERS,
             ),
             a_member_field_with_a_name_so_long_that_nothing_fits_beside_it=payload.a_member_field_with_a_name_so_long_that_nothing_fits_beside_it,
             another_member_field_with_a_name_so_long_that_nothing_fits_beside_it=a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.to_ros(
-                payload.another_member_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                payload.another_member_field_with_a_name_so_long_that_nothing_fits_beside_it
             ),
             time_member_field_with_a_name_so_long_that_nothing_fits_beside_it=timestamp.to_ros(
                 payload.time_member_field_with_a_name_so_long_that_nothing_fits_beside_it,
@@ -167,7 +173,7 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                     "value_member_field_with_a_name_so_long_that_nothing_fits_beside_it",
                 )
                 if payload.HasField(
-                    "value_member_field_with_a_name_so_long_that_nothing_fits_beside_it",
+                    "value_member_field_with_a_name_so_long_that_nothing_fits_beside_it"
                 )
                 else ""
             ),
@@ -175,10 +181,10 @@ class LongHandler(Handler[long_pb2.Long, Long]):
 
     @staticmethod
     def from_ros(message: Long) -> long_pb2.Long:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Long to Long."""
         which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it = oneof.member(
             message.which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it,
-            _WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT,
+            WHICH_A_ONEOF_FIELD_WITH_A_NAME_SO_LONG_THAT_NOTHING_FITS_BESIDE_IT_MEMBERS,
             "which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it",
         )
         return long_pb2.Long(
@@ -187,7 +193,7 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                     (
                         item.key,
                         a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.from_ros(
-                            item.value,
+                            item.value
                         ),
                     )
                     for item in message.a_map_field_with_a_name_so_long_that_nothing_fits_beside_it
@@ -222,11 +228,11 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                 "a_map_of_wrappers_field_with_a_name_so_long_that_nothing_fits_beside_it",
             ),
             an_any_field_with_a_name_so_long_that_nothing_fits_beside_it=long_an_any_field_with_a_name_so_long_that_nothing_fits_beside_it.from_ros(
-                message.an_any_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                message.an_any_field_with_a_name_so_long_that_nothing_fits_beside_it
             ),
             a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it=(
                 wrappers_pb2.FloatValue(
-                    value=message.a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                    value=message.a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it
                 )
                 if message.has_a_wrapper_field_with_a_name_so_long_that_nothing_fits_beside_it
                 else None
@@ -264,11 +270,11 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                 for item in message.parts_field_with_a_name_so_long_that_nothing_fits_beside_it
             ],
             mask_field_with_a_name_so_long_that_nothing_fits_beside_it=field_mask_pb2.FieldMask(
-                paths=message.mask_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                paths=message.mask_field_with_a_name_so_long_that_nothing_fits_beside_it
             ),
             messages_field_with_a_name_so_long_that_nothing_fits_beside_it=[
                 a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.from_ros(
-                    item,
+                    item
                 )
                 for item in message.messages_field_with_a_name_so_long_that_nothing_fits_beside_it
             ],
@@ -280,7 +286,7 @@ class LongHandler(Handler[long_pb2.Long, Long]):
             ),
             another_member_field_with_a_name_so_long_that_nothing_fits_beside_it=(
                 a_message_with_a_name_that_is_so_long_that_nothing_else_fits_into_the_line_beside_it.from_ros(
-                    message.another_member_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                    message.another_member_field_with_a_name_so_long_that_nothing_fits_beside_it
                 )
                 if which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it
                 == "another_member_field_with_a_name_so_long_that_nothing_fits_beside_it"
@@ -297,7 +303,7 @@ class LongHandler(Handler[long_pb2.Long, Long]):
             ),
             wrapped_member_field_with_a_name_so_long_that_nothing_fits_beside_it=(
                 wrappers_pb2.FloatValue(
-                    value=message.wrapped_member_field_with_a_name_so_long_that_nothing_fits_beside_it,
+                    value=message.wrapped_member_field_with_a_name_so_long_that_nothing_fits_beside_it
                 )
                 if which_a_oneof_field_with_a_name_so_long_that_nothing_fits_beside_it
                 == "wrapped_member_field_with_a_name_so_long_that_nothing_fits_beside_it"
@@ -323,6 +329,6 @@ class LongHandler(Handler[long_pb2.Long, Long]):
                         ),
                         "finally_field",
                     ),
-                },
+                }
             ),
         )

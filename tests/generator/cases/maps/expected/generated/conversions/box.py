@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and stock.proto; do not edit.
 # Regenerate with: roverlink generate
-"""Box to and from rover/msg/Box."""
+"""Convert between the nested messages Box and rover/msg/Box."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.runtime.convert.maps import mapping
 
 
 def to_ros(payload: stock_pb2.Box) -> Box:
-    """The message that says what the payload says."""
+    """Convert Box to rover/msg/Box."""
     return Box(
         weight=payload.weight,
         contents=[
@@ -21,11 +21,10 @@ def to_ros(payload: stock_pb2.Box) -> Box:
 
 
 def from_ros(message: Box) -> stock_pb2.Box:
-    """The payload that says what the message says."""
+    """Convert rover/msg/Box to Box."""
     return stock_pb2.Box(
         weight=message.weight,
         contents=mapping(
-            ((item.key, item.value) for item in message.contents),
-            "Box.contents",
+            ((item.key, item.value) for item in message.contents), "Box.contents"
         ),
     )

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row shelf) and stock.proto; do not edit.
 # Regenerate with: roverlink generate
-"""shelf (1): Shelf to rover/msg/Shelf on shelf."""
+"""Handler of the row shelf: Shelf and rover/msg/Shelf."""
 
 from __future__ import annotations
 
@@ -32,15 +32,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class ShelfHandler(Handler[stock_pb2.Shelf, Shelf]):
-    """Shelf to the topic shelf."""
+    """Shelf as rover/msg/Shelf.
 
-    route = Route(number=1, name="shelf", topic="shelf", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic shelf.
+    """
+
+    route = Route(
+        number=1,
+        name="shelf",
+        topic="shelf",
+        direction="board_to_ros",
+    )
     payload_type = stock_pb2.Shelf
     message_type = Shelf
 
     @staticmethod
     def to_ros(payload: stock_pb2.Shelf) -> Shelf:
-        """The message that says what the payload says."""
+        """Convert Shelf to rover/msg/Shelf."""
         return Shelf(
             boxes=[
                 ShelfBoxesEntry(key=key, value=box.to_ros(value))
@@ -102,27 +110,23 @@ class ShelfHandler(Handler[stock_pb2.Shelf, Shelf]):
 
     @staticmethod
     def from_ros(message: Shelf) -> stock_pb2.Shelf:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Shelf to Shelf."""
         return stock_pb2.Shelf(
             boxes=mapping(
                 ((item.key, box.from_ros(item.value)) for item in message.boxes),
                 "boxes",
             ),
             counts=mapping(
-                ((item.key, item.value) for item in message.how_many),
-                "how_many",
+                ((item.key, item.value) for item in message.how_many), "how_many"
             ),
             colours=mapping(
-                ((item.key, item.value.colour) for item in message.colours),
-                "colours",
+                ((item.key, item.value.colour) for item in message.colours), "colours"
             ),
             states=mapping(
-                ((item.key, item.value) for item in message.states),
-                "states",
+                ((item.key, item.value) for item in message.states), "states"
             ),
             labels=mapping(
-                ((item.key, item.value) for item in message.labels),
-                "labels",
+                ((item.key, item.value) for item in message.labels), "labels"
             ),
             seen=mapping(
                 (

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (stock.Shelf.BoxesEntry); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/ShelfBoxesEntry."""
+"""The ROS message rover/msg/ShelfBoxesEntry."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row named) and named.proto; do not edit.
 # Regenerate with: roverlink generate
-"""named (1): odd_names to rover/msg/OddNames on named."""
+"""Handler of the row named: odd_names and rover/msg/OddNames."""
 
 from __future__ import annotations
 
@@ -12,19 +12,30 @@ from roverlink.runtime.convert.keywords import keywords
 from roverlink.runtime.convert.maps import mapping
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_WITH = {"global": OddNames.WITH_GLOBAL, "pass": OddNames.WITH_PASS}
+WHICH_WITH_MEMBERS = {
+    "global": OddNames.WITH_GLOBAL,
+    "pass": OddNames.WITH_PASS,
+}
 
 
 class NamedHandler(Handler[named_pb2.odd_names, OddNames]):
-    """odd_names to the topic named."""
+    """odd_names as rover/msg/OddNames.
 
-    route = Route(number=1, name="named", topic="named", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic named.
+    """
+
+    route = Route(
+        number=1,
+        name="named",
+        topic="named",
+        direction="board_to_ros",
+    )
     payload_type = named_pb2.odd_names
     message_type = OddNames
 
     @staticmethod
     def to_ros(payload: named_pb2.odd_names) -> OddNames:
-        """The message that says what the payload says."""
+        """Convert odd_names to rover/msg/OddNames."""
         return OddNames(
             class_field=getattr(payload, "class"),
             from_field=getattr(payload, "from"),
@@ -40,7 +51,7 @@ class NamedHandler(Handler[named_pb2.odd_names, OddNames]):
             has_is_field=payload.HasField("is"),
             is_field=getattr(payload, "is"),
             import_field=[in_side.to_ros(item) for item in getattr(payload, "import")],
-            which_with=oneof.number(payload, "with", _WHICH_WITH),
+            which_with=oneof.number(payload, "with", WHICH_WITH_MEMBERS),
             global_field=getattr(payload, "global"),
             pass_field=getattr(payload, "pass"),
             try_field=[
@@ -52,8 +63,8 @@ class NamedHandler(Handler[named_pb2.odd_names, OddNames]):
 
     @staticmethod
     def from_ros(message: OddNames) -> named_pb2.odd_names:
-        """The payload that says what the message says."""
-        which_with = oneof.member(message.which_with, _WHICH_WITH, "which_with")
+        """Convert rover/msg/OddNames to odd_names."""
+        which_with = oneof.member(message.which_with, WHICH_WITH_MEMBERS, "which_with")
         return named_pb2.odd_names(
             camelCase=message.camel_case,
             HTTPServer=message.http_server,
@@ -77,6 +88,6 @@ class NamedHandler(Handler[named_pb2.odd_names, OddNames]):
                         ((item.key, item.value) for item in message.try_field),
                         "try_field",
                     ),
-                },
+                }
             ),
         )

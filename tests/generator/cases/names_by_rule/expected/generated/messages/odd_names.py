@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (odd_names); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/OddNames."""
+"""The ROS message rover/msg/OddNames."""
 
 from __future__ import annotations
 
@@ -42,10 +42,12 @@ class OddNames(Message):
     capitals: Int32 = 0
     has_is_field: Bool = False
     """Whether is_field is set."""
+
     is_field: Int32 = 0
     import_field: list[InSide] = dataclasses.field(default_factory=list)
     which_with: UInt8 = 0
     """Which member of with is set."""
+
     global_field: Int32 = 0
     pass_field: str = ""
     try_field: list[OddNamesTryEntry] = dataclasses.field(default_factory=list)

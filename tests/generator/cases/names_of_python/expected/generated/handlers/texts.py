@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row texts) and texts.proto; do not edit.
 # Regenerate with: roverlink generate
-"""texts (1): Texts to rover/msg/Texts on texts."""
+"""Handler of the row texts: Texts and rover/msg/Texts."""
 
 from __future__ import annotations
 
@@ -10,15 +10,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class TextsHandler(Handler[texts_pb2.Texts, Texts]):
-    """Texts to the topic texts."""
+    """Texts as rover/msg/Texts.
 
-    route = Route(number=1, name="texts", topic="texts", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic texts.
+    """
+
+    route = Route(
+        number=1,
+        name="texts",
+        topic="texts",
+        direction="board_to_ros",
+    )
     payload_type = texts_pb2.Texts
     message_type = Texts
 
     @staticmethod
     def to_ros(payload: texts_pb2.Texts) -> Texts:
-        """The message that says what the payload says."""
+        """Convert Texts to rover/msg/Texts."""
         return Texts(
             bytes_field=payload.bytes,
             str_field=payload.str,
@@ -28,7 +36,7 @@ class TextsHandler(Handler[texts_pb2.Texts, Texts]):
 
     @staticmethod
     def from_ros(message: Texts) -> texts_pb2.Texts:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Texts to Texts."""
         return texts_pb2.Texts(
             bytes=message.bytes_field,
             str=message.str_field,

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Texts); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Texts."""
+"""The ROS message rover/msg/Texts."""
 
 from __future__ import annotations
 

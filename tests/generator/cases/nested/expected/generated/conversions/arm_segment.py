@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and arm.proto; do not edit.
 # Regenerate with: roverlink generate
-"""Arm.Segment to and from rover/msg/ArmSegment."""
+"""Convert between the nested messages Arm.Segment and rover/msg/ArmSegment."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from generated.pb2 import arm_pb2
 
 
 def to_ros(payload: arm_pb2.Arm.Segment) -> ArmSegment:
-    """The message that says what the payload says."""
+    """Convert Arm.Segment to rover/msg/ArmSegment."""
     return ArmSegment(
         bolts=[arm_segment_bolt.to_ros(item) for item in payload.bolts],
         joint=joint.to_ros(payload.joint),
@@ -18,7 +18,7 @@ def to_ros(payload: arm_pb2.Arm.Segment) -> ArmSegment:
 
 
 def from_ros(message: ArmSegment) -> arm_pb2.Arm.Segment:
-    """The payload that says what the message says."""
+    """Convert rover/msg/ArmSegment to Arm.Segment."""
     return arm_pb2.Arm.Segment(
         bolts=[arm_segment_bolt.from_ros(item) for item in message.bolts],
         joint=joint.from_ros(message.joint),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and arm.proto; do not edit.
 # Regenerate with: roverlink generate
-"""Arm.Segment.Bolt to and from rover/msg/ArmSegmentBolt."""
+"""Convert between the nested messages Arm.Segment.Bolt and rover/msg/ArmSegmentBolt."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from generated.pb2 import arm_pb2
 
 
 def to_ros(payload: arm_pb2.Arm.Segment.Bolt) -> ArmSegmentBolt:
-    """The message that says what the payload says."""
-    return ArmSegmentBolt(torque=payload.torque)
+    """Convert Arm.Segment.Bolt to rover/msg/ArmSegmentBolt."""
+    return ArmSegmentBolt(
+        torque=payload.torque,
+    )
 
 
 def from_ros(message: ArmSegmentBolt) -> arm_pb2.Arm.Segment.Bolt:
-    """The payload that says what the message says."""
-    return arm_pb2.Arm.Segment.Bolt(torque=message.torque)
+    """Convert rover/msg/ArmSegmentBolt to Arm.Segment.Bolt."""
+    return arm_pb2.Arm.Segment.Bolt(
+        torque=message.torque,
+    )

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row arm) and arm.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm (1): Arm to rover/msg/Arm on arm."""
+"""Handler of the row arm: Arm and rover/msg/Arm."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class ArmHandler(Handler[arm_pb2.Arm, Arm]):
-    """Arm to the topic arm."""
+    """Arm as rover/msg/Arm.
 
-    route = Route(number=1, name="arm", topic="arm", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic arm.
+    """
+
+    route = Route(
+        number=1,
+        name="arm",
+        topic="arm",
+        direction="board_to_ros",
+    )
     payload_type = arm_pb2.Arm
     message_type = Arm
 
     @staticmethod
     def to_ros(payload: arm_pb2.Arm) -> Arm:
-        """The message that says what the payload says."""
+        """Convert Arm to rover/msg/Arm."""
         return Arm(
             upper=arm_segment.to_ros(payload.upper),
             others=[arm_segment.to_ros(item) for item in payload.others],
@@ -30,7 +38,7 @@ class ArmHandler(Handler[arm_pb2.Arm, Arm]):
 
     @staticmethod
     def from_ros(message: Arm) -> arm_pb2.Arm:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Arm to Arm."""
         return arm_pb2.Arm(
             upper=arm_segment.from_ros(message.upper),
             others=[arm_segment.from_ros(item) for item in message.others],

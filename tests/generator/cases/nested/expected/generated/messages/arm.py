@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Arm); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Arm."""
+"""The ROS message rover/msg/Arm."""
 
 from __future__ import annotations
 

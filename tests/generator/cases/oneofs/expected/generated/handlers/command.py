@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row command) and command.proto; do not edit.
 # Regenerate with: roverlink generate
-"""command (1): Command from rover/msg/Command on command."""
+"""Handler of the row command: Command and rover/msg/Command."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.runtime.convert import oneof
 from roverlink.runtime.convert.well_known import json_value, timestamp
 from roverlink.runtime.core.handler import Handler, Route
 
-_WHICH_ACTION = {
+WHICH_ACTION_MEMBERS = {
     "move": Command.ACTION_MOVE,
     "stop": Command.ACTION_STOP,
     "gear": Command.ACTION_GEAR,
@@ -23,22 +23,32 @@ _WHICH_ACTION = {
     "raw": Command.ACTION_RAW,
     "lights": Command.ACTION_LIGHTS,
 }
-_WHICH_TARGET = {"name": Command.TARGET_NAME}
+WHICH_TARGET_MEMBERS = {
+    "name": Command.TARGET_NAME,
+}
 
 
 class CommandHandler(Handler[command_pb2.Command, Command]):
-    """Command from the topic command."""
+    """Command as rover/msg/Command.
 
-    route = Route(number=1, name="command", topic="command", direction="ros_to_board")
+    Number 1 of the envelope, ros_to_board, topic command.
+    """
+
+    route = Route(
+        number=1,
+        name="command",
+        topic="command",
+        direction="ros_to_board",
+    )
     payload_type = command_pb2.Command
     message_type = Command
 
     @staticmethod
     def to_ros(payload: command_pb2.Command) -> Command:
-        """The message that says what the payload says."""
+        """Convert Command to rover/msg/Command."""
         return Command(
             id=payload.id,
-            which_action=oneof.number(payload, "action", _WHICH_ACTION),
+            which_action=oneof.number(payload, "action", WHICH_ACTION_MEMBERS),
             move=move.to_ros(payload.move),
             stop=empty.to_ros(payload.stop),
             gear=payload.gear,
@@ -51,15 +61,19 @@ class CommandHandler(Handler[command_pb2.Command, Command]):
             ),
             raw=payload.raw,
             lights=payload.lights,
-            which_target=oneof.number(payload, "target", _WHICH_TARGET),
+            which_target=oneof.number(payload, "target", WHICH_TARGET_MEMBERS),
             name=payload.name,
         )
 
     @staticmethod
     def from_ros(message: Command) -> command_pb2.Command:
-        """The payload that says what the message says."""
-        which_action = oneof.member(message.which_action, _WHICH_ACTION, "which_action")
-        which_target = oneof.member(message.which_target, _WHICH_TARGET, "which_target")
+        """Convert rover/msg/Command to Command."""
+        which_action = oneof.member(
+            message.which_action, WHICH_ACTION_MEMBERS, "which_action"
+        )
+        which_target = oneof.member(
+            message.which_target, WHICH_TARGET_MEMBERS, "which_target"
+        )
         return command_pb2.Command(
             id=message.id,
             move=move.from_ros(message.move) if which_action == "move" else None,

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Command); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Command."""
+"""The ROS message rover/msg/Command."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ class Command(Message):
     id: Int32 = 0
     which_action: UInt16 = 0
     """Which member of action is set."""
+
     move: Move = dataclasses.field(default_factory=Move)
     stop: Empty = dataclasses.field(default_factory=Empty)
     gear: UInt8 = 0
@@ -50,4 +51,5 @@ class Command(Message):
     lights: Bool = False
     which_target: UInt8 = 0
     """Which member of target is set."""
+
     name: str = ""

@@ -1,28 +1,33 @@
 # Generated from mapping.yaml (row fix) and fix.proto; do not edit.
 # Regenerate with: roverlink generate
-"""fix (1): Fix to rover/msg/Fix on fix."""
+"""Handler of the row fix: Fix and rover/msg/Fix."""
 
 from __future__ import annotations
 
 from generated.conversions import position
 from generated.messages import Fix, Quality
 from generated.pb2 import fix_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(Fix)
 
 
 class FixHandler(Handler[fix_pb2.Fix, Fix]):
-    """Fix to the topic fix."""
+    """Fix as rover/msg/Fix.
 
-    route = Route(number=1, name="fix", topic="fix", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic fix.
+    """
+
+    route = Route(
+        number=1,
+        name="fix",
+        topic="fix",
+        direction="board_to_ros",
+    )
     payload_type = fix_pb2.Fix
     message_type = Fix
 
     @staticmethod
     def to_ros(payload: fix_pb2.Fix) -> Fix:
-        """The message that says what the payload says."""
+        """Convert Fix to rover/msg/Fix."""
         return Fix(
             has_altitude=payload.HasField("altitude"),
             altitude=payload.altitude,
@@ -38,7 +43,7 @@ class FixHandler(Handler[fix_pb2.Fix, Fix]):
 
     @staticmethod
     def from_ros(message: Fix) -> fix_pb2.Fix:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Fix to Fix."""
         return fix_pb2.Fix(
             altitude=message.altitude if message.has_altitude else None,
             quality=message.quality.quality if message.has_quality else None,
@@ -48,26 +53,4 @@ class FixHandler(Handler[fix_pb2.Fix, Fix]):
             ),
             speed=message.speed,
             base=position.from_ros(message.base),
-        )
-
-    def pack(self, payload: fix_pb2.Fix) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        position = payload.position
-        base = payload.base
-        return _CDR.pack(
-            cdr.LITTLE_ENDIAN,
-            payload.HasField("altitude"),
-            payload.altitude,
-            payload.HasField("quality"),
-            payload.quality,
-            payload.HasField("source"),
-            payload.source,
-            payload.HasField("position"),
-            position.x,
-            position.HasField("y"),
-            position.y,
-            payload.speed,
-            base.x,
-            base.HasField("y"),
-            base.y,
         )

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row target) and fix.proto; do not edit.
 # Regenerate with: roverlink generate
-"""target (2): Target from rover/msg/Target on target."""
+"""Handler of the row target: Target and rover/msg/Target."""
 
 from __future__ import annotations
 
@@ -11,15 +11,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class TargetHandler(Handler[fix_pb2.Target, Target]):
-    """Target from the topic target."""
+    """Target as rover/msg/Target.
 
-    route = Route(number=2, name="target", topic="target", direction="ros_to_board")
+    Number 2 of the envelope, ros_to_board, topic target.
+    """
+
+    route = Route(
+        number=2,
+        name="target",
+        topic="target",
+        direction="ros_to_board",
+    )
     payload_type = fix_pb2.Target
     message_type = Target
 
     @staticmethod
     def to_ros(payload: fix_pb2.Target) -> Target:
-        """The message that says what the payload says."""
+        """Convert Target to rover/msg/Target."""
         return Target(
             has_name=payload.HasField("name"),
             name=payload.name,
@@ -34,7 +42,7 @@ class TargetHandler(Handler[fix_pb2.Target, Target]):
 
     @staticmethod
     def from_ros(message: Target) -> fix_pb2.Target:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Target to Target."""
         return fix_pb2.Target(
             name=message.name if message.has_name else None,
             token=message.token if message.has_token else None,

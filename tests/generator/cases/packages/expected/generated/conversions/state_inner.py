@@ -1,6 +1,6 @@
 # Generated from mapping.yaml and rover/drive/state.proto; do not edit.
 # Regenerate with: roverlink generate
-"""State.Inner to and from rover/msg/StateInner."""
+"""Convert between the nested messages State.Inner and rover/msg/StateInner."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from generated.pb2.rover.drive import state_pb2
 
 
 def to_ros(payload: state_pb2.State.Inner) -> StateInner:
-    """The message that says what the payload says."""
-    return StateInner(y=payload.y)
+    """Convert State.Inner to rover/msg/StateInner."""
+    return StateInner(
+        y=payload.y,
+    )
 
 
 def from_ros(message: StateInner) -> state_pb2.State.Inner:
-    """The payload that says what the message says."""
-    return state_pb2.State.Inner(y=message.y)
+    """Convert rover/msg/StateInner to State.Inner."""
+    return state_pb2.State.Inner(
+        y=message.y,
+    )

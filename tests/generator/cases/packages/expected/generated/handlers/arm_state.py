@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row arm_state) and rover/arm/state.proto; do not edit.
 # Regenerate with: roverlink generate
-"""arm_state (1): State to rover/msg/ArmState on arm_state."""
+"""Handler of the row arm_state: State and rover/msg/ArmState."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from generated.handlers.inner import InnerHandler
 from generated.handlers.top import TopHandler
 from generated.messages import ArmKind, ArmState
 from generated.pb2.rover.arm import state_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Handler, Route
-
-_CDR = cdr.fixed_layout(ArmState)
 
 
 class ArmStateHandler(Handler[state_pb2.State, ArmState]):
-    """State to the topic arm_state."""
+    """State as rover/msg/ArmState.
+
+    Number 1 of the envelope, board_to_ros, topic arm_state.
+    """
 
     route = Route(
         number=1,
@@ -29,7 +29,7 @@ class ArmStateHandler(Handler[state_pb2.State, ArmState]):
 
     @staticmethod
     def to_ros(payload: state_pb2.State) -> ArmState:
-        """The message that says what the payload says."""
+        """Convert State to rover/msg/ArmState."""
         return ArmState(
             inner=InnerHandler.to_ros(payload.inner),
             common=common.to_ros(payload.common),
@@ -39,17 +39,10 @@ class ArmStateHandler(Handler[state_pb2.State, ArmState]):
 
     @staticmethod
     def from_ros(message: ArmState) -> state_pb2.State:
-        """The payload that says what the message says."""
+        """Convert rover/msg/ArmState to State."""
         return state_pb2.State(
             inner=InnerHandler.from_ros(message.inner),
             common=common.from_ros(message.common),
             top=TopHandler.from_ros(message.top),
             kind=message.kind.kind,
         )
-
-    def pack(self, payload: state_pb2.State) -> bytes:
-        """`to_ros` and its serialization in one step: the values in the order of the .msg."""
-        inner = payload.inner
-        common = payload.common
-        top = payload.top
-        return _CDR.pack(cdr.LITTLE_ENDIAN, inner.x, common.id, top.z, payload.kind)

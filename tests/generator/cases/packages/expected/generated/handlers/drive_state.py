@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row drive_state) and rover/drive/state.proto; do not edit.
 # Regenerate with: roverlink generate
-"""drive_state (2): State to rover/msg/DriveState on drive_state."""
+"""Handler of the row drive_state: State and rover/msg/DriveState."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class DriveStateHandler(Handler[state_pb2.State, DriveState]):
-    """State to the topic drive_state."""
+    """State as rover/msg/DriveState.
+
+    Number 2 of the envelope, board_to_ros, topic drive_state.
+    """
 
     route = Route(
         number=2,
@@ -25,7 +28,7 @@ class DriveStateHandler(Handler[state_pb2.State, DriveState]):
 
     @staticmethod
     def to_ros(payload: state_pb2.State) -> DriveState:
-        """The message that says what the payload says."""
+        """Convert State to rover/msg/DriveState."""
         return DriveState(
             inner=[state_inner.to_ros(item) for item in payload.inner],
             arm=ArmStateHandler.to_ros(payload.arm),
@@ -33,7 +36,7 @@ class DriveStateHandler(Handler[state_pb2.State, DriveState]):
 
     @staticmethod
     def from_ros(message: DriveState) -> state_pb2.State:
-        """The payload that says what the message says."""
+        """Convert rover/msg/DriveState to State."""
         return state_pb2.State(
             inner=[state_inner.from_ros(item) for item in message.inner],
             arm=ArmStateHandler.from_ros(message.arm),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row fix) and fix.proto; do not edit.
 # Regenerate with: roverlink generate
-"""fix (1): Fix to rover/msg/Fix on fix."""
+"""Handler of the row fix: Fix and rover/msg/Fix."""
 
 from __future__ import annotations
 
@@ -15,15 +15,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class FixHandler(Handler[fix_pb2.Fix, Fix]):
-    """Fix to the topic fix."""
+    """Fix as rover/msg/Fix.
 
-    route = Route(number=1, name="fix", topic="fix", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic fix.
+    """
+
+    route = Route(
+        number=1,
+        name="fix",
+        topic="fix",
+        direction="board_to_ros",
+    )
     payload_type = fix_pb2.Fix
     message_type = Fix
 
     @staticmethod
     def to_ros(payload: fix_pb2.Fix) -> Fix:
-        """The message that says what the payload says."""
+        """Convert Fix to rover/msg/Fix."""
         return Fix(
             altitude=payload.altitude,
             has_speed=payload.HasField("speed"),
@@ -47,7 +55,7 @@ class FixHandler(Handler[fix_pb2.Fix, Fix]):
 
     @staticmethod
     def from_ros(message: Fix) -> fix_pb2.Fix:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Fix to Fix."""
         return fix_pb2.Fix(
             altitude=message.altitude,
             speed=message.speed if message.has_speed else None,

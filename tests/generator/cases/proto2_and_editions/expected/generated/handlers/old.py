@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row old) and old.proto; do not edit.
 # Regenerate with: roverlink generate
-"""old (1): Old to rover/msg/Old on old."""
+"""Handler of the row old: Old and rover/msg/Old."""
 
 from __future__ import annotations
 
@@ -10,15 +10,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class OldHandler(Handler[old_pb2.Old, Old]):
-    """Old to the topic old."""
+    """Old as rover/msg/Old.
 
-    route = Route(number=1, name="old", topic="old", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic old.
+    """
+
+    route = Route(
+        number=1,
+        name="old",
+        topic="old",
+        direction="board_to_ros",
+    )
     payload_type = old_pb2.Old
     message_type = Old
 
     @staticmethod
     def to_ros(payload: old_pb2.Old) -> Old:
-        """The message that says what the payload says."""
+        """Convert Old to rover/msg/Old."""
         return Old(
             id=payload.id,
             has_value=payload.HasField("value"),
@@ -31,7 +39,7 @@ class OldHandler(Handler[old_pb2.Old, Old]):
 
     @staticmethod
     def from_ros(message: Old) -> old_pb2.Old:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Old to Old."""
         return old_pb2.Old(
             id=message.id,
             value=message.value if message.has_value else None,

@@ -1,3 +1,13 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The code that is compiled from the table."""
+"""The handlers and the registry that are compiled from mapping.yaml."""
+
+from __future__ import annotations
+
+from my_rover.generated.handlers import NoteHandler
+from my_rover.generated.registry import REGISTRY
+
+__all__ = [
+    "NoteHandler",
+    "REGISTRY",
+]

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row imu) and imu.proto; do not edit.
 # Regenerate with: roverlink generate
-"""imu (1): Imu to rover/msg/ImuSample on imu/sample."""
+"""Handler of the row imu: Imu and rover/msg/ImuSample."""
 
 from __future__ import annotations
 
@@ -11,15 +11,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class ImuHandler(Handler[imu_pb2.Imu, ImuSample]):
-    """Imu to the topic imu/sample."""
+    """Imu as rover/msg/ImuSample.
 
-    route = Route(number=1, name="imu", topic="imu/sample", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic imu/sample.
+    """
+
+    route = Route(
+        number=1,
+        name="imu",
+        topic="imu/sample",
+        direction="board_to_ros",
+    )
     payload_type = imu_pb2.Imu
     message_type = ImuSample
 
     @staticmethod
     def to_ros(payload: imu_pb2.Imu) -> ImuSample:
-        """The message that says what the payload says."""
+        """Convert Imu to rover/msg/ImuSample."""
         return ImuSample(
             sensor=payload.sensor_1,
             accel_x=payload.acceleration.x,
@@ -36,7 +44,7 @@ class ImuHandler(Handler[imu_pb2.Imu, ImuSample]):
 
     @staticmethod
     def from_ros(message: ImuSample) -> imu_pb2.Imu:
-        """The payload that says what the message says."""
+        """Convert rover/msg/ImuSample to Imu."""
         return imu_pb2.Imu(
             sensor_1=message.sensor,
             acceleration={"x": message.accel_x, "y": message.accel_y},

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row scalars) and scalars.proto; do not edit.
 # Regenerate with: roverlink generate
-"""scalars (1): Scalars to rover/msg/Scalars on scalars."""
+"""Handler of the row scalars: Scalars and rover/msg/Scalars."""
 
 from __future__ import annotations
 
@@ -10,15 +10,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class ScalarsHandler(Handler[scalars_pb2.Scalars, Scalars]):
-    """Scalars to the topic scalars."""
+    """Scalars as rover/msg/Scalars.
 
-    route = Route(number=1, name="scalars", topic="scalars", direction="board_to_ros")
+    Number 1 of the envelope, board_to_ros, topic scalars.
+    """
+
+    route = Route(
+        number=1,
+        name="scalars",
+        topic="scalars",
+        direction="board_to_ros",
+    )
     payload_type = scalars_pb2.Scalars
     message_type = Scalars
 
     @staticmethod
     def to_ros(payload: scalars_pb2.Scalars) -> Scalars:
-        """The message that says what the payload says."""
+        """Convert Scalars to rover/msg/Scalars."""
         return Scalars(
             a_double=payload.a_double,
             a_float=payload.a_float,
@@ -39,7 +47,7 @@ class ScalarsHandler(Handler[scalars_pb2.Scalars, Scalars]):
 
     @staticmethod
     def from_ros(message: Scalars) -> scalars_pb2.Scalars:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Scalars to Scalars."""
         return scalars_pb2.Scalars(
             a_double=message.a_double,
             a_float=message.a_float,

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Lists); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Lists."""
+"""The ROS message rover/msg/Lists."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Scalars); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Scalars."""
+"""The ROS message rover/msg/Scalars."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row lists) and moment.proto; do not edit.
 # Regenerate with: roverlink generate
-"""lists (2): Lists from rover/msg/Lists on lists."""
+"""Handler of the row lists: Lists and rover/msg/Lists."""
 
 from __future__ import annotations
 
@@ -20,15 +20,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class ListsHandler(Handler[moment_pb2.Lists, Lists]):
-    """Lists from the topic lists."""
+    """Lists as rover/msg/Lists.
 
-    route = Route(number=2, name="lists", topic="lists", direction="ros_to_board")
+    Number 2 of the envelope, ros_to_board, topic lists.
+    """
+
+    route = Route(
+        number=2,
+        name="lists",
+        topic="lists",
+        direction="ros_to_board",
+    )
     payload_type = moment_pb2.Lists
     message_type = Lists
 
     @staticmethod
     def to_ros(payload: moment_pb2.Lists) -> Lists:
-        """The message that says what the payload says."""
+        """Convert Lists to rover/msg/Lists."""
         return Lists(
             stamps=[timestamp.to_ros(item, "stamps") for item in payload.stamps],
             durations=[
@@ -47,7 +55,7 @@ class ListsHandler(Handler[moment_pb2.Lists, Lists]):
 
     @staticmethod
     def from_ros(message: Lists) -> moment_pb2.Lists:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Lists to Lists."""
         return moment_pb2.Lists(
             stamps=[timestamp.from_ros(item, "stamps") for item in message.stamps],
             durations=[

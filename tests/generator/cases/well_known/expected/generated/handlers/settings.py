@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row settings) and moment.proto; do not edit.
 # Regenerate with: roverlink generate
-"""settings (3): Settings from rover/msg/Settings on settings."""
+"""Handler of the row settings: Settings and rover/msg/Settings."""
 
 from __future__ import annotations
 
@@ -14,15 +14,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class SettingsHandler(Handler[moment_pb2.Settings, Settings]):
-    """Settings from the topic settings."""
+    """Settings as rover/msg/Settings.
 
-    route = Route(number=3, name="settings", topic="settings", direction="ros_to_board")
+    Number 3 of the envelope, ros_to_board, topic settings.
+    """
+
+    route = Route(
+        number=3,
+        name="settings",
+        topic="settings",
+        direction="ros_to_board",
+    )
     payload_type = moment_pb2.Settings
     message_type = Settings
 
     @staticmethod
     def to_ros(payload: moment_pb2.Settings) -> Settings:
-        """The message that says what the payload says."""
+        """Convert Settings to rover/msg/Settings."""
         return Settings(
             config=(
                 json_struct.to_ros(payload.config, "config")
@@ -51,7 +59,7 @@ class SettingsHandler(Handler[moment_pb2.Settings, Settings]):
 
     @staticmethod
     def from_ros(message: Settings) -> moment_pb2.Settings:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Settings to Settings."""
         return moment_pb2.Settings(
             config=(
                 json_struct.from_ros(message.config, "config")

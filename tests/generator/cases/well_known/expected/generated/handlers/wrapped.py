@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (row wrapped) and moment.proto; do not edit.
 # Regenerate with: roverlink generate
-"""wrapped (4): Wrapped to rover/msg/Wrapped on wrapped."""
+"""Handler of the row wrapped: Wrapped and rover/msg/Wrapped."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from roverlink.runtime.core.handler import Handler, Route
 
 
 class WrappedHandler(Handler[moment_pb2.Wrapped, Wrapped]):
-    """Wrapped to the topic wrapped."""
+    """Wrapped as rover/msg/Wrapped.
 
-    route = Route(number=4, name="wrapped", topic="wrapped", direction="board_to_ros")
+    Number 4 of the envelope, board_to_ros, topic wrapped.
+    """
+
+    route = Route(
+        number=4,
+        name="wrapped",
+        topic="wrapped",
+        direction="board_to_ros",
+    )
     payload_type = moment_pb2.Wrapped
     message_type = Wrapped
 
     @staticmethod
     def to_ros(payload: moment_pb2.Wrapped) -> Wrapped:
-        """The message that says what the payload says."""
+        """Convert Wrapped to rover/msg/Wrapped."""
         return Wrapped(
             has_d=payload.HasField("d"),
             d=payload.d.value,
@@ -42,7 +50,7 @@ class WrappedHandler(Handler[moment_pb2.Wrapped, Wrapped]):
 
     @staticmethod
     def from_ros(message: Wrapped) -> moment_pb2.Wrapped:
-        """The payload that says what the message says."""
+        """Convert rover/msg/Wrapped to Wrapped."""
         return moment_pb2.Wrapped(
             d=wrappers_pb2.DoubleValue(value=message.d) if message.has_d else None,
             f=wrappers_pb2.FloatValue(value=message.f),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Moment); do not edit.
 # Regenerate with: roverlink generate
-"""rover/msg/Moment."""
+"""The ROS message rover/msg/Moment."""
 
 from __future__ import annotations
 
@@ -23,14 +23,18 @@ class Moment(Message):
 
     stamp: Time = dataclasses.field(default_factory=Time)
     """When it was measured."""
+
     has_seen: Bool = False
     """Whether seen is set."""
+
     seen: Time = dataclasses.field(default_factory=Time)
     took: Duration = dataclasses.field(default_factory=Duration)
     has_left: Bool = False
     """Whether left is set."""
+
     left: Duration = dataclasses.field(default_factory=Duration)
     has_calibrated: Bool = False
     has_level: Bool = False
     """Whether level is set."""
+
     level: Float64 = 0.0

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (Note.detail); do not edit.
 # Regenerate with: roverlink generate
-"""Note.detail to and from rover/msg/NoteDetail."""
+"""Convert between Note.detail and rover/msg/NoteDetail."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from roverlink.runtime.convert.any_of import (
 
 
 def to_ros(payload: any_pb2.Any) -> NoteDetail:
-    """The message that says what the payload says."""
+    """Convert the Any to rover/msg/NoteDetail."""
     if holds(payload, note_pb2.Part):
         return NoteDetail(
             which=NoteDetail.PART,
@@ -30,7 +30,7 @@ def to_ros(payload: any_pb2.Any) -> NoteDetail:
 
 
 def from_ros(message: NoteDetail) -> any_pb2.Any:
-    """The payload that says what the message says."""
+    """Convert rover/msg/NoteDetail to the Any."""
     if message.which == NoteDetail.PART:
         return packed(part.from_ros(message.part))
     check_none(message.which, "NoteDetail")

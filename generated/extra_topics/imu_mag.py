@@ -1,28 +1,21 @@
 # Generated from mapping.yaml (row imu_info) and components/sensor_board/imu_sensor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""imu_info (13): SensorBoardIMUInfo to sensor_msgs/msg/MagneticField on imu/mag."""
+"""Handler of the topic imu/mag: SensorBoardIMUInfo and sensor_msgs/msg/MagneticField."""
 
 from __future__ import annotations
 
 from generated.interfaces import geometry_msgs, sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import imu_sensor_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.interfaces import Time
 
-_CDR = cdr.template(
-    sensor_msgs.MagneticField(header=std_msgs.Header(frame_id="imu_link")),
-    ["header.stamp", "magnetic_field"],
-)
-_UP_TO_HEADER_STAMP_SEC, _UP_TO_MAGNETIC_FIELD_X, _REST = _CDR.constants
-_PACK = _CDR.layout.pack
 
+class ImuMagTopic(Feed[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField]):
+    """One sample of the inertial measurement unit.
 
-class ImuInfoImuMagFeed(
-    Feed[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField],
-):
-    """SensorBoardIMUInfo to sensor_msgs/MagneticField on the topic imu/mag."""
+    Number 13 of the envelope, hardware_to_ros, topic imu/mag.
+    """
 
     route = Route(
         number=13,
@@ -38,7 +31,7 @@ class ImuInfoImuMagFeed(
         payload: imu_sensor_pb2.SensorBoardIMUInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.MagneticField:
-        """The message that says what the payload says."""
+        """Convert SensorBoardIMUInfo to sensor_msgs/msg/MagneticField; `stamp` is the time of receipt."""
         return sensor_msgs.MagneticField(
             header=std_msgs.Header(stamp=stamp, frame_id="imu_link"),
             magnetic_field=geometry_msgs.Vector3(
@@ -52,30 +45,12 @@ class ImuInfoImuMagFeed(
     def from_ros(
         message: sensor_msgs.MagneticField,
     ) -> imu_sensor_pb2.SensorBoardIMUInfo:
-        """The payload that says what the message says.
+        """Convert sensor_msgs/msg/MagneticField to SensorBoardIMUInfo.
 
-        It says nothing of accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z,
-        is_calibrated, state, error_code.
+        Fields of the payload that the message does not hold stay unset: accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z, is_calibrated, state, error_code.
         """
         return imu_sensor_pb2.SensorBoardIMUInfo(
             mag_x=single(message.magnetic_field.x * 1_000_000.0),
             mag_y=single(message.magnetic_field.y * 1_000_000.0),
             mag_z=single(message.magnetic_field.z * 1_000_000.0),
-        )
-
-    def pack(
-        self,
-        payload: imu_sensor_pb2.SensorBoardIMUInfo,
-        stamp: Time = UNSTAMPED,
-    ) -> bytes:
-        """`to_ros` and its serialization in one step: what varies, in the order of the .msg."""
-        return _PACK(
-            _UP_TO_HEADER_STAMP_SEC,
-            stamp.sec,
-            stamp.nanosec,
-            _UP_TO_MAGNETIC_FIELD_X,
-            payload.mag_x / 1_000_000.0,
-            payload.mag_y / 1_000_000.0,
-            payload.mag_z / 1_000_000.0,
-            _REST,
         )

@@ -1,28 +1,23 @@
 # Generated from mapping.yaml (row pressure_info) and components/sensor_board/pressure_sensor.proto; do not edit.
 # Regenerate with: roverlink generate
-"""pressure_info (15): SensorBoardPressureInfo to sensor_msgs/msg/FluidPressure on pressure/fluid_pressure."""
+"""Handler of the topic pressure/fluid_pressure: SensorBoardPressureInfo and sensor_msgs/msg/FluidPressure."""
 
 from __future__ import annotations
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import pressure_sensor_pb2
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.interfaces import Time
 
-_CDR = cdr.template(
-    sensor_msgs.FluidPressure(header=std_msgs.Header(frame_id="pressure_link")),
-    ["header.stamp", "fluid_pressure"],
-)
-_UP_TO_HEADER_STAMP_SEC, _UP_TO_FLUID_PRESSURE, _REST = _CDR.constants
-_PACK = _CDR.layout.pack
 
-
-class PressureInfoPressureFluidPressureFeed(
-    Feed[pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure],
+class PressureFluidPressureTopic(
+    Feed[pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure]
 ):
-    """SensorBoardPressureInfo to sensor_msgs/FluidPressure on the topic pressure/fluid_pressure."""
+    """One reading of a pressure sensor.
+
+    Number 15 of the envelope, hardware_to_ros, topic pressure/fluid_pressure.
+    """
 
     route = Route(
         number=15,
@@ -38,7 +33,7 @@ class PressureInfoPressureFluidPressureFeed(
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.FluidPressure:
-        """The message that says what the payload says."""
+        """Convert SensorBoardPressureInfo to sensor_msgs/msg/FluidPressure; `stamp` is the time of receipt."""
         return sensor_msgs.FluidPressure(
             header=std_msgs.Header(stamp=stamp, frame_id="pressure_link"),
             fluid_pressure=payload.pressure_kpa * 1_000.0,
@@ -48,26 +43,10 @@ class PressureInfoPressureFluidPressureFeed(
     def from_ros(
         message: sensor_msgs.FluidPressure,
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
-        """The payload that says what the message says.
+        """Convert sensor_msgs/msg/FluidPressure to SensorBoardPressureInfo.
 
-        It says nothing of sensor_index, temperature_c, voltage, is_calibrated, state,
-        error_code.
+        Fields of the payload that the message does not hold stay unset: sensor_index, temperature_c, voltage, is_calibrated, state, error_code.
         """
         return pressure_sensor_pb2.SensorBoardPressureInfo(
             pressure_kpa=single(message.fluid_pressure / 1_000.0),
-        )
-
-    def pack(
-        self,
-        payload: pressure_sensor_pb2.SensorBoardPressureInfo,
-        stamp: Time = UNSTAMPED,
-    ) -> bytes:
-        """`to_ros` and its serialization in one step: what varies, in the order of the .msg."""
-        return _PACK(
-            _UP_TO_HEADER_STAMP_SEC,
-            stamp.sec,
-            stamp.nanosec,
-            _UP_TO_FLUID_PRESSURE,
-            payload.pressure_kpa * 1_000.0,
-            _REST,
         )

@@ -1,0 +1,33 @@
+# Generated from mapping.yaml (row arm_ctrl) and components/arm_board/movement_control_in.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of ArmBoardControlSignals as comms/msg/ArmBoardControlSignals.
+
+The registry loads it; programs import `ArmCtrlHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.arm_ctrl import ArmCtrlHandler
+from generated.messages import ArmBoardControlSignals
+from generated.pb2.components.arm_board import movement_control_in_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(ArmBoardControlSignals)
+
+
+class FastArmCtrlHandler(ArmCtrlHandler):
+    """ArmCtrlHandler that converts and serializes in one step."""
+
+    def pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.control_gripper_rotation,
+            payload.control_gripper_pitch,
+            payload.control_base,
+            payload.control_jaw,
+            payload.stepper_top_ena,
+            payload.stepper_top_rev,
+            payload.stepper_bottom_ena,
+            payload.stepper_bottom_rev,
+        )

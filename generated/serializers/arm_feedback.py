@@ -1,0 +1,28 @@
+# Generated from mapping.yaml (row arm_feedback) and components/arm_board/movement_software_feedback.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of ArmBoardMovementFeedback as comms/msg/ArmBoardMovementFeedback.
+
+The registry loads it; programs import `ArmFeedbackHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.arm_feedback import ArmFeedbackHandler
+from generated.messages import ArmBoardMovementFeedback
+from generated.pb2.components.arm_board import movement_software_feedback_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(ArmBoardMovementFeedback)
+
+
+class FastArmFeedbackHandler(ArmFeedbackHandler):
+    """ArmFeedbackHandler that converts and serializes in one step."""
+
+    def pack(
+        self, payload: movement_software_feedback_pb2.ArmBoardMovementFeedback
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.arm_error,
+        )

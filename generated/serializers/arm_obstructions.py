@@ -1,0 +1,26 @@
+# Generated from mapping.yaml (row arm_obstructions) and components/arm_board/movement_software_target.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of ArmBoardObstructions as comms/msg/ArmBoardObstructions.
+
+The registry loads it; programs import `ArmObstructionsHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.arm_obstructions import ArmObstructionsHandler
+from generated.messages import ArmBoardObstructions
+from generated.pb2.components.arm_board import movement_software_target_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(ArmBoardObstructions)
+
+
+class FastArmObstructionsHandler(ArmObstructionsHandler):
+    """ArmObstructionsHandler that converts and serializes in one step."""
+
+    def pack(self, payload: movement_software_target_pb2.ArmBoardObstructions) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.obstructions_list,
+        )

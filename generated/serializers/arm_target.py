@@ -1,0 +1,33 @@
+# Generated from mapping.yaml (row arm_target) and components/arm_board/movement_software_target.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of ArmBoardTargetMovement as comms/msg/ArmBoardTargetMovement.
+
+The registry loads it; programs import `ArmTargetHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.arm_target import ArmTargetHandler
+from generated.messages import ArmBoardTargetMovement
+from generated.pb2.components.arm_board import movement_software_target_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(ArmBoardTargetMovement)
+
+
+class FastArmTargetHandler(ArmTargetHandler):
+    """ArmTargetHandler that converts and serializes in one step."""
+
+    def pack(
+        self, payload: movement_software_target_pb2.ArmBoardTargetMovement
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.target_x,
+            payload.target_y,
+            payload.target_z,
+            payload.rotation_angle,
+            payload.open_jaw,
+            payload.final_gripper_angle,
+        )

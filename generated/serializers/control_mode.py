@@ -1,0 +1,26 @@
+# Generated from mapping.yaml (row control_mode) and components/basestation/control_mode.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of BasestationControlMode as comms/msg/BasestationControlMode.
+
+The registry loads it; programs import `ControlModeHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.control_mode import ControlModeHandler
+from generated.messages import BasestationControlMode
+from generated.pb2.components.basestation import control_mode_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(BasestationControlMode)
+
+
+class FastControlModeHandler(ControlModeHandler):
+    """ControlModeHandler that converts and serializes in one step."""
+
+    def pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.mode,
+        )

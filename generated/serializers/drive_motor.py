@@ -1,0 +1,27 @@
+# Generated from mapping.yaml (row drive_motor) and components/driving_board/motor_msg.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of DrivingBoardMotorMessage as comms/msg/DrivingBoardMotorMessage.
+
+The registry loads it; programs import `DriveMotorHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.drive_motor import DriveMotorHandler
+from generated.messages import DrivingBoardMotorMessage
+from generated.pb2.components.driving_board import motor_msg_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(DrivingBoardMotorMessage)
+
+
+class FastDriveMotorHandler(DriveMotorHandler):
+    """DriveMotorHandler that converts and serializes in one step."""
+
+    def pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.distance_to_go,
+            payload.turning_radius,
+        )

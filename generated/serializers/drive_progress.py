@@ -1,0 +1,28 @@
+# Generated from mapping.yaml (row drive_progress) and components/driving_board/motor_periodic_progress.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of DrivingBoardMotorPeriodicProgress as comms/msg/DrivingBoardMotorPeriodicProgress.
+
+The registry loads it; programs import `DriveProgressHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.drive_progress import DriveProgressHandler
+from generated.messages import DrivingBoardMotorPeriodicProgress
+from generated.pb2.components.driving_board import motor_periodic_progress_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(DrivingBoardMotorPeriodicProgress)
+
+
+class FastDriveProgressHandler(DriveProgressHandler):
+    """DriveProgressHandler that converts and serializes in one step."""
+
+    def pack(
+        self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.distance_left,
+        )

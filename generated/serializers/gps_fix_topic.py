@@ -1,0 +1,55 @@
+# Generated from mapping.yaml (row gps_info) and components/sensor_board/gps_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardGPSInfo as sensor_msgs/msg/NavSatFix.
+
+The registry loads it; programs import `GpsFixTopic`.
+"""
+
+from __future__ import annotations
+
+from generated.extra_topics.gps_fix import FIX_QUALITY, GpsFixTopic
+from generated.interfaces import sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import gps_sensor_pb2
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.interfaces import Time
+
+# Fields that never change are serialized once; between them stand the bytes of the others.
+_TEMPLATE = cdr.template(
+    sensor_msgs.NavSatFix(
+        header=std_msgs.Header(frame_id="gps_link"),
+        status=sensor_msgs.NavSatStatus(service=1),
+    ),
+    [
+        "header.stamp",
+        "status.status",
+        "latitude",
+        "longitude",
+        "altitude",
+    ],
+)
+_UP_TO_HEADER_STAMP_SEC, _UP_TO_STATUS_STATUS, _UP_TO_LATITUDE, _REST = (
+    _TEMPLATE.constants
+)
+_LAYOUT = _TEMPLATE.layout
+
+
+class FastGpsFixTopic(GpsFixTopic):
+    """GpsFixTopic that converts and serializes in one step."""
+
+    def pack(
+        self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_STATUS_STATUS,
+            FIX_QUALITY[payload.fix_quality],
+            _UP_TO_LATITUDE,
+            payload.latitude,
+            payload.longitude,
+            payload.altitude,
+            _REST,
+        )

@@ -1,0 +1,58 @@
+# Generated from mapping.yaml (row imu_info) and components/sensor_board/imu_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/Imu.
+
+The registry loads it; programs import `ImuDataRawTopic`.
+"""
+
+from __future__ import annotations
+
+from generated.extra_topics.imu_data_raw import DEG_TO_RAD, ImuDataRawTopic
+from generated.interfaces import sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import imu_sensor_pb2
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.interfaces import Time
+
+# Fields that never change are serialized once; between them stand the bytes of the others.
+_TEMPLATE = cdr.template(
+    sensor_msgs.Imu(
+        header=std_msgs.Header(frame_id="imu_link"),
+        orientation_covariance=[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ),
+    [
+        "header.stamp",
+        "angular_velocity",
+        "linear_acceleration",
+    ],
+)
+(
+    _UP_TO_HEADER_STAMP_SEC,
+    _UP_TO_ANGULAR_VELOCITY_X,
+    _UP_TO_LINEAR_ACCELERATION_X,
+    _REST,
+) = _TEMPLATE.constants
+_LAYOUT = _TEMPLATE.layout
+
+
+class FastImuDataRawTopic(ImuDataRawTopic):
+    """ImuDataRawTopic that converts and serializes in one step."""
+
+    def pack(
+        self, payload: imu_sensor_pb2.SensorBoardIMUInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_ANGULAR_VELOCITY_X,
+            payload.gyro_x * DEG_TO_RAD,
+            payload.gyro_y * DEG_TO_RAD,
+            payload.gyro_z * DEG_TO_RAD,
+            _UP_TO_LINEAR_ACCELERATION_X,
+            payload.accel_x,
+            payload.accel_y,
+            payload.accel_z,
+            _REST,
+        )

@@ -1,0 +1,45 @@
+# Generated from mapping.yaml (row imu_info) and components/sensor_board/imu_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/MagneticField.
+
+The registry loads it; programs import `ImuMagTopic`.
+"""
+
+from __future__ import annotations
+
+from generated.extra_topics.imu_mag import ImuMagTopic
+from generated.interfaces import sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import imu_sensor_pb2
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.interfaces import Time
+
+# Fields that never change are serialized once; between them stand the bytes of the others.
+_TEMPLATE = cdr.template(
+    sensor_msgs.MagneticField(header=std_msgs.Header(frame_id="imu_link")),
+    [
+        "header.stamp",
+        "magnetic_field",
+    ],
+)
+_UP_TO_HEADER_STAMP_SEC, _UP_TO_MAGNETIC_FIELD_X, _REST = _TEMPLATE.constants
+_LAYOUT = _TEMPLATE.layout
+
+
+class FastImuMagTopic(ImuMagTopic):
+    """ImuMagTopic that converts and serializes in one step."""
+
+    def pack(
+        self, payload: imu_sensor_pb2.SensorBoardIMUInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_MAGNETIC_FIELD_X,
+            payload.mag_x / 1_000_000.0,
+            payload.mag_y / 1_000_000.0,
+            payload.mag_z / 1_000_000.0,
+            _REST,
+        )

@@ -1,0 +1,26 @@
+# Generated from mapping.yaml (row object_selection) and components/basestation/object_selection.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of BasestationObjectSelection as comms/msg/BasestationObjectSelection.
+
+The registry loads it; programs import `ObjectSelectionHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.object_selection import ObjectSelectionHandler
+from generated.messages import BasestationObjectSelection
+from generated.pb2.components.basestation import object_selection_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(BasestationObjectSelection)
+
+
+class FastObjectSelectionHandler(ObjectSelectionHandler):
+    """ObjectSelectionHandler that converts and serializes in one step."""
+
+    def pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.object_id,
+        )

@@ -1,0 +1,30 @@
+# Generated from mapping.yaml (row ph_info) and components/sensor_board/ph_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardPHInfo as comms/msg/SensorBoardPHInfo.
+
+The registry loads it; programs import `PhInfoHandler`.
+"""
+
+from __future__ import annotations
+
+from generated.handlers.ph_info import PhInfoHandler
+from generated.messages import SensorBoardPHInfo
+from generated.pb2.components.sensor_board import ph_sensor_pb2
+from roverlink.runtime.core import cdr
+
+_LAYOUT = cdr.fixed_layout(SensorBoardPHInfo)
+
+
+class FastPhInfoHandler(PhInfoHandler):
+    """PhInfoHandler that converts and serializes in one step."""
+
+    def pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            cdr.LITTLE_ENDIAN,
+            payload.ph_value,
+            payload.voltage,
+            payload.temperature,
+            payload.state,
+            payload.error_code,
+        )

@@ -1,0 +1,43 @@
+# Generated from mapping.yaml (row ph_info) and components/sensor_board/ph_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardPHInfo as sensor_msgs/msg/Temperature.
+
+The registry loads it; programs import `PhTemperatureTopic`.
+"""
+
+from __future__ import annotations
+
+from generated.extra_topics.ph_temperature import PhTemperatureTopic
+from generated.interfaces import sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import ph_sensor_pb2
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.interfaces import Time
+
+# Fields that never change are serialized once; between them stand the bytes of the others.
+_TEMPLATE = cdr.template(
+    sensor_msgs.Temperature(header=std_msgs.Header(frame_id="ph_link")),
+    [
+        "header.stamp",
+        "temperature",
+    ],
+)
+_UP_TO_HEADER_STAMP_SEC, _UP_TO_TEMPERATURE, _REST = _TEMPLATE.constants
+_LAYOUT = _TEMPLATE.layout
+
+
+class FastPhTemperatureTopic(PhTemperatureTopic):
+    """PhTemperatureTopic that converts and serializes in one step."""
+
+    def pack(
+        self, payload: ph_sensor_pb2.SensorBoardPHInfo, stamp: Time = UNSTAMPED
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_TEMPERATURE,
+            payload.temperature,
+            _REST,
+        )

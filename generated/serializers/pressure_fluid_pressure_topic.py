@@ -1,0 +1,45 @@
+# Generated from mapping.yaml (row pressure_info) and components/sensor_board/pressure_sensor.proto; do not edit.
+# Regenerate with: roverlink generate
+"""Fast serialization of SensorBoardPressureInfo as sensor_msgs/msg/FluidPressure.
+
+The registry loads it; programs import `PressureFluidPressureTopic`.
+"""
+
+from __future__ import annotations
+
+from generated.extra_topics.pressure_fluid_pressure import PressureFluidPressureTopic
+from generated.interfaces import sensor_msgs, std_msgs
+from generated.pb2.components.sensor_board import pressure_sensor_pb2
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.interfaces import Time
+
+# Fields that never change are serialized once; between them stand the bytes of the others.
+_TEMPLATE = cdr.template(
+    sensor_msgs.FluidPressure(header=std_msgs.Header(frame_id="pressure_link")),
+    [
+        "header.stamp",
+        "fluid_pressure",
+    ],
+)
+_UP_TO_HEADER_STAMP_SEC, _UP_TO_FLUID_PRESSURE, _REST = _TEMPLATE.constants
+_LAYOUT = _TEMPLATE.layout
+
+
+class FastPressureFluidPressureTopic(PressureFluidPressureTopic):
+    """PressureFluidPressureTopic that converts and serializes in one step."""
+
+    def pack(
+        self,
+        payload: pressure_sensor_pb2.SensorBoardPressureInfo,
+        stamp: Time = UNSTAMPED,
+    ) -> bytes:
+        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        return _LAYOUT.pack(
+            _UP_TO_HEADER_STAMP_SEC,
+            stamp.sec,
+            stamp.nanosec,
+            _UP_TO_FLUID_PRESSURE,
+            payload.pressure_kpa * 1_000.0,
+            _REST,
+        )

@@ -1,0 +1,37 @@
+"""The import statements of a generated module, in isort's order: black does not sort them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+Import = tuple[str, str]
+"""A module, and a name that is imported from it."""
+
+
+def import_lines(imports: Iterable[Import]) -> list[str]:
+    """Return one statement for each module; those of protobuf's library stand in a block before the others."""
+    names: dict[str, set[str]] = {}
+    aliased = set()
+    for module, name in imports:
+        if " as " in name:  # isort gives an alias a statement of its own
+            aliased.add((module, name))
+        else:
+            names.setdefault(module, set()).add(name)
+    statements = [(module, ", ".join(sorted(found, key=_member_order))) for module, found in names.items()]
+    statements = sorted([*statements, *aliased], key=lambda statement: [natural_order(part) for part in statement])
+    lines = [f"from {module} import {imported}" for module, imported in statements]
+    google = [line for line in lines if line.startswith("from google.")]
+    ours = [line for line in lines if line not in google]
+    return [*google, "", *ours] if google and ours else lines
+
+
+def _member_order(name: str) -> tuple[int, list[tuple[str, int]]]:
+    """Return isort's sort key of an imported name: constants come first, then classes, then the others."""
+    kind = 0 if name.isupper() and len(name) > 1 else 1 if name[:1].isupper() else 2
+    return kind, natural_order(name)
+
+
+def natural_order(name: str) -> list[tuple[str, int]]:
+    """Return a sort key by which digits count as numbers: ``UInt8`` comes before ``UInt32``."""
+    return [(text.lower(), int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", name)]

@@ -1,0 +1,266 @@
+"""The Python expressions that fill a standard message from a payload, and recover the payload's fields from it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
+from roverlink.generator.emit.targets.python import interfaces
+from roverlink.generator.emit.targets.python.expressions import Argument, mapping
+from roverlink.generator.emit.targets.python.imports import Import
+from roverlink.generator.ir import Feed
+from roverlink.generator.ir.interfaces import (
+    Case,
+    Chosen,
+    Constant,
+    InterfaceType,
+    Moment,
+    Parts,
+    Path,
+    Recovered,
+    Rotation,
+    Source,
+    Taken,
+    TargetField,
+    Unset,
+    Value,
+)
+
+_NANOSECONDS = 1_000_000_000  # in a second
+_PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", constant="{name}")
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The counterparts of an enum's values."""
+
+    name: str
+    field: str
+    """The payload's field, as errors name it."""
+    cases: tuple[tuple[int, str, str], ...]
+    """Number, counterpart and name of each value."""
+
+
+@dataclass(frozen=True, slots=True)
+class InverseTable:
+    """A table read in the other direction."""
+
+    name: str
+    of: str
+    field: str
+    """The message's field, as errors name it."""
+
+
+class StandardSpeller:
+    """Spells one standard message, and collects the constants, tables and imports that the expressions need."""
+
+    def __init__(self, feed: Feed, generated: str) -> None:
+        self._feed, self._generated = feed, generated
+        self._arithmetic = Arithmetic(_PYTHON)
+        self.tables: dict[str, Table] = {}
+        self.inverse_tables: dict[str, InverseTable] = {}
+        self.imports: set[Import] = {interfaces.import_of(feed.message, generated)}
+        self.takes_stamp = False
+        """True as soon as a value is the time of receipt."""
+
+    @property
+    def constants(self) -> Mapping[str, str]:
+        """The names and expressions of the factors with pi."""
+        return self._arithmetic.constants
+
+    # --- to ROS ---
+
+    def arguments(self, fields: Iterable[TargetField], *, varying: bool = True) -> tuple[Argument, ...]:
+        """Spell the arguments of a message's class; without ``varying`` only those that never change."""
+        found = ((field.name, self._argument(field, varying)) for field in fields)
+        return tuple(Argument(name, value) for name, value in found if value)
+
+    def _argument(self, field: TargetField, varying: bool) -> str:
+        """Spell a field's value; empty where it keeps its default."""
+        value = field.value
+        if isinstance(value, Parts):
+            parts = self.arguments(value.fields, varying=varying)
+            inside = ", ".join(f"{part.name}={part.value}" for part in parts)
+            return self._made(field.type.name, inside) if inside or varying else ""
+        if isinstance(value, Constant):
+            return _constant(value.value, field.type)
+        if isinstance(value, Unset) or not varying:
+            return ""
+        if isinstance(value, Rotation):
+            return self._made(field.type.name, f"*{self.rotation(value)}")
+        if isinstance(value, Moment):
+            return self._receipt() if value.source is None else self._made(field.type.name, f"*{self.moment(value)}")
+        return self.value(value)
+
+    def _receipt(self) -> str:
+        self.takes_stamp = True
+        return "stamp"
+
+    def _made(self, message: str, arguments: str) -> str:
+        self.imports.add(interfaces.import_of(message, self._generated))
+        return f"{interfaces.reference(message)}({arguments})"
+
+    def value(self, value: Taken | Chosen) -> str:
+        """Spell what one field of the payload becomes."""
+        if isinstance(value, Chosen):
+            return self._chosen(value)
+        if value.source.repeated:
+            items = self.items(value)
+            return items if items.startswith("[") else f"list({items})"
+        taken = self._scaled(value, _payload(value.source))
+        if value.default is None:
+            return taken
+        *holders, name = value.source.path
+        return f'{taken} if {".".join(("payload", *holders))}.HasField("{name}") else {_literal(value.default)}'
+
+    def items(self, value: Taken) -> str:
+        """Spell the values of a repeated field, as something to iterate over."""
+        source, item = _payload(value.source), self._scaled(value, "item")
+        return source if item == "item" else f"[{item} for item in {source}]"
+
+    def _scaled(self, value: Taken, text: str) -> str:
+        whole = value.source.is_integer and value.scaling.is_whole
+        scaled = self._arithmetic.forth(text, value.scaling, whole=whole)
+        return f"round({scaled})" if value.rounded else scaled
+
+    def _chosen(self, value: Chosen) -> str:
+        name = self._table(value)
+        if value.default is None:
+            return f"{name}[{_payload(value.source)}]"
+        default = self._case(value.default, value.holder)
+        return f"{name}.get({_payload(value.source)}, {default})"
+
+    def _table(self, value: Chosen) -> str:
+        """Return the name of the table of an enum's counterparts."""
+        self.imports |= {
+            ("roverlink.runtime.core.feed", "Counterparts"),
+            interfaces.import_of(value.holder, self._generated),
+        }
+        cases = tuple((case.number, self._case(case, value.holder), case.name) for case in value.cases)
+        name = "_".join(value.source.path).upper()
+        while (table := Table(name, value.source.dotted, cases)) != self.tables.setdefault(name, table):
+            name += "_"
+        return name
+
+    def _case(self, case: Case, holder: str) -> str:
+        return f"{interfaces.reference(holder)}.{case.constant}" if case.constant else _literal(case.value)
+
+    def rotation(self, value: Rotation) -> str:
+        """Spell a quaternion: a call that returns x, y, z and w."""
+        self.imports.add(("roverlink.runtime.convert", "rotations"))
+        parts = (value.roll, value.pitch, value.yaw)
+        angles = [_literal(part.value) if isinstance(part, Constant) else self.value(part) for part in parts]
+        return f"rotations.quaternion({', '.join(angles)})"
+
+    def moment(self, value: Moment) -> str:
+        """Spell the time that a field holds: a call that returns seconds and nanoseconds."""
+        source = value.source
+        text = _payload(source) if source else ""
+        whole = source is not None and source.is_integer and value.nanoseconds.denominator == 1
+        scaled = text if value.nanoseconds == 1 else f"{text} * {_PYTHON.number(value.nanoseconds, whole=whole)}"
+        return f"divmod({scaled if whole else f'round({scaled})'}, {_NANOSECONDS:_})"
+
+    # --- from ROS ---
+
+    def angles(self) -> Iterator[tuple[str, str]]:
+        """Return the assignments that ``from_ros`` starts with: the angles of quaternions."""
+        for index, recovered in enumerate(self._feed.recovered):
+            if isinstance(recovered.value, Rotation):
+                self.imports.add(("roverlink.runtime.convert", "rotations"))
+                names = [name if isinstance(part, Taken) else f"_{name}" for part, name in _angles(recovered, index)]
+                yield ", ".join(names), f"rotations.angles({_message(recovered.path)})"
+
+    def recovered(self) -> tuple[Argument, ...]:
+        """Spell the arguments of the payload's class."""
+        found: dict[Path, str] = {}
+        for index, recovered in enumerate(self._feed.recovered):
+            for source, value in self._recovered(recovered, index):
+                found.setdefault(source.path, value)
+        return tuple(Argument(*entry) for entry in _nested(sorted(found.items(), key=lambda pair: pair[0][:-1]), 0))
+
+    def _recovered(self, recovered: Recovered, index: int) -> Iterator[tuple[Source, str]]:
+        value, text = recovered.value, _message(recovered.path)
+        if isinstance(value, Rotation):
+            for part, name in _angles(recovered, index):
+                if isinstance(part, Taken):
+                    yield part.source, self._unscaled(part, name, "float64")
+        elif isinstance(value, Taken):
+            yield value.source, self._unscaled(value, text, recovered.type.name)
+        elif isinstance(value, Chosen):
+            table = self._table(value)
+            inverse = InverseTable(f"{table}_BACK", table, ".".join(recovered.path))
+            self.inverse_tables[inverse.name] = inverse
+            yield value.source, f"{inverse.name}[{text}]"
+        elif value.source:
+            self.imports.add(("roverlink.runtime.core.feed", "nanoseconds"))
+            yield value.source, _unscaled_time(value.source, value.nanoseconds, f"nanoseconds({text})")
+
+    def _unscaled(self, value: Taken, text: str, type: str) -> str:
+        source, scaling = value.source, value.scaling
+        item = "item" if source.repeated else text
+        whole = source.is_integer and scaling.is_whole and abs(scaling.factor) == 1 and not type.startswith("float")
+        back = self._arithmetic.back(item, scaling, whole=whole)
+        if source.is_integer and not whole:
+            back = f"round({back})"
+        elif source.type == "float32" and (type == "float64" or not scaling.is_identity):
+            self.imports.add(("roverlink.runtime.core.feed", "single"))
+            back = f"single({back})"
+        if not source.repeated:
+            return back
+        return text if back == "item" else f"[{back} for item in {text}]"
+
+
+def _angles(recovered: Recovered, index: int) -> Iterator[tuple[Taken | Constant, str]]:
+    """Return the three angles of a rotation with the names of their variables; ``index`` tells rotations apart."""
+    rotation = recovered.value
+    if isinstance(rotation, Rotation):
+        parts = (rotation.roll, rotation.pitch, rotation.yaw)
+        yield from zip(parts, (f"{angle}{index or ''}" for angle in ("roll", "pitch", "yaw")))
+
+
+def _nested(found: list[tuple[Path, str]], depth: int) -> Iterator[tuple[str, str]]:
+    """Spell fields by their paths; those of a nested message are one mapping."""
+    for name, group in itertools.groupby(found, lambda pair: pair[0][depth]):
+        members = list(group)
+        if len(members[0][0]) == depth + 1:
+            yield name, members[0][1]
+        else:
+            yield name, mapping(_nested(members, depth + 1))
+
+
+def _unscaled_time(source: Source, nanoseconds: Fraction, text: str) -> str:
+    if nanoseconds == 1:
+        return text
+    if not source.is_integer:
+        return f"{text} / {_PYTHON.number(nanoseconds, whole=False)}"
+    if nanoseconds.denominator == 1:
+        return f"{text} // {_PYTHON.number(nanoseconds, whole=True)}"
+    return f"round({text} / {_PYTHON.number(nanoseconds, whole=False)})"
+
+
+def _payload(source: Source) -> str:
+    return ".".join(("payload", *source.path))
+
+
+def _message(path: Path) -> str:
+    return ".".join(("message", *path))
+
+
+def _constant(value: Value, type: InterfaceType) -> str:
+    if not isinstance(value, tuple):
+        return _literal(value)
+    if type.name == "uint8":
+        return f"bytes([{', '.join(map(str, value))}])" if any(value) else f"bytes({len(value)})"
+    if len(set(value)) == 1 and len(value) > 1:
+        return f"[{_literal(value[0])}] * {len(value)}"
+    return f"[{', '.join(map(_literal, value))}]"
+
+
+def _literal(value: object) -> str:
+    if isinstance(value, float) and not math.isfinite(value):
+        return "math.nan" if math.isnan(value) else ("math.inf" if value > 0 else "-math.inf")
+    return repr(value)
