@@ -13,7 +13,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-cases",
         action="store_true",
-        help="write the expectations of tests/generator/cases/ and of screens anew, to be reviewed as a diff",
+        help="write the expectations of golden cases and of screens anew, to be reviewed as a diff",
     )
 
 
