@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NO_OPENCV
 
-cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed: pip install 'roverlink[vision]'")
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 
 from bench.vision.browser import PATIENCE_S  # noqa: E402  # below what skips where it is not needed
 from bench.vision.moving_board import LENS, pictures  # noqa: E402

@@ -12,12 +12,13 @@ from typing import Any
 
 import pytest
 import yaml
+from needs import NO_DDS
 
 sys.path.append(str(Path(__file__).parents[1] / "generator"))
 
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
-pytest.importorskip("cyclonedds", reason="Cyclone DDS has no wheel for this machine")
+pytest.importorskip("cyclonedds", reason=NO_DDS)
 
 Start = Callable[..., Any]
 

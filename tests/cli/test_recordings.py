@@ -14,6 +14,7 @@ from typing import Any
 
 import pyarrow.parquet
 import pytest
+from needs import needs_dds
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
@@ -25,9 +26,6 @@ from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 
-_NEEDS_DDS = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
 _FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 _COUNT = 40
 
@@ -106,7 +104,7 @@ def test_a_bridge_that_cannot_start_leaves_no_recording(
     assert list(tmp_path.iterdir()) == []
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_what_goes_to_the_boards_is_recorded(start: Start, done: Start, tmp_path: Path) -> None:
     """A command on a topic is in the recording as it was heard, and as the datagram that it became."""
     path = tmp_path / "run.mcap"
@@ -153,7 +151,7 @@ def test_a_replay_begins_again_until_it_is_interrupted(run: Path, start: Start, 
     assert program.interrupt()[0] == 0
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_topics_are_replayed_over_dds(run: Path, start: Start, done: Start) -> None:
     """As ros, nodes hear the topics of the run."""
     listener = start("echo", "imu_data", "--json", "--count", _COUNT, "--middleware", "dds")

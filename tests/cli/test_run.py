@@ -15,14 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import needs_dds
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.simulation.payloads import payload_at
 
-_NEEDS_DDS = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
 _FREE_PORT = ("-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 
 Start = Callable[..., Any]
@@ -52,7 +50,7 @@ def _imu(number: float = 1.0) -> bytes:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=_NEEDS_DDS)])
+@pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: str, number: signal.Signals) -> None:
     """SIGINT and SIGTERM end it with exit code 0 and the account, after what had arrived was handled."""
     basestation = f"dst_a_port:={peer.getsockname()[1]}"
@@ -72,7 +70,7 @@ def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: s
     assert program.wait_for("received 5, published 2").startswith("[INFO]")
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_it_ends_whatever_the_middleware_still_has_to_free(start: Start) -> None:
     """Stopped in the middle of traffic over DDS, it does not hang in what Python tears down last."""
@@ -158,7 +156,7 @@ def test_the_log_level_silences_it(start: Start, peer: socket.socket) -> None:
     assert program.errors == []
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_names_are_remapped_on_the_wire(start: Start) -> None:
     """Namespace, node name and topics are those of the command line, as another program sees them."""
     program = start(
@@ -191,7 +189,7 @@ with open_middleware("dds", NodeIdentity("hung")) as middleware:
 """
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_a_subscriber_that_hangs_does_not_keep_it_from_stopping(start: Start, environment: dict[str, str]) -> None:
     """Where a reliable subscriber does not acknowledge, stopping takes no longer."""
     program = start("run", "--middleware", "dds", "--json", "--ros-args", *_FREE_PORT)
@@ -292,7 +290,7 @@ def test_a_params_file_is_obeyed(start: Start, peer: socket.socket, tmp_path: Pa
     assert program.interrupt()[0] == 0
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_a_wrong_domain_is_told(done: Start) -> None:
     """A ROS_DOMAIN_ID that cannot be is exit code 2."""
     code, _, errors = done("run", "--middleware", "dds", "--ros-args", *_FREE_PORT, ROS_DOMAIN_ID="mars")
@@ -306,7 +304,7 @@ def test_a_project_without_generated_code_is_told(done: Start, tmp_path: Path) -
     assert errors == f"roverlink: no generated code in {tmp_path}; run `roverlink generate` there"
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_echo_knows_the_standard_messages_that_a_row_feeds(start: Start) -> None:
     """What a board says over UDP is printed, over DDS, as the standard message in its units; no type has to be said."""

@@ -17,14 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import needs_dds
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Qos
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
-pytestmark = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
+pytestmark = needs_dds
 
 Start = Callable[..., Any]
 _DRIVE = REGISTRY.by_name["drive_motor"]
@@ -224,7 +223,7 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not shutil.which("gcc"), reason="the library that moves the clock is built with gcc")
+@pytest.mark.skipif(not shutil.which("gcc"), reason="need gcc (apt-get install gcc)")
 @pytest.mark.parametrize("by", [3600, -3600])
 def test_a_clock_that_jumps_stops_nobody_and_keeps_nobody_going(
     start: Start, board: _Board, tmp_path: Path, by: int

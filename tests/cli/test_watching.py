@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 import websockets
+from needs import needs_dds
 from prometheus_client.parser import text_string_to_metric_families
 
 from generated.messages import ImuSensorInformation
@@ -27,9 +28,6 @@ from roverlink.runtime.recording.message_definitions import definition_of
 
 Start = Callable[..., Any]
 
-_NEEDS_DDS = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
 _FREE_PORT = ("--ros-args", "-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 
 
@@ -56,7 +54,7 @@ class _Board:
         self._thread.join()
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
     """Once a second, as diagnostic_msgs, with no option at all; `--no-diagnostics` is silent."""
     with _Board(start("run", "--middleware", "dds", *_FREE_PORT)):
@@ -80,7 +78,7 @@ def test_diagnostics_are_heard_by_anybody(start: Start, done: Start) -> None:
     assert int(imu["count"]) > 0
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_top_shows_the_bridge(start: Start, done: Start) -> None:
     """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
     program = start("run", "--middleware", "dds", *_FREE_PORT)

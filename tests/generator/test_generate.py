@@ -223,7 +223,7 @@ def test_check_before_the_first_run(tmp_path: Path) -> None:
     assert snapshot(project) == before
 
 
-@pytest.mark.skipif(shutil.which("git") is None, reason="git applies the diff")
+@pytest.mark.skipif(shutil.which("git") is None, reason="need git (apt-get install git)")
 def test_the_diff_of_check_is_the_cure(project: Path) -> None:
     """Applied as a patch, the diff makes the project what the table says."""
     (project / "generated" / "handlers" / "leg.py").write_text(f"{_HEADER}x = 1\n")
@@ -252,7 +252,7 @@ _ROOT = os.geteuid() == 0
 _WITHOUT_PRIVILEGES = ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"] if _ROOT else []
 
 
-@pytest.mark.skipif(_ROOT and shutil.which("setpriv") is None, reason="root writes anywhere")
+@pytest.mark.skipif(_ROOT and shutil.which("setpriv") is None, reason="need setpriv, or a user other than root")
 def test_a_read_only_folder_is_a_finding(project: Path) -> None:
     """A folder that may not be written to is named, and nothing is left half-done."""
     before = snapshot(_changed(project))

@@ -16,6 +16,7 @@ sys.path.insert(0, str(_HERE))
 
 from building import missing  # noqa: E402
 from golden import case  # noqa: E402
+from needs import NO_ROS  # noqa: E402
 
 _CASES = [
     *(
@@ -36,7 +37,7 @@ _CASES = [
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(bool(missing()), reason="no libprotobuf, Fast CDR or rosidl; see tests/ros/debian-packages")
+@pytest.mark.skipif(bool(missing()), reason=NO_ROS)
 @pytest.mark.parametrize("name", _CASES)
 def test_cpp_handlers_give_what_python_handlers_give(name: str, tmp_path: Path) -> None:
     """Any payload becomes the same serialized message, any message the same payload; both refuse the same."""

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from golden import ROOT, compiled, passing_cases
+from needs import NO_ROS
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
@@ -76,7 +77,7 @@ def test_rosidl_reads_every_message_as_it_is_meant(projects: dict[str, Compiled]
     """ROS 2's own adapter and parser find the same fields, and the constants with their values."""
     has = subprocess.run([_SYSTEM_PYTHON, "-c", "import rosidl_adapter, rosidl_parser"], capture_output=True)
     if not _SYSTEM_PYTHON.exists() or has.returncode:
-        pytest.skip("rosidl is not installed (Debian: python3-rosidl)")
+        pytest.skip(NO_ROS)
     for folder, one in projects.items():
         reader = [_SYSTEM_PYTHON, Path(__file__).with_name("rosidl_reads.py")]
         done = subprocess.run(reader, input=json.dumps(_texts(one)), capture_output=True, text=True)
