@@ -85,7 +85,7 @@ class Network:
             return "tc is not installed"
         command = [tc, "-n", namespace, "qdisc", "replace", "dev", "cable", "root", "netem", *netem]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        return "" if done.returncode == 0 else f"this kernel has no netem: {done.stderr.strip()}"
+        return "" if done.returncode == 0 else f"need netem in the kernel: {done.stderr.strip()}"
 
 
 def _join(namespace: str) -> None:
