@@ -7,14 +7,11 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-
-PATIENCE_S = 60.0
-"""Far longer than anything takes, on a machine that is busy with other things."""
+from polling import PATIENCE_S, wait_until
 
 _REPOSITORY = Path(__file__).parents[2]
 
@@ -48,18 +45,16 @@ class Program:
 
     def wait_for(self, text: str, lines: list[str] | None = None) -> str:
         """The first line of its standard error, or of other lines of its, that has a text in it."""
-        deadline = time.monotonic() + PATIENCE_S
         where = self.errors if lines is None else lines
-        while True:
-            ended = self._process.poll() is not None
-            if ended:
+
+        def line_with_text() -> str | None:
+            if ended := self._process.poll() is not None:
                 self._join()
-            for line in list(where):
-                if text in line:
-                    return line
-            assert not ended, f"ended with {self._process.returncode} and no {text!r}:\n{self}"
-            assert time.monotonic() < deadline, f"no {text!r} in {PATIENCE_S:.0f} s:\n{self}"
-            time.sleep(0.005)
+            found = next((line for line in list(where) if text in line), None)
+            assert found or not ended, f"ended with {self._process.returncode} and no {text!r}:\n{self}"
+            return found
+
+        return wait_until(line_with_text, repr(text)) or ""
 
     def send_signal(self, number: signal.Signals) -> None:
         """Send it a signal."""
@@ -82,13 +77,11 @@ class Program:
             self._join()
             pytest.fail(f"it has not ended after {PATIENCE_S:.0f} s:\n{self}")
 
-    def interrupt(self, number: signal.Signals = signal.SIGINT) -> tuple[int, float]:
-        """Stop it as an operator does; its exit code, and how long it took."""
-        start = time.monotonic()
+    def interrupt(self, number: signal.Signals = signal.SIGINT) -> int:
+        """Stop it as an operator does; its exit code."""
         self.send_signal(number)
         code = self._wait()
-        took = time.monotonic() - start
-        return self.end() if code == 0 else code, took
+        return self.end() if code == 0 else code
 
     def _join(self) -> None:
         for reader in self._readers:

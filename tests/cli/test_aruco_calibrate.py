@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NO_OPENCV
 
 from roverlink.__main__ import main
 
-cv2 = pytest.importorskip("cv2")
-np = pytest.importorskip("numpy")
-pypdfium2 = pytest.importorskip("pypdfium2")
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
+pypdfium2 = pytest.importorskip("pypdfium2", reason="need pypdfium2 (pip install pypdfium2)")
 
 from roverlink.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
 from roverlink.vision.calibration import BoardDetector, CharucoBoard  # noqa: E402

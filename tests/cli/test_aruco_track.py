@@ -12,11 +12,12 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NO_OPENCV, needs_dds
+from polling import PATIENCE_S, wait_until
 
 from generated.messages import BasestationRoverLocalization
 from generated.registry import REGISTRY
@@ -25,16 +26,14 @@ from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
-from tests.cli.conftest import PATIENCE_S
 
-cv2 = pytest.importorskip("cv2")
-np = pytest.importorskip("numpy")
+cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
+np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
 from roverlink.demo.field import SIDE, Film, landmarks, render_film, write_field  # noqa: E402  # they need OpenCV
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs  # noqa: E402
 
 _FRAMES = 6
-_NEEDS_DDS = pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")
 
 Start = Callable[..., Any]
 
@@ -253,13 +252,10 @@ class Listener:
 
     def wait(self, least: int) -> None:
         """Wait until every topic has said so much."""
-        deadline = time.monotonic() + PATIENCE_S
-        while min(map(len, self.heard.values())) < least:
-            assert time.monotonic() < deadline, {topic: len(kept) for topic, kept in self.heard.items()}
-            time.sleep(0.01)
+        wait_until(lambda: min(map(len, self.heard.values())) >= least, f"{least} messages of each topic")
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.usefixtures("own_domain")
 def test_ros_2_hears_what_is_seen(field: Field) -> None:
     """Over DDS each topic has its message, under the names that were asked for, stamped with the time of the frame."""
@@ -293,7 +289,7 @@ def test_ros_2_hears_what_is_seen(field: Field) -> None:
     assert image.shape == (480, 640, 3)
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_the_basestation_hears_where_the_rover_is(field: Field, start: Start) -> None:
     """From the camera's frames over ROS 2 and the bridge to the basestation's UDP port, as programs of their own."""
@@ -308,9 +304,9 @@ def test_the_basestation_hears_where_the_rover_is(field: Field, start: Start) ->
             envelope = REGISTRY.envelope.FromString(basestation.recv(2000))
             place = envelope.rover_localization
             assert min(field.off(number, (place.x, place.y, place.z)) for number in range(_FRAMES)) < 0.01
-        assert tracker.interrupt()[0] == 0
+        assert tracker.interrupt() == 0
         assert "of them with landmarks (10, 7, 8, 9)" in str(tracker)
-        assert bridge.interrupt()[0] == 0
+        assert bridge.interrupt() == 0
 
 
 # --- which source -----------------------------------------------------------------------------------------------

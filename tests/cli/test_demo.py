@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import needs_dds
 from rich.console import Console
 
 from generated.registry import REGISTRY
@@ -36,13 +37,7 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]
     "middleware",
     [
         pytest.param("memory", marks=pytest.mark.slow),
-        pytest.param(
-            "dds",
-            marks=pytest.mark.skipif(
-                not importlib.util.find_spec("cyclonedds"),
-                reason="Cyclone DDS has no wheel for this machine",
-            ),
-        ),
+        pytest.param("dds", marks=needs_dds),
     ],
 )
 def test_every_message_crosses(done: Start, middleware: str) -> None:

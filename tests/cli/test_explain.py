@@ -63,7 +63,7 @@ def test_the_json_is_the_same_whatever_the_hash_seed(done: Start) -> None:
 def test_the_history_of_the_number(done: Start) -> None:
     """With --history, the commits by which it came are told."""
     if not (_ROOT / ".git").exists():
-        pytest.skip("there is no repository here")
+        pytest.skip("need the history of this repository (git clone)")
     code, said, _ = done("explain", "imu_info", "--history")
     assert code == 0
     assert "history    SensorBoardIMUInfo imu_info, since " in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -15,14 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import needs_dds
+from polling import wait_until
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.simulation.payloads import payload_at
 
-_NEEDS_DDS = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
 _FREE_PORT = ("-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 
 Start = Callable[..., Any]
@@ -47,12 +47,20 @@ def _send(port: int, *datagrams: bytes) -> None:
             sock.sendto(datagram, ("127.0.0.1", port))
 
 
+def _send_until(port: int, datagram: bytes, condition: Callable[[], object]) -> None:
+    def holds() -> object:
+        _send(port, datagram)
+        return condition()
+
+    wait_until(holds, "what the datagram causes")
+
+
 def _imu(number: float = 1.0) -> bytes:
     return REGISTRY.envelope(imu_info={"accel_x": number}).SerializeToString()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=_NEEDS_DDS)])
+@pytest.mark.parametrize("middleware", ["memory", pytest.param("dds", marks=needs_dds)])
 def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: str, number: signal.Signals) -> None:
     """SIGINT and SIGTERM end it with exit code 0 and the account, after what had arrived was handled."""
     basestation = f"dst_a_port:={peer.getsockname()[1]}"
@@ -61,9 +69,7 @@ def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: s
     sent = [_imu(), b"\xff", REGISTRY.envelope(arm_ctrl={}).SerializeToString(), bytes.fromhex("ca01"), _imu(2.0)]
     _send(port, *sent)
     assert [peer.recv(2000), peer.recv(2000)] == [sent[0], sent[4]]
-    code, took = program.interrupt(number)
-    assert code == 0
-    assert took < 10  # some 0.1 s, where the machine has nothing else to do
+    assert program.interrupt(number) == 0
     account = json.loads(program.output[-1])
     assert account["received"] == 5
     assert account["by_payload"]["published"] == {"imu_info": 2}
@@ -72,7 +78,7 @@ def test_a_signal_stops_it_well(start: Start, peer: socket.socket, middleware: s
     assert program.wait_for("received 5, published 2").startswith("[INFO]")
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_it_ends_whatever_the_middleware_still_has_to_free(start: Start) -> None:
     """Stopped in the middle of traffic over DDS, it does not hang in what Python tears down last."""
@@ -80,9 +86,7 @@ def test_it_ends_whatever_the_middleware_still_has_to_free(start: Start) -> None
         program = start("run", "--middleware", "dds", "--ros-args", *_FREE_PORT)
         port = _port(program)
         _send(port, *[_imu()] * 2000)
-        code, took = program.interrupt(signal.SIGINT)
-        assert code == 0
-        assert took < 10
+        assert program.interrupt(signal.SIGINT) == 0
 
 
 def test_json_says_when_it_is_ready(start: Start) -> None:
@@ -96,7 +100,7 @@ def test_json_says_when_it_is_ready(start: Start) -> None:
         "messages": len(REGISTRY.handlers),
         "fingerprint": REGISTRY.fingerprint,
     }
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0
 
 
 def test_other_commands_take_no_ros_arguments(capsys: pytest.CaptureFixture[str]) -> None:
@@ -113,7 +117,7 @@ def test_impatient_signals_do_no_harm(start: Start) -> None:
     _port(program)
     for _ in range(50):
         program.send_signal(signal.SIGINT)
-        time.sleep(0.001)
+        time.sleep(0.001)  # or the kernel makes one signal of them
     assert program.end() == 0
 
 
@@ -124,7 +128,7 @@ def test_without_json_nothing_goes_to_standard_output(start: Start) -> None:
     assert re.fullmatch(
         r"\[INFO\] \[\d+\.\d{6}\] \[udp_forwarder\]: /udp_forwarder bridges 21 messages on UDP port \d+", line
     )
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0
     assert program.output == []
 
 
@@ -134,7 +138,7 @@ def test_warnings_name_what_is_wrong(start: Start) -> None:
     _send(_port(program), REGISTRY.envelope(drive_motor={}).SerializeToString())
     line = program.wait_for("drive_motor (9) goes ros_to_hardware")
     assert re.match(r"\[WARN\] \[\d+\.\d{6}\] \[bridge\]: dropped: ", line)
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0
 
 
 def test_the_log_level_silences_it(start: Start, peer: socket.socket) -> None:
@@ -145,20 +149,21 @@ def test_the_log_level_silences_it(start: Start, peer: socket.socket) -> None:
         port = sock.getsockname()[1]
     arguments = ("-p", f"listen_port:={port}", "-p", basestation, "--log-level", "error")
     program = start("run", "--middleware", "memory", "--ros-args", *arguments)
-    peer.settimeout(0.05)
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:  # it says nothing when it is ready
-        _send(port, b"\xff", _imu())
-        try:
-            peer.recv(2000)
-        except TimeoutError:
-            continue
-        break
-    assert program.interrupt()[0] == 0
+    peer.setblocking(False)
+
+    def forwarded() -> bytes:
+        with contextlib.suppress(BlockingIOError):
+            return peer.recv(2000)
+        return b""
+
+    _send_until(port, _imu(), forwarded)  # it says nothing when it is ready
+    _send(port, b"\xff", _imu())
+    wait_until(forwarded, "what came behind the broken datagram")
+    assert program.interrupt() == 0
     assert program.errors == []
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_names_are_remapped_on_the_wire(start: Start) -> None:
     """Namespace, node name and topics are those of the command line, as another program sees them."""
     program = start(
@@ -167,13 +172,10 @@ def test_names_are_remapped_on_the_wire(start: Start) -> None:
     assert "/rover/udp_forwarder bridges" in program.wait_for("on UDP port ")
     port = _port(program)
     echo = start("echo", "/rover/imu", "--type", "comms/msg/ImuSensorInformation", "--count", 1, "--json")
-    deadline = time.monotonic() + 60
-    while not echo.output and time.monotonic() < deadline:
-        _send(port, _imu(0.5))
-        time.sleep(0.02)
+    _send_until(port, _imu(0.5), lambda: echo.output)
     assert json.loads(echo.wait_for("accel_x", echo.output))["accel_x"] == 0.5
     assert echo.end() == 0
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0
 
 
 _HUNG = """
@@ -191,7 +193,7 @@ with open_middleware("dds", NodeIdentity("hung")) as middleware:
 """
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_a_subscriber_that_hangs_does_not_keep_it_from_stopping(start: Start, environment: dict[str, str]) -> None:
     """Where a reliable subscriber does not acknowledge, stopping takes no longer."""
     program = start("run", "--middleware", "dds", "--json", "--ros-args", *_FREE_PORT)
@@ -211,18 +213,22 @@ def test_a_subscriber_that_hangs_does_not_keep_it_from_stopping(start: Start, en
         try:
             assert hung.stdout is not None
             os.set_blocking(hung.stdout.fileno(), False)
-            got, deadline = 0, time.monotonic() + 60
-            while got < 30 and time.monotonic() < deadline:  # all topics match, each of them has crossed
+            got = 0
+
+            def all_crossed() -> bool:
+                nonlocal got
                 _send(port, *everything)
-                time.sleep(0.02)
-                got += (hung.stdout.read() or b"").count(b"got")
-            assert got >= 30
+                got += (hung.stdout.read() or b"").count(b"got")  # type: ignore[union-attr]  # a pipe, as it was asked for
+                return got >= 30
+
+            wait_until(all_crossed, "a message on every topic")
             hung.send_signal(signal.SIGSTOP)
             _send(port, *everything * 10)
-            code, took = program.interrupt()
+            start_of_stop = time.monotonic()
+            assert program.interrupt() == 0
+            took = time.monotonic() - start_of_stop
         finally:
             hung.kill()
-    assert code == 0
     assert took < 6  # it was 10 s, the time after which a silent subscriber counts as gone
 
 
@@ -289,10 +295,10 @@ def test_a_params_file_is_obeyed(start: Start, peer: socket.socket, tmp_path: Pa
     program = start("run", "--middleware", "memory", "--ros-args", "--params-file", path)
     _send(_port(program), b"anything")
     assert peer.recv(2000) == b"anything"
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_a_wrong_domain_is_told(done: Start) -> None:
     """A ROS_DOMAIN_ID that cannot be is exit code 2."""
     code, _, errors = done("run", "--middleware", "dds", "--ros-args", *_FREE_PORT, ROS_DOMAIN_ID="mars")
@@ -306,7 +312,7 @@ def test_a_project_without_generated_code_is_told(done: Start, tmp_path: Path) -
     assert errors == f"roverlink: no generated code in {tmp_path}; run `roverlink generate` there"
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_echo_knows_the_standard_messages_that_a_row_feeds(start: Start) -> None:
     """What a board says over UDP is printed, over DDS, as the standard message in its units; no type has to be said."""
@@ -314,15 +320,11 @@ def test_echo_knows_the_standard_messages_that_a_row_feeds(start: Start) -> None
     port = _port(program)
     listener = start("echo", "/imu/data_raw", "--json", "--count", 1)
     said = REGISTRY.envelope(imu_info={"gyro_x": 180.0, "accel_y": 0.5}).SerializeToString()
-    for _ in range(600):
-        _send(port, said)
-        if listener.output:
-            break
-        time.sleep(0.1)
+    _send_until(port, said, lambda: listener.output)
     assert listener.end() == 0
     message = json.loads(listener.output[0])
     assert message["angular_velocity"] == {"x": pytest.approx(3.141592653589793), "y": 0.0, "z": 0.0}
     assert message["linear_acceleration"]["y"] == 0.5
     assert message["header"]["frame_id"] == "imu_link"
     assert abs(message["header"]["stamp"]["sec"] - time.time()) < 120
-    assert program.interrupt()[0] == 0
+    assert program.interrupt() == 0

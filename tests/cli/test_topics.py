@@ -12,6 +12,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from needs import needs_dds
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
 from generated.registry import REGISTRY
@@ -19,10 +20,6 @@ from roverlink import topic_types
 from roverlink.__main__ import main
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.text.values import message_to_values
-
-_NEEDS_DDS = pytest.mark.skipif(
-    not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
-)
 
 Start = Callable[..., Any]
 
@@ -35,12 +32,12 @@ def _crossed(start: Start, echo: tuple[object, ...], pub: tuple[object, ...]) ->
     listener = start("echo", *echo)
     talker = start("pub", *pub, "--rate", 20, "--wait", 60)
     assert listener.end() == 0
-    assert talker.interrupt()[0] == 0
+    assert talker.interrupt() == 0
     printed: list[str] = listener.output
     return printed
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_yaml_as_ros2_topic_echo_prints_it(start: Start) -> None:
     """A message is a YAML document, closed by three dashes; fields that were not given are zero."""
     printed = _crossed(
@@ -51,7 +48,7 @@ def test_yaml_as_ros2_topic_echo_prints_it(start: Start) -> None:
     assert printed == ["distance_to_go: 1.5", "turning_radius: 0.0", "---"] * 2
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_json_by_ros_field_names(start: Start) -> None:
     """With `--json`, a message is one object on one line, nested messages within it."""
@@ -66,7 +63,7 @@ def test_json_by_ros_field_names(start: Start) -> None:
     assert (said["state"], said["error_code"]) == ({"state": 3}, 8)
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_topics_of_standard_types(start: Start) -> None:
     """A topic that no row has is read and written by the name of its type."""
     printed = _crossed(
@@ -80,7 +77,7 @@ def test_topics_of_standard_types(start: Start) -> None:
     assert printed[:4] == ["header:", "  stamp:", "    sec: 7", "    nanosec: 0"]
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) -> None:
     """`--best-effort` subscribes as sensor drivers publish; it hears reliable publishers as well."""
@@ -88,7 +85,7 @@ def test_a_best_effort_publisher_is_heard_where_it_is_asked_for(start: Start) ->
     assert json.loads(printed[0]) == {"distance_to_go": 0.0, "turning_radius": 0.0}
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.slow
 def test_once_is_once(start: Start) -> None:
     """`--once` publishes one message, to the subscriber for which it waited."""
@@ -97,11 +94,11 @@ def test_once_is_once(start: Start) -> None:
     assert talker.end() == 0
     assert talker.output == ["published 1 on drive_motor"]
     listener.wait_for("distance_to_go", listener.output)
-    assert listener.interrupt()[0] == 0
+    assert listener.interrupt() == 0
     assert [json.loads(line)["distance_to_go"] for line in listener.output] == [3.0]
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_silence_for_too_long_is_exit_code_1(done: Start) -> None:
     """With `--timeout`, too few messages in time are told, and exit code 1."""
     code, output, errors = done("echo", "imu_data", "--timeout", 0.3)
@@ -109,7 +106,7 @@ def test_silence_for_too_long_is_exit_code_1(done: Start) -> None:
     assert errors == "nothing more on imu_data after 0.3 s"
 
 
-@_NEEDS_DDS
+@needs_dds
 def test_publishing_to_nobody_is_told(done: Start) -> None:
     """Where nobody listens, it publishes all the same, and says so."""
     code, output, errors = done("pub", "drive_motor", "--once", "--wait", 0)
@@ -117,7 +114,7 @@ def test_publishing_to_nobody_is_told(done: Start) -> None:
     assert errors == "nobody listens on drive_motor; publishing all the same"
 
 
-@_NEEDS_DDS
+@needs_dds
 @pytest.mark.parametrize("command", ["echo", "pub"])
 def test_an_interrupt_ends_it_well(start: Start, command: str) -> None:
     """Ctrl-C is how they are meant to end."""
@@ -127,10 +124,8 @@ def test_an_interrupt_ends_it_well(start: Start, command: str) -> None:
     else:
         talker = start("pub", "drive_motor", "--rate", 50)
         program.wait_for("---", program.output)
-        assert talker.interrupt()[0] == 0
-    code, took = program.interrupt()
-    assert code == 0
-    assert took < 10
+        assert talker.interrupt() == 0
+    assert program.interrupt() == 0
 
 
 # --- bad input --------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from needs import NO_ROS
 
 _TESTS = Path(__file__).parents[2] / "cpp" / "tests"
 _WANTED = ["/usr/include/google/protobuf/message.h", "/usr/include/gtest/gtest.h"]
@@ -15,7 +16,7 @@ _MISSING += [path for path in _WANTED if not Path(path).exists()]
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(bool(_MISSING), reason=f"missing: {', '.join(_MISSING)}; see tests/ros/debian-packages")
+@pytest.mark.skipif(bool(_MISSING), reason=NO_ROS)
 def test_the_cpp_library_passes_its_own_tests(tmp_path: Path) -> None:
     """Configure, compile with all warnings as errors, and run ctest."""
     for command in (

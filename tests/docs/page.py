@@ -17,10 +17,11 @@ import signal
 import socket
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from polling import PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
@@ -31,7 +32,6 @@ _READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlin
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
 _ENDLESS = ("roverlink run", "roverlink aruco")
 """What goes on until it is stopped."""
-_PATIENCE_S = 60.0
 _FENCE = re.compile(r"^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
 _HEADING = re.compile(r"^#+ .*$", re.MULTILINE)
 
@@ -206,7 +206,7 @@ class Reader:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=_PATIENCE_S,
+            timeout=PATIENCE_S,
         )
 
     def _open(self, command: str, shown: str, line: int) -> _Terminal:
@@ -221,14 +221,14 @@ class Reader:
             )
         terminal = _Terminal(command, shown, line, log, process)
         if ready := next((text for start, text in _READY.items() if command.startswith(start)), ""):
-            _wait_until(lambda: ready in terminal.output() or process.poll() is not None)
+            wait_until(lambda: ready in terminal.output() or process.poll() is not None, repr(ready))
         return terminal
 
     def _leave_terminals(self) -> None:
         for terminal in reversed(self._terminals):  # the bridge was opened first, and serves the others
             if terminal.command.startswith(_ENDLESS):
                 terminal.process.send_signal(signal.SIGINT)
-            code = terminal.process.wait(_PATIENCE_S)
+            code = terminal.process.wait(PATIENCE_S)
             _compare(terminal.command, terminal.shown, terminal.output(), terminal.line)
             assert code == 0, f"line {terminal.line}: {terminal.command} ends with exit code {code}"
         self._terminals.clear()
@@ -254,13 +254,6 @@ def _free_ports(count: int) -> list[int]:
     for sock in sockets:
         sock.close()
     return ports
-
-
-def _wait_until(ready: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + _PATIENCE_S
-    while not ready():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def _side(hunk: str, marks: str) -> str:

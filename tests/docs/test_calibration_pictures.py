@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from needs import NO_OPENCV
 from page import ROOT
 
 FOLDER = ROOT / "docs" / "calibration"
@@ -13,7 +14,7 @@ FOLDER = ROOT / "docs" / "calibration"
 @pytest.mark.slow
 def test_the_pictures_are_what_a_browser_shows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """But for the letters of another version of the browser, and for what moves."""
-    cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
+    cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
     from bench.vision.page_pictures import main
 
     if main(["--out", str(tmp_path)]) != 0:

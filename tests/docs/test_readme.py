@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import reference
+from needs import NO_DDS
 from page import ROOT, Reader, blocks
 
 from generated.registry import REGISTRY
@@ -26,7 +27,7 @@ def _table(heading: str) -> dict[str, str]:
 
 def test_the_walk_through_works(tmp_path: Path) -> None:
     """A reader adds the 22nd message, and it crosses."""
-    pytest.importorskip("cyclonedds")  # over DDS
+    pytest.importorskip("cyclonedds", reason=NO_DDS)
     with Reader.in_copy(tmp_path) as reader:
         reader.follow(blocks(_README, "One row, one message"))
 

@@ -7,15 +7,16 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from needs import NO_OPENCV, needs_dds
 from page import ROOT, Reader, blocks
 
 _PAGE = ROOT / "docs" / "vision.md"
-_NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason="OpenCV is not installed")
+_NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
 
 
 @_NEEDS_OPENCV
 @pytest.mark.slow
-@pytest.mark.skipif(not find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine")
+@needs_dds
 def test_what_stands_there_happens(tmp_path: Path) -> None:
     """From the recording to JSON, to ROS 2, and to the basestation."""
     with Reader.in_copy(tmp_path) as reader:
@@ -53,7 +54,7 @@ def test_the_pictures_are_what_the_programs_draw(tmp_path: Path) -> None:
 
     from bench.vision.pictures import main
 
-    pytest.importorskip("matplotlib")
+    pytest.importorskip("matplotlib", reason="need matplotlib (pip install matplotlib)")
     assert main(["--quick", "--out", str(tmp_path)]) == 0
     for path in tmp_path.glob("*.png"):
         new, old = (cv2.imread(str(one)).astype(int) for one in (path, ROOT / "docs" / "vision" / path.name))

@@ -25,12 +25,12 @@ _CLONE_NEWNET = 0x40000000
 def why_not() -> str:
     """Why there can be no namespaces here; empty where there can."""
     if sys.platform != "linux" or os.geteuid() != 0:
-        return "network namespaces need Linux and root"
+        return "need network namespaces (Linux, as root)"
     try:
         made = subprocess.run(["unshare", "-n", "ip", "link", "show", "lo"], capture_output=True, check=False)
     except OSError as error:
-        return f"no network namespaces: {error}"
-    return "" if made.returncode == 0 else f"no network namespaces: {made.stderr.decode().strip()}"
+        return f"need network namespaces ({error})"
+    return "" if made.returncode == 0 else f"need network namespaces ({made.stderr.decode().strip()})"
 
 
 def ip(*arguments: str) -> None:
@@ -85,7 +85,7 @@ class Network:
             return "tc is not installed"
         command = [tc, "-n", namespace, "qdisc", "replace", "dev", "cable", "root", "netem", *netem]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        return "" if done.returncode == 0 else f"this kernel has no netem: {done.stderr.strip()}"
+        return "" if done.returncode == 0 else f"need netem in the kernel: {done.stderr.strip()}"
 
 
 def _join(namespace: str) -> None:

@@ -7,49 +7,35 @@ import pkgutil
 from pathlib import Path
 
 import pytest
-from golden import ROOT, Case, Outcome, cases, generate, passing_cases, snapshot
+from case_file import CaseFile, outcome
+from golden import CASES, ROOT, expected_files, generate, passing_cases, printed_by_cases, snapshot
 
 from roverlink import generator
 from roverlink.generator.diagnostics import Rule
 
 
-@pytest.mark.parametrize("case", cases(), ids=lambda case: case.folder.name)
-def test_case(case: Case, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_case(case: CaseFile, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """The project compiles to the expected files, or the expected findings are all that comes of it."""
-    project = case.copy_project(tmp_path)
+    project = case.write_inputs(tmp_path / "project")
     before = snapshot(project)
-    outcome = generate(project)
+    run = generate(project)
     after = snapshot(project)
+    assert (run.code == 0) == bool(expected_files(case)), run.stderr
+    assert run.code == 0 or after == before
+    found = outcome(run.code, stderr=run.stderr)
+    found |= {f"expected/{path}": after[path].decode() for path in expected_files(case)}
     if request.config.getoption("update_cases"):
-        _update(case, outcome, after)
-    assert outcome.stderr == (case.stderr.read_text(encoding="utf-8") if case.stderr.exists() else "")
-    if case.expected.is_dir():
-        assert outcome.code == 0
-        assert {name: after.get(name) for name in snapshot(case.expected)} == snapshot(case.expected)
+        case.update(found)
     else:
-        assert outcome.code == (2 if " fatal[" in outcome.stderr else 1)
-        assert after == before
-
-
-def _update(case: Case, outcome: Outcome, files: dict[str, bytes]) -> None:
-    if case.expected.is_dir():
-        assert outcome.code == 0, outcome.stderr
-        for name in snapshot(case.expected):
-            (case.expected / name).write_bytes(files[name])
-    else:
-        assert outcome.code, "it compiles: create an empty file under expected/ for each file that is worth reading"
-    if outcome.stderr:
-        case.stderr.write_text(outcome.stderr, encoding="utf-8")
-    else:
-        case.stderr.unlink(missing_ok=True)
+        assert found == case.expectations
 
 
 def test_every_rule_has_a_case() -> None:
     """Each rule is seen to report at its place by a failing case here, or by a case or a test of the lint."""
-    seen = [case.stderr for case in cases() if case.stderr.exists()]
-    seen += [*(ROOT / "tests").glob("lint/cases/*/expected"), *(ROOT / "tests").glob("lint/test_*.py")]
-    seen += [*(ROOT / "tests").glob("cli/test_*.py"), *(ROOT / "tests" / "generator").glob("test_*.py")]
-    said = "".join(file.read_text(encoding="utf-8") for file in seen)
+    seen = [*(ROOT / "tests").glob("lint/test_*.py"), *(ROOT / "tests").glob("cli/test_*.py")]
+    seen += (ROOT / "tests" / "generator").glob("test_*.py")
+    said = printed_by_cases() + "".join(file.read_text(encoding="utf-8") for file in seen)
     assert [rule for rule in sorted(_rules()) if rule not in said] == []
 
 

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from golden import Case, passing_cases
+from case_file import CaseFile
+from golden import passing_cases
 
 _CROSSCHECK = Path(__file__).parent / "crosscheck.py"
 _ABOUT_OTHER_THINGS = {
@@ -23,9 +24,9 @@ _LESS_LIKELY_TO_BREAK = {
     *("any_of", "maps", "awkward_constructs", "standard_axes", "standard_enums"),
 }
 _CASES = [
-    pytest.param(case, marks=[pytest.mark.slow] if case.folder.name in _LESS_LIKELY_TO_BREAK else [])
+    pytest.param(case, marks=[pytest.mark.slow] if case.name in _LESS_LIKELY_TO_BREAK else [])
     for case in passing_cases()
-    if case.folder.name not in _ABOUT_OTHER_THINGS
+    if case.name not in _ABOUT_OTHER_THINGS
 ]
 
 
@@ -46,10 +47,10 @@ def crosscheck() -> Iterator[Callable[[Path], str]]:
         server.stdin.close()
 
 
-@pytest.mark.parametrize("case", _CASES, ids=lambda case: case.folder.name)
+@pytest.mark.parametrize("case", _CASES, ids=lambda case: case.name)
 def test_generated_code_agrees_with_the_table_and_with_rosbags(
-    case: Case, crosscheck: Callable[[Path], str], tmp_path: Path
+    case: CaseFile, crosscheck: Callable[[Path], str], tmp_path: Path
 ) -> None:
     """Any payload becomes the ROS message that the table means, in the bytes that rosbags reads, and comes back."""
-    wrong = crosscheck(case.copy_project(tmp_path))
+    wrong = crosscheck(case.write_inputs(tmp_path))
     assert not wrong, wrong

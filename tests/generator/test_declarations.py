@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from declarations.descriptors import WELL_KNOWN, compiled, declared_names, ours, theirs
 from declarations.schemas import proto_text
-from golden import ROOT
+from golden import CASES, ROOT
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -21,9 +21,11 @@ from roverlink.generator.protos.parser.tokens import Lexer
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 _EXAMPLES = settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
-_ROOTS = [ROOT / "proto", WELL_KNOWN, *sorted((ROOT / "tests" / "generator" / "cases").glob("*/proto"))]
-_FILES = [(root, path.relative_to(root).as_posix()) for root in _ROOTS for path in sorted(root.rglob("*.proto"))]
-_TEXTS = [(root / name).read_text(encoding="utf-8") for root, name in _FILES if (root / name).is_file()]
+_FOLDERS = [ROOT / "proto", WELL_KNOWN]
+_CASES = [case for case in CASES if any(path.startswith("proto/") for path in case.inputs)]
+_CONTENTS = {path.read_bytes() for folder in _FOLDERS for path in folder.rglob("*.proto")}
+_CONTENTS |= {content for case in _CASES for path, content in case.inputs.items() if path.endswith(".proto")}
+_TEXTS = [content.decode() for content in sorted(_CONTENTS)]
 
 
 # --- files that compile -----------------------------------------------------------------------------------------
@@ -39,10 +41,11 @@ def _agree(root: Path, name: str) -> bool:
     return bool(files)
 
 
-def test_files_are_read_as_protoc_reads_them() -> None:
+def test_files_are_read_as_protoc_reads_them(tmp_path: Path) -> None:
     """Names, numbers, types, labels, ranges, imports and places are protoc's in every file that compiles."""
-    refused = {f"{root.parent.name}/{name}" for root, name in _FILES if not _agree(root, name)}
-    assert {name.partition("/")[0] for name in refused} == {
+    roots = [*_FOLDERS, *(case.write_inputs(tmp_path / case.name) / "proto" for case in _CASES)]
+    files = [(root, path.relative_to(root).as_posix()) for root in roots for path in sorted(root.rglob("*.proto"))]
+    assert {root.parent.name for root, name in files if not _agree(root, name)} == {
         *("only_what_is_needed", "typo_file_of_an_import"),
         *("pro101_does_not_compile", "pro101_import_not_found", "pro101_syntax", "pro102_unreadable_proto"),
     }

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from golden import CASES, ROOT, Case, generate, snapshot
+from golden import ROOT, case, generate, snapshot
 
 _HEADER = "# Regenerate with: roverlink generate\n"
 
@@ -20,7 +20,7 @@ _HEADER = "# Regenerate with: roverlink generate\n"
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A small project, generated."""
-    project = Case(CASES / "nested").copy_project(tmp_path)
+    project = case("nested").write_inputs(tmp_path / "project")
     assert generate(project).code == 0
     return project
 
@@ -53,7 +53,7 @@ def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
 
 def test_modules_of_the_user_do_not_get_in_the_way(tmp_path: Path) -> None:
     """What stands beside the table, called like one of Python's modules, is not imported."""
-    project = Case(CASES / "nested").copy_project(tmp_path)
+    project = case("nested").write_inputs(tmp_path / "project")
     for name in ("tempfile", "typing", "weakref"):
         (project / f"{name}.py").write_text("raise ImportError('the wrong one')\n")
     assert generate(project).code == 0
@@ -148,7 +148,7 @@ def test_files_of_a_row_that_is_gone_are_removed(project: Path) -> None:
     assert "generated/handlers/wrist.py" in removed
     assert not (project / "generated" / "ros" / "rover").exists()
     assert " removed generated/handlers/wrist.py" in outcome.stdout.splitlines()
-    fresh = Case(CASES / "nested").copy_project(project.parent / "fresh")
+    fresh = case("nested").write_inputs(project.parent / "fresh")
     shutil.copy(table, fresh)
     assert generate(fresh).code == 0
     assert snapshot(fresh) == snapshot(project)
@@ -217,13 +217,13 @@ def test_check_shows_a_file_that_should_not_be(project: Path) -> None:
 
 def test_check_before_the_first_run(tmp_path: Path) -> None:
     """In a project that was never generated everything is drift, and stays so."""
-    project = Case(CASES / "nested").copy_project(tmp_path)
+    project = case("nested").write_inputs(tmp_path / "project")
     before = snapshot(project)
     assert generate(project, "--check").code == 1
     assert snapshot(project) == before
 
 
-@pytest.mark.skipif(shutil.which("git") is None, reason="git applies the diff")
+@pytest.mark.skipif(shutil.which("git") is None, reason="need git (apt-get install git)")
 def test_the_diff_of_check_is_the_cure(project: Path) -> None:
     """Applied as a patch, the diff makes the project what the table says."""
     (project / "generated" / "handlers" / "leg.py").write_text(f"{_HEADER}x = 1\n")
@@ -252,7 +252,7 @@ _ROOT = os.geteuid() == 0
 _WITHOUT_PRIVILEGES = ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"] if _ROOT else []
 
 
-@pytest.mark.skipif(_ROOT and shutil.which("setpriv") is None, reason="root writes anywhere")
+@pytest.mark.skipif(_ROOT and shutil.which("setpriv") is None, reason="need setpriv, or a user other than root")
 def test_a_read_only_folder_is_a_finding(project: Path) -> None:
     """A folder that may not be written to is named, and nothing is left half-done."""
     before = snapshot(_changed(project))
@@ -318,11 +318,11 @@ def test_a_file_is_replaced_and_not_written_into(project: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("case", "code"), [("nested", 0), ("extensions", 0), ("everything_at_once", 1), ("out101_folder_in_the_way", 2)]
+    ("name", "code"), [("nested", 0), ("extensions", 0), ("everything_at_once", 1), ("out101_folder_in_the_way", 2)]
 )
-def test_exit_code_of_the_command(case: str, code: int, tmp_path: Path) -> None:
+def test_exit_code_of_the_command(name: str, code: int, tmp_path: Path) -> None:
     """0 where all is well, warnings included; 1 for findings; 2 where it cannot run; never a traceback."""
-    project = Case(CASES / case).copy_project(tmp_path)
+    project = case(name).write_inputs(tmp_path)
     done = _roverlink("generate", cwd=project)
     assert done.returncode == code
     assert "Traceback" not in done.stderr

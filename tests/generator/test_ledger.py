@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from golden import CASES, ROOT, Case, generate
+from golden import ROOT, case, generate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +20,7 @@ _LEDGER = (ROOT / "mapping.lock").read_text(encoding="utf-8")
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A small project, generated."""
-    project = Case(CASES / "nested").copy_project(tmp_path)
+    project = case("nested").write_inputs(tmp_path / "project")
     assert generate(project).code == 0
     return project
 

@@ -31,7 +31,7 @@ from roverlink.generator.protos.schema import Schema
 # It would choose protobuf's pure Python implementation for all processes that this one starts.
 with pytest.MonkeyPatch.context() as environment:
     environment.setenv("PROTOCOL_BUFFERS_PYTHON_IMPLEMENTATION", "upb")
-    nanopb = pytest.importorskip("nanopb.generator.nanopb_generator", reason="nanopb writes the sizes to compare with")
+    nanopb = pytest.importorskip("nanopb.generator.nanopb_generator", reason="need nanopb (pip install nanopb)")
 
 _DATA = ROOT / "tests" / "generator" / "nanopb"
 _NANOPB_PROTO = Path(nanopb.__file__).parent / "proto"

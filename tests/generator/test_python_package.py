@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from golden import CASES, ROOT, Case, generate
+from golden import ROOT, case, generate
 
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.table import reader
@@ -32,7 +32,7 @@ for folder in sys.argv[1:]:
 def _project(parent: Path, package: str) -> Path:
     """A generated project whose Python package has the name."""
     parent.mkdir()
-    project = Case(CASES / "python_package").copy_project(parent)
+    project = case("python_package").write_inputs(parent / "project")
     table = project / "mapping.yaml"
     table.write_text(table.read_text(encoding="utf-8").replace("my_rover.generated", package), encoding="utf-8")
     assert generate(project).code == 0
@@ -91,10 +91,10 @@ def test_a_project_follows_its_package(tmp_path: Path) -> None:
 def test_a_name_that_cannot_be_imported_is_refused(tmp_path: Path, name: str, expected: str) -> None:
     """Each is a finding at the name."""
     table = tmp_path / "mapping.yaml"
-    text = (CASES / "python_package" / "mapping.yaml").read_text(encoding="utf-8")
+    text = case("python_package").inputs["mapping.yaml"].decode()
     table.write_text(text.replace("my_rover.generated", name), encoding="utf-8")
     findings: list[Diagnostic] = []
 
     assert reader.read(table, findings).python.package == "generated"
-    assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 6, 19)]
+    assert [(finding.rule.id, finding.span.line, finding.span.column) for finding in findings] == [("MAP108", 5, 19)]
     assert expected in findings[0].message

@@ -6,7 +6,7 @@ import difflib
 from pathlib import Path
 
 import pytest
-from golden import CASES, ROOT, Case, generate, inside, snapshot
+from golden import ROOT, case, generate, inside, snapshot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -104,7 +104,7 @@ def test_a_number_that_no_row_has(tmp_path: Path) -> None:
 
 def test_retiring_generates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The envelope reserves number and name, the ledger says so, the handler goes; the drift check is content."""
-    project = Case(CASES / "nested").copy_project(tmp_path)
+    project = case("nested").write_inputs(tmp_path / "project")
     assert generate(project).code == 0
     with inside(project):
         assert main(["retire", "2"]) == 0
@@ -119,7 +119,7 @@ def test_retiring_generates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 def test_what_cannot_be_generated_is_not_retired(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the table without the row has a fault, nothing is written, the table neither."""
-    project = Case(CASES / "env101_number_taken").copy_project(tmp_path)
+    project = case("env101_number_taken").write_inputs(tmp_path / "project")
     before = snapshot(project)
     with inside(project):
         assert main(["retire", "1"]) == 1

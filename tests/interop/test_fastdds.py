@@ -21,13 +21,14 @@ from pathlib import Path
 from typing import IO, Any, cast
 
 import pytest
+from needs import NO_DDS
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from generated.registry import REGISTRY
 from roverlink.runtime.core.registry import AnyHandler
 
-pytest.importorskip("cyclonedds", reason="the middleware dds needs Cyclone DDS, which has no wheel for this machine")
+pytest.importorskip("cyclonedds", reason=NO_DDS)
 
 ROOT = Path(__file__).parents[2]
 SOURCE = Path(__file__).with_name("fastdds_peer.cpp")
@@ -54,7 +55,7 @@ STRING = "std_msgs/msg/String"
 def program() -> Path:
     """The Fast DDS peer, compiled where that was not done before."""
     if shutil.which("g++") is None:
-        pytest.skip("there is no g++ to build the Fast DDS peer with: apt-get install g++")
+        pytest.skip("need g++ (apt-get install g++)")
     environment = {**os.environ, "LC_ALL": "C"}
     versions = subprocess.run(
         ("g++", "-E", "-P", "-x", "c++", "-"),
@@ -64,7 +65,7 @@ def program() -> Path:
         check=False,
     )
     if versions.returncode != 0:
-        pytest.skip("there is no Fast DDS 2 with Fast CDR 1: apt-get install libfastrtps-dev libfastcdr-dev")
+        pytest.skip("need Fast DDS 2 with Fast CDR 1 (apt-get install libfastrtps-dev libfastcdr-dev)")
     fingerprint = hashlib.sha256(versions.stdout + SOURCE.read_bytes() + repr(COMPILE).encode()).hexdigest()[:16]
     folder = ROOT / "build" / "interop"
     folder.mkdir(parents=True, exist_ok=True)

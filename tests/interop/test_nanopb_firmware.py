@@ -76,8 +76,8 @@ class Firmware:
 def _firmware(folder: Path, project: Path, protos: Iterable[str], envelope: str, message: str) -> Firmware:
     """The firmware of a project, compiled in a folder."""
     if shutil.which("gcc") is None or not Path("/usr/include/pb_decode.h").exists():
-        pytest.skip("there is no nanopb to build firmware with: apt-get install gcc libnanopb-dev")
-    pytest.importorskip("nanopb", reason="nanopb makes the C code")
+        pytest.skip("need nanopb's C library (apt-get install gcc libnanopb-dev)")
+    pytest.importorskip("nanopb", reason="need nanopb (pip install nanopb)")
     made, names = folder / "firmware", sorted(protos)
     made.mkdir()
     generator = [sys.executable, "-m", "nanopb.generator.nanopb_generator", "--quiet"]

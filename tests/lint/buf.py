@@ -44,7 +44,7 @@ class BufError(Exception):
     """What buf says of states that it cannot compare, such as files that do not compile or no files at all."""
 
 
-needs_buf = pytest.mark.skipif(executable() is None, reason="there is no buf; pip install buf-bin")
+needs_buf = pytest.mark.skipif(executable() is None, reason="need buf (pip install buf-bin)")
 
 
 def breaking(before: Path, after: Path, categories: Sequence[str] = CATEGORIES) -> list[BufFinding]:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from case_file import CaseFile, case_files
 from comparing import FAMILY, TABLE, changes_found, compiled, found
 from hypothesis import given
 from hypothesis import strategies as st
@@ -35,8 +36,6 @@ from roverlink.generator.lock import Ledger, read
 from roverlink.generator.protos.number_ranges import covers, missing, spelled
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
-
-LINT_CASES = Path(__file__).parent / "cases"
 
 # name: (before, after, the findings as "ID number")
 CASES = {
@@ -390,15 +389,18 @@ def test_types_as_their_message_names_them() -> None:
 
 # --- what is to be written instead ---
 
-_BAD = [folder for folder in sorted(LINT_CASES.glob("*_bad*")) if folder.name.startswith(FAMILY)]
+_CASES = case_files(Path(__file__).parent / "cases")
+_OF_CHANGES = [case for case in _CASES if any(path.startswith("before/") for path in case.inputs)]
+_BAD = [case for case in _OF_CHANGES if case.name.startswith(FAMILY) and "_bad" in case.name]
 _SAID = re.compile(r"(?P<verb>remove )?`(?P<code>[^`]+;)`(?P<rest>[^`]*)")
 _ELSEWHERE = ("import ", "syntax ", "edition ", "extend ")
 _NOT_ALONE = (" for the whole file", " in place of message", " with its type")
 _NAMED = re.compile(r"(\w+) = (-?\d+)")
 
 
-def _files_of(folder: Path) -> dict[str, str]:
-    return {str(path.relative_to(folder)): path.read_text(encoding="utf-8") for path in sorted(folder.rglob("*.proto"))}
+def _files_of(case: CaseFile, state: str) -> dict[str, str]:
+    protos = {path: content for path, content in sorted(case.inputs.items()) if path.endswith(".proto")}
+    return {path.removeprefix(state): text.decode() for path, text in protos.items() if path.startswith(state)}
 
 
 def _cured(files: dict[str, str], schema: Schema, finding: Diagnostic) -> Iterator[dict[str, str]]:
@@ -442,12 +444,10 @@ def _without(inside: str, code: str, in_place: bool, help: str) -> str:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", _BAD, ids=lambda case: case.name)
-def test_what_is_to_be_written(case: Path, tmp_path: Path) -> None:
+def test_what_is_to_be_written(case: CaseFile, tmp_path: Path) -> None:
     """Each statement that a help says compiles where it is to be written, and cures without doing other harm."""
-    if not (case / "before").is_dir():
-        pytest.skip("compares with the ledger alone")
-    files = _files_of(case / "proto")
-    before, after = (compiled(_files_of(case / state), tmp_path / state) for state in ("before", "proto"))
+    files = _files_of(case, "proto/")
+    before, after = (compiled(_files_of(case, state), tmp_path / state) for state in ("before/", "proto/"))
     for count, finding in enumerate(changes_found(before, after)):
         for number, cured in enumerate(_cured(files, after, finding)):
             left = changes_found(before, compiled(cured, tmp_path / f"{count}_{number}"))

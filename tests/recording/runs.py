@@ -61,7 +61,7 @@ def _record_until_killed(path: Path) -> None:
             received([REGISTRY.envelope(imu_info={"accel_x": float(number)}).SerializeToString()])
             if number % 10 == 0:
                 print(number, time.time_ns(), flush=True)
-                time.sleep(0.01)
+                time.sleep(0.01)  # the rate, which makes of the numbers a measure of time
 
 
 def _record_until_full(path: Path) -> None:
@@ -75,7 +75,7 @@ def _record_until_full(path: Path) -> None:
         deadline = time.monotonic() + 60
         while writing.failure is None and time.monotonic() < deadline:
             received([os.urandom(1400) for _ in range(100)])
-            time.sleep(0.05)
+            time.sleep(0.05)  # a rate that the queue holds, so that the disk is what ends the recording
         received([b"late"])
     print(f"lost {writing.lost}")
 

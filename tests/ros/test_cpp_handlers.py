@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 _HERE = Path(__file__).parent / "cpp"
-sys.path[:0] = [str(_HERE), str(Path(__file__).parents[1] / "generator")]
+sys.path.insert(0, str(_HERE))
 
 from building import missing  # noqa: E402
-from golden import CASES, Case  # noqa: E402
+from golden import case  # noqa: E402
+from needs import NO_ROS  # noqa: E402
 
 _CASES = [
     *(
@@ -36,11 +37,11 @@ _CASES = [
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(bool(missing()), reason="no libprotobuf, Fast CDR or rosidl; see tests/ros/debian-packages")
+@pytest.mark.skipif(bool(missing()), reason=NO_ROS)
 @pytest.mark.parametrize("name", _CASES)
 def test_cpp_handlers_give_what_python_handlers_give(name: str, tmp_path: Path) -> None:
     """Any payload becomes the same serialized message, any message the same payload; both refuse the same."""
-    project = Case(CASES / name).copy_project(tmp_path)
+    project = case(name).write_inputs(tmp_path)
     command = [sys.executable, _HERE / "crosscheck.py", "mapping.yaml"]
     done = subprocess.run(command, cwd=project, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -16,24 +16,24 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+from golden import ROOT, compiled, passing_cases
+from needs import NO_ROS
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
 from roverlink.generator.ir.model import RosMessage, RosType
 from roverlink.generator.pipeline import Compiled, compile_table
 
-ROOT = Path(__file__).parents[2]
-_CASES = ROOT / "tests" / "generator" / "cases"
 _SYSTEM_PYTHON = Path("/usr/bin/python3")
-_TABLES = [ROOT, *sorted(folder.parent for folder in _CASES.glob("*/expected"))]
 _EMPTY = "structure_needs_at_least_one_member"
 _PROGRAM = ROOT / "generated" / "ros" / "comms" / "scripts" / "comms_node.py"
 
 
 @pytest.fixture(scope="module")
-def compiled() -> dict[str, Compiled]:
-    """Every table of the golden cases, and this project's own, compiled, by the name of its folder."""
-    return {folder.name: compile_table(folder / "mapping.yaml") for folder in _TABLES}
+def projects() -> dict[str, Compiled]:
+    """Every golden case that compiles, and this project, by name."""
+    cases = {case.name: compiled(case) for case in passing_cases()}
+    return {"this project": compile_table(ROOT / "mapping.yaml"), **cases}
 
 
 def _texts(one: Compiled) -> dict[str, str]:
@@ -53,9 +53,9 @@ def _type(package: str, type: RosType) -> str:
 
 
 @pytest.mark.slow
-def test_rosbags_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
+def test_rosbags_reads_every_message_as_it_is_meant(projects: dict[str, Compiled]) -> None:
     """An independent parser finds the fields in the texts that the generator meant, in all golden cases."""
-    for folder, one in compiled.items():
+    for folder, one in projects.items():
         store = get_typestore(Stores.ROS2_HUMBLE)
         for name, text in _texts(one).items():
             store.register(get_types_from_msg(text, name.replace("/", "/msg/")))
@@ -73,12 +73,12 @@ def _of_rosbags(definition: Any) -> str:
 
 
 @pytest.mark.slow
-def test_rosidl_reads_every_message_as_it_is_meant(compiled: dict[str, Compiled]) -> None:
+def test_rosidl_reads_every_message_as_it_is_meant(projects: dict[str, Compiled]) -> None:
     """ROS 2's own adapter and parser find the same fields, and the constants with their values."""
     has = subprocess.run([_SYSTEM_PYTHON, "-c", "import rosidl_adapter, rosidl_parser"], capture_output=True)
     if not _SYSTEM_PYTHON.exists() or has.returncode:
-        pytest.skip("rosidl is not installed (Debian: python3-rosidl)")
-    for folder, one in compiled.items():
+        pytest.skip(NO_ROS)
+    for folder, one in projects.items():
         reader = [_SYSTEM_PYTHON, Path(__file__).with_name("rosidl_reads.py")]
         done = subprocess.run(reader, input=json.dumps(_texts(one)), capture_output=True, text=True)
         assert done.returncode == 0, (folder, done.stderr)

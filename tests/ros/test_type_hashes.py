@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
+from case_file import CaseFile
+from golden import ROOT, compiled, passing_cases
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
@@ -19,9 +20,6 @@ from roverlink.generator.ir.model import RosField, RosMessage, RosType
 from roverlink.generator.pipeline import compile_table
 from roverlink.runtime.core.cdr import encode
 from roverlink.runtime.interfaces import from_rosbags
-
-ROOT = Path(__file__).parents[2]
-_TABLES = [ROOT, *sorted(folder.parent for folder in (ROOT / "tests" / "generator" / "cases").glob("*/expected"))]
 
 # As ROS 2 itself shows them: in the keys of rmw_zenoh, in rosbag2's metadata, in generated code of other projects.
 _PUBLISHED = {
@@ -56,16 +54,16 @@ def test_standard_messages_have_their_hashes(name: str) -> None:
     assert encode(message())  # it is no field
 
 
-@pytest.mark.parametrize("folder", _TABLES, ids=lambda folder: folder.name)
-def test_an_independent_implementation_agrees(folder: Path) -> None:
+@pytest.mark.parametrize("case", [None, *passing_cases()], ids=lambda case: case.name if case else "this_project")
+def test_an_independent_implementation_agrees(case: CaseFile | None) -> None:
     """The package rosbags computes the same hash from the .msg texts, of every message of every golden case."""
-    compiled = compile_table(folder / "mapping.yaml")
+    project = compiled(case) if case else compile_table(ROOT / "mapping.yaml")
     store: Any = get_typestore(Stores.ROS2_JAZZY)
-    package = compiled.bridge.package
-    for path, text in compiled.files.items():
-        if match := re.fullmatch(rf"{compiled.bridge.folder}/ros/{package}/msg/(\w+)\.msg", path):
+    package = project.bridge.package
+    for path, text in project.files.items():
+        if match := re.fullmatch(rf"{project.bridge.folder}/ros/{package}/msg/(\w+)\.msg", path):
             store.register(get_types_from_msg(text, f"{package}/msg/{match[1]}"))
-    ours = type_hashes(compiled.bridge)
+    ours = type_hashes(project.bridge)
     assert ours == {name: store.hash_rihs01(f"{package}/msg/{name}") for name in ours}
 
 

@@ -7,7 +7,6 @@ import dataclasses
 import logging
 import re
 import socket
-import sys
 import threading
 import time
 from collections import defaultdict
@@ -15,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
+from needs import needs_linux
 from polling import PATIENCE_S, wait_until
 from tables import unguarded
 
@@ -505,7 +505,7 @@ def test_a_peer_that_comes_back_gets_every_datagram_from_then_on() -> None:
         assert rig.arrived("basestation", 20) == datagrams
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="counted by the Linux kernel only")
+@needs_linux  # whose kernel counts them
 def test_what_the_kernel_dropped_is_in_the_account(caplog: pytest.LogCaptureFixture) -> None:
     """Datagrams that came faster than they were read are counted and warned of: nothing is lost in silence."""
     rig = _Rig(receive_buffer=4096)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NO_DDS
 from polling import PATIENCE_S, wait_until
 
 from generated.messages import ImuSensorInformation, SensorState
@@ -24,7 +25,7 @@ from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.text.values import message_to_values
 
-pytest.importorskip("cyclonedds", reason="Cyclone DDS has no wheel for this machine")
+pytest.importorskip("cyclonedds", reason=NO_DDS)
 
 _PEER = Path(__file__).with_name("dds_peer.py")
 _DOMAIN = str(1 + os.getpid() % 50)  # one of its own for each test worker

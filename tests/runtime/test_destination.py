@@ -7,6 +7,7 @@ import socket
 from collections.abc import Iterator
 
 import pytest
+from needs import NOT_LINUX
 from polling import PATIENCE_S
 
 from roverlink.runtime.net.destination import Destination
@@ -29,7 +30,7 @@ def destination(request: pytest.FixtureRequest, peer: socket.socket) -> Iterator
     if request.param == "one by one":
         destination._cuts = False
     elif not destination._cuts:
-        pytest.skip("this system cuts no messages")
+        pytest.skip(NOT_LINUX)  # which cuts messages into datagrams
     yield destination
     destination.close()
 

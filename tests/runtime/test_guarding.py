@@ -17,6 +17,7 @@ from tables import changed, of_peers, unguarded
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos, Registry
+from roverlink.runtime.bridge import timekeeper
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware, MemoryPublisher
 from roverlink.runtime.ros_arguments import parameters
@@ -133,18 +134,19 @@ def guarded() -> Iterator[_Rig]:
 
 
 def test_the_stop_is_sent_when_the_topic_falls_silent_and_repeated(guarded: _Rig) -> None:
-    """Not while it speaks; after 150 ms once, then every 400 ms."""
+    """After 150 ms once, then every 400 ms."""
+    wait_until(lambda: _STOP in guarded.board.datagrams, "the stop of the start, with 400 ms until the next one")
     publisher = guarded.publisher()
     for number in range(1, 41):
+        spoke = time.monotonic()
         publisher.publish([_command(number)])
-        time.sleep(0.02)
-    last = time.monotonic()
-    wait_until(lambda: guarded.board.datagrams.count(_STOP) >= 3, "three stops")
-    since = [at - last for at, datagram in guarded.board.arrived if datagram == _STOP and at > last]
-    assert since[0] > 0.1
-    assert since[1] - since[0] > 0.35
-    assert since[2] - since[1] > 0.35
-    wait_until(lambda: guarded.bridge.account.stops["drive_motor"] >= 3, "the account of the third stop")
+
+    def stops() -> list[float]:
+        return [at - spoke for at, datagram in guarded.board.arrived if datagram == _STOP and at > spoke]
+
+    wait_until(lambda: len(stops()) >= 3, "three stops")
+    # The time is what is tested here. A busy machine makes a stop late; nothing makes it early.
+    assert all(since >= 0.15 + 0.4 * count for count, since in enumerate(stops()))
     assert guarded.bridge.account.sent == {"drive_motor": 40}
 
 
@@ -164,18 +166,16 @@ def test_a_bridge_that_starts_beside_a_moving_rover_stops_it(guarded: _Rig) -> N
 
 
 def test_a_publisher_that_leaves_is_not_waited_for() -> None:
-    """Its peer is told at once, not after the ten seconds of this row."""
-    deadman = Deadman(after_ms=10_000, send={"distance_to_go": 0.0})
+    """Its peer is told at once, not after the hour of this row."""
+    deadman = Deadman(after_ms=3_600_000, send={"distance_to_go": 0.0})
     with _Rig(changed(_PLAIN, "drive_motor", deadman=deadman)) as rig:
         other = MemoryMiddleware(rig.graph)
         publisher = other.publisher("/drive_motor", _DRIVE.message_type, Qos())
         publisher.publish([_command(1)])
         wait_until(lambda: rig.board.datagrams == [_datagram(1)], "the command")
-        time.sleep(0.3)
+        time.sleep(3 * timekeeper._LOOK_S)  # nothing tells that the bridge has looked who publishes
         other.close()
-        start = time.monotonic()
         wait_until(lambda: rig.board.datagrams == [_datagram(1), _STOP], "the stop")
-        assert time.monotonic() - start < 5
 
 
 def test_the_stop_is_the_last_word_at_shutdown() -> None:
@@ -201,7 +201,7 @@ def test_a_taking_thread_that_stands_still_counts_as_silent(monkeypatch: pytest.
             return send(*arguments)
 
         monkeypatch.setattr(translator, "send", stall)
-        time.sleep(0.05)
+        time.sleep(0.05)  # the rate lets the next message pass after 10 ms, and this thread shall send it
         talker = threading.Thread(target=lambda: publisher.publish([_command(2)]))
         talker.start()
         standing.wait()
@@ -218,12 +218,16 @@ def test_a_taking_thread_that_stands_still_counts_as_silent(monkeypatch: pytest.
 def test_messages_that_cannot_be_sent_do_not_keep_a_peer_going(guarded: _Rig) -> None:
     """A publisher of nonsense is as good as none."""
     publisher = guarded.publisher()
-    deadline = time.monotonic() + 0.6
-    while time.monotonic() < deadline:
+    published = 0
+
+    def stopped_twice() -> bool:
+        nonlocal published
         publisher.publish([b"nonsense"])
-        time.sleep(0.02)
-    assert guarded.board.datagrams.count(_STOP) >= 1
-    assert guarded.bridge.account.refused["drive_motor"] > 5
+        published += 1
+        return guarded.board.datagrams.count(_STOP) >= 2
+
+    wait_until(stopped_twice, "two stops")
+    wait_until(lambda: guarded.bridge.account.refused == {"drive_motor": published}, "the account of the nonsense")
 
 
 def test_silence_is_warned_of_once(guarded: _Rig, caplog: pytest.LogCaptureFixture) -> None:
@@ -239,12 +243,10 @@ def test_silence_is_warned_of_once(guarded: _Rig, caplog: pytest.LogCaptureFixtu
 
 def test_a_clock_that_is_set_changes_nothing(guarded: _Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """No time of the bridge's is a time of day."""
+    wait_until(lambda: _STOP in guarded.board.datagrams, "the stop of the start")
     monkeypatch.setattr(time, "time", lambda: -1e9)
-    publisher = guarded.publisher()
-    for number in range(1, 21):
-        publisher.publish([_command(number)])
-        time.sleep(0.02)
-    assert guarded.bridge.account.stops["drive_motor"] <= 1
+    guarded.publisher().publish([_command(1)])
+    wait_until(lambda: _datagram(1) in guarded.board.datagrams, "the command")
     wait_until(lambda: guarded.board.datagrams[-1] == _STOP, "the stop")
 
 
@@ -256,14 +258,14 @@ def test_a_limited_topic_passes_its_newest(caplog: pytest.LogCaptureFixture) -> 
     with _Rig(changed(_PLAIN, "drive_motor", max_rate=50)) as rig:
         publisher = rig.publisher()
         start, number = time.monotonic(), 0
-        while time.monotonic() - start < 0.5:
+        while len(rig.board.arrived) < 5:
             number += 1
             publisher.publish([_command(number), _command(number + 0.5)])
         wait_until(lambda: _datagram(number + 0.5) in rig.board.datagrams, "the last one")
         took = time.monotonic() - start
         said = [REGISTRY.envelope.FromString(d).drive_motor.distance_to_go for d in rig.board.datagrams]  # type: ignore[attr-defined]
         assert said == sorted(set(said))
-        assert 5 <= len(said) <= took * 50 + 2
+        assert len(said) <= took * 50 + 2  # the rate is what is tested; a busy machine only makes it lower
         account = rig.bridge.account
         assert account.taken["drive_motor"] == 2 * number
         ends = (account.sent, account.superseded)
@@ -274,13 +276,14 @@ def test_a_limited_payload_is_published_at_its_rate() -> None:
     """The other way; what is forwarded raw is not limited."""
     with _Rig(changed(_PLAIN, "imu_info", max_rate=50)) as rig:
         envelopes = [REGISTRY.envelope(imu_info={"accel_x": float(n)}).SerializeToString() for n in range(1, 201)]
+        start = time.monotonic()
         for envelope in envelopes:
             rig.send(envelope)
-            time.sleep(0.001)
         rig.settle(200)
         wait_until(lambda: len(rig.board.datagrams) == 200, "what is forwarded")
+    took = time.monotonic() - start
     account = rig.bridge.account
-    assert len(rig.on_topic["imu_info"]) == account.published["imu_info"] < 100
+    assert len(rig.on_topic["imu_info"]) == account.published["imu_info"] <= took * 50 + 2  # the rate is what is tested
     assert account.published["imu_info"] + account.dropped["superseded"] == 200
     last = REGISTRY.by_name["imu_info"]
     assert rig.on_topic["imu_info"][-1] == last.to_cdr(last.payload_type(accel_x=200.0))

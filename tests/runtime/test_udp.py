@@ -10,15 +10,16 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from needs import NOT_LINUX, needs_linux
 from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime import SetupError
 from roverlink.runtime.net import mmsg, udp
 
-_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="counted by the Linux kernel only")
 _SIZE = 100
 _BUFFER = 1024 * 1024
 
@@ -45,7 +46,7 @@ def reader_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch)
     """Reading with recvmmsg(2), and with what every system has."""
     kind: str = request.param
     if kind == "batch" and not mmsg.AVAILABLE:
-        pytest.skip("recvmmsg is Linux's")
+        pytest.skip(NOT_LINUX)  # which has recvmmsg
     monkeypatch.setattr(mmsg, "AVAILABLE", kind == "batch")
     return kind
 
@@ -277,7 +278,7 @@ def test_the_receive_buffer_is_as_large_as_it_was_asked_for(listener: socket.soc
         assert udp.receive_buffer(small) == 100_000
 
 
-@_LINUX
+@needs_linux
 def test_what_the_kernel_dropped_is_counted(sender: socket.socket, listener: socket.socket, read: Reader) -> None:
     """Every datagram that found the buffer full is counted, no more and no less."""
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -291,7 +292,7 @@ def test_what_the_kernel_dropped_is_counted(sender: socket.socket, listener: soc
     assert udp.kernel_drops(listener) == 500 - taken
 
 
-@_LINUX
+@needs_linux
 def test_drops_of_something_else_are_none() -> None:
     """What cannot tell its drops has none."""
     left, right = socket.socketpair()
@@ -319,12 +320,14 @@ def test_what_there_is_no_time_for_at_the_end_is_counted(
     listener: socket.socket, sender: socket.socket, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Stopping does not wait for a slow function longer than half a second; what it leaves is not forgotten."""
-    monkeypatch.setattr(udp, "_DRAIN_S", 0.2)
+    now = 0.0
+    monkeypatch.setattr(udp, "time", SimpleNamespace(monotonic=lambda: now))
     handled: list[bytes] = []
 
     def handle(batch: list[bytes]) -> None:
+        nonlocal now
         handled.extend(batch)
-        time.sleep(0.1)
+        now += 0.3
 
     for number in range(200):
         sender.send(b"%d" % number)

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from needs import NO_OPENCV
 
 WITHOUT_OPENCV = {"test_without_opencv.py"}
 
 
 class _Skipped(pytest.Module):
     def collect(self) -> Iterator[pytest.Item | pytest.Collector]:
-        pytest.skip("OpenCV is not installed: pip install 'roverlink[vision]'", allow_module_level=True)
+        pytest.skip(NO_OPENCV, allow_module_level=True)
 
 
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import threading
-import time
 import urllib.request
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -14,6 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision import Pose
@@ -25,7 +25,6 @@ from tests.vision.boards import CAMERA
 
 BOARD = CharucoBoard(7, 5, 0.038, 0.028)
 FRAME_NS = 33_000_000
-PATIENCE_S = 30.0
 
 
 def shown(tilt: tuple[float, float], place: tuple[float, float], distance: float) -> np.ndarray:
@@ -76,11 +75,8 @@ class _Camera:
 
     def until(self, wanted: Callable[[dict[str, Any]], Any]) -> dict[str, Any]:
         """What the page shows once it is as wanted."""
-        deadline = time.monotonic() + PATIENCE_S
-        while not wanted(state := self.state()):
-            assert time.monotonic() < deadline, state
-            time.sleep(0.005)
-        return state
+        wait_until(lambda: wanted(self.state()), "what the page is to show")
+        return self.state()
 
 
 def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
@@ -165,9 +161,7 @@ def test_a_mistake_of_ours_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     camera.live.act("calibrate", None)
     assert "terminal" in camera.until(lambda state: state["refused"])["refused"][0]
     assert "calibrate" in camera.state()["can"]
-    deadline = time.monotonic() + PATIENCE_S
-    while not told and time.monotonic() < deadline:
-        time.sleep(0.005)
+    wait_until(lambda: told, "the mistake")
     assert told[0].exc_type is ZeroDivisionError
 
 

@@ -7,14 +7,14 @@ import re
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import pytest
+from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.vision.calibration.page.server import PageServer
-
-PATIENCE_S = 30.0
 
 
 class _DeskOfOneView:
@@ -187,14 +187,13 @@ def test_connections_are_limited(port: int) -> None:
     finally:
         for sock in held:
             sock.close()
-    deadline = time.monotonic() + PATIENCE_S
-    while True:
-        try:
-            assert ask(port, "GET", "/state")[0] == 200
-            break
-        except OSError:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+
+    def served() -> bool:
+        with suppress(OSError):
+            return ask(port, "GET", "/state")[0] == 200
+        return False
+
+    wait_until(served, "room for another connection")
 
 
 def test_a_port_that_is_taken_is_named(port: int) -> None:

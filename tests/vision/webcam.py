@@ -9,15 +9,13 @@ from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from itertools import cycle, islice
 
-PATIENCE_S = 20.0
-
 
 class Webcam:
     """A page at /, and at /video a stream of JPEGs: so many, over and over, with a pause after each."""
 
     def __init__(self, pictures: Sequence[bytes], frames: int | None = None, pause_s: float = 0.01) -> None:
         """Without a number of `frames` the stream has no end."""
-        self.frames, self.hang, self.visits = frames, False, 0
+        self.frames, self.hang, self.visits, self.sent = frames, False, 0, 0
         self._pictures, self._pause_s = pictures, pause_s
         self._released = threading.Event()
         webcam = self
@@ -49,9 +47,10 @@ class Webcam:
                 return
             to.wfile.write(b"--next\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg))
             to.wfile.write(jpeg + b"\r\n")
-            time.sleep(self._pause_s)
+            self.sent += 1
+            time.sleep(self._pause_s)  # the rate of its frames
         if self.hang:
-            self._released.wait(PATIENCE_S)
+            self._released.wait()
 
     def close(self) -> None:
         """Be gone."""

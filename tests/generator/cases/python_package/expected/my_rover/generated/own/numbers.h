@@ -1,3 +1,0 @@
-// Generated from mapping.yaml; do not edit.
-// Regenerate with: roverlink generate
-// my_rover/generated

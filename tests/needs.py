@@ -1,0 +1,17 @@
+"""Reasons to skip a test, in the words that pytest's last line adds up; the command in brackets cures them."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import find_spec
+
+import pytest
+
+SLOW = "slow (make test-slow)"
+NO_DDS = "need Cyclone DDS (no wheel for this machine)"
+NO_OPENCV = "need OpenCV (pip install 'roverlink[vision]')"
+NO_ROS = "need ROS 2's tools and C++ libraries (xargs apt-get install <tests/ros/debian-packages)"
+NOT_LINUX = "need Linux"
+
+needs_dds = pytest.mark.skipif(not find_spec("cyclonedds"), reason=NO_DDS)
+needs_linux = pytest.mark.skipif(sys.platform != "linux", reason=NOT_LINUX)
