@@ -4,14 +4,15 @@
 #ifndef ROVER__REGISTRY_HPP_
 #define ROVER__REGISTRY_HPP_
 
-#include <rover/feeds/survey_survey_mode.hpp>
-#include <rover/feeds/survey_survey_spin.hpp>
-#include <rover/feeds/survey_survey_temperature.hpp>
+#include <roverlink/registry.hpp>
+
+#include <rover/handlers/survey.hpp>
+#include <rover/extra_topics/survey_survey_temperature.hpp>
+#include <rover/extra_topics/survey_survey_spin.hpp>
+#include <rover/extra_topics/survey_survey_mode.hpp>
+#include <rover/handlers/order.hpp>
 #include <rover/handlers/chain.hpp>
 #include <rover/handlers/legacy.hpp>
-#include <rover/handlers/order.hpp>
-#include <rover/handlers/survey.hpp>
-#include <roverlink/registry.hpp>
 
 namespace rover::handlers
 {
@@ -21,13 +22,15 @@ using Inbound = roverlink::Table<
   SurveyHandler,
   SurveySurveyTemperatureFeed,
   SurveySurveySpinFeed,
-  SurveySurveyModeFeed>;
+  SurveySurveyModeFeed
+>;
 
 /// The classes of the rows that peers receive, in the order of the table.
 using Outbound = roverlink::Table<
   OrderHandler,
   ChainHandler,
-  LegacyHandler>;
+  LegacyHandler
+>;
 
 using Registry = roverlink::Registry<::Envelope, &::Envelope::payload_case>;
 

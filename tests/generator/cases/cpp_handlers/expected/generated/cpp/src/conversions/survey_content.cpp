@@ -3,9 +3,9 @@
 
 #include <rover/conversions/survey_content.hpp>
 
-#include <rover/conversions/sample.hpp>
 #include <roverlink/any.hpp>
 #include <roverlink/values.hpp>
+#include <rover/conversions/sample.hpp>
 #include <survey.pb.h>
 
 namespace rover::handlers
@@ -17,9 +17,9 @@ rover::msg::SurveyContent SurveyContentConversion::to_ros(const ::google::protob
   if (roverlink::holds<::Sample>(payload)) {
     message.which = rover::msg::SurveyContent::SAMPLE;
     message.sample = SampleConversion::to_ros(roverlink::unpacked<::Sample>(payload, "SurveyContent.sample"));
-  } else {
-    roverlink::check_empty(payload, "SurveyContent");
+    return message;
   }
+  roverlink::check_empty(payload, "SurveyContent");
   return message;
 }
 

@@ -67,6 +67,7 @@ SurveyHandler::Message SurveyHandler::to_ros(const Payload & payload)
 SurveyHandler::Payload SurveyHandler::from_ros(const Message & message)
 {
   ::Survey payload;
+  auto & pose_payload = *payload.mutable_pose();
   payload.set_fahrenheit(message.fahrenheit);
   payload.set_spin(message.spin);
   payload.set_mode(roverlink::Enumerator(message.mode, "Survey.mode"));
@@ -99,8 +100,7 @@ SurveyHandler::Payload SurveyHandler::from_ros(const Message & message)
     *payload.mutable_settings() = roverlink::json_struct_from_ros(message.settings, "Survey.settings");
   }
   for (const auto & item : message.colours) {
-    auto & value = roverlink::added(
-      *payload.mutable_colours(), roverlink::text(item.key, "Survey.colours"), "Survey.colours");
+    auto & value = roverlink::added(*payload.mutable_colours(), roverlink::text(item.key, "Survey.colours"), "Survey.colours");
     value = roverlink::Enumerator(item.value.colour, "Survey.colours");
   }
   for (const auto & item : message.levels) {
@@ -108,7 +108,6 @@ SurveyHandler::Payload SurveyHandler::from_ros(const Message & message)
     value.set_value(item.value);
   }
   *payload.mutable_content() = SurveyContentConversion::from_ros(message.content);
-  auto & pose_payload = *payload.mutable_pose();
   pose_payload.set_x(message.pose_x);
   if (message.has_pose_note) {
     pose_payload.set_note(roverlink::text(message.pose_note, "Survey.pose_note"));

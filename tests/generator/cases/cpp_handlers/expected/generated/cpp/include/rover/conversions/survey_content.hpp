@@ -10,13 +10,17 @@
 namespace rover::handlers
 {
 
-/// Survey.content to and from rover/msg/SurveyContent.
+/// Converts between Survey.content and rover/SurveyContent.
 struct SurveyContentConversion
 {
-  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
+  /// Convert Survey.content to rover/SurveyContent.
+  ///
+  /// Throws roverlink::ConversionError for a value that the message cannot hold.
   static rover::msg::SurveyContent to_ros(const ::google::protobuf::Any & payload);
 
-  /// Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.
+  /// Convert rover/SurveyContent to Survey.content.
+  ///
+  /// Throws roverlink::ConversionError for a value that the payload cannot hold.
   static ::google::protobuf::Any from_ros(const rover::msg::SurveyContent & message);
 };
 

@@ -6,22 +6,28 @@
 
 #include <utility>
 
-#include <envelope.pb.h>
-#include <rover/msg/survey.hpp>
 #include <roverlink/handler.hpp>
+
+#include <envelope.pb.h>
 #include <survey.pb.h>
+#include <rover/msg/survey.hpp>
 
 namespace rover::handlers
 {
 
-/// survey (1): Survey to the topic survey.
+/// survey (1): Survey to rover/Survey on the topic survey.
 class SurveyHandler final : public roverlink::Handler<::Envelope>
 {
 public:
   using Payload = ::Survey;
   using Message = rover::msg::Survey;
 
-  static constexpr roverlink::Route ROUTE{1, "survey", "survey", "board_to_ros"};
+  static constexpr roverlink::Route ROUTE = {
+    1,
+    "survey",
+    "survey",
+    "board_to_ros",
+  };
 
   explicit SurveyHandler(roverlink::Publish<Message> publish)
   : publish_(std::move(publish)) {}
@@ -31,10 +37,14 @@ public:
     return ROUTE;
   }
 
-  /// Convert a payload. Throws roverlink::ConversionError for a value that the message cannot hold.
+  /// Convert Survey to rover/Survey.
+  ///
+  /// Throws roverlink::ConversionError for a value that the message cannot hold.
   static Message to_ros(const Payload & payload);
 
-  /// Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.
+  /// Convert rover/Survey to Survey.
+  ///
+  /// Throws roverlink::ConversionError for a value that the payload cannot hold.
   static Payload from_ros(const Message & message);
 
 private:

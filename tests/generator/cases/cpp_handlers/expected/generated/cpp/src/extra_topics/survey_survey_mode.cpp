@@ -1,7 +1,7 @@
 // Generated from mapping.yaml (row survey) and survey.proto; do not edit.
 // Regenerate with: roverlink generate
 
-#include <rover/feeds/survey_survey_mode.hpp>
+#include <rover/extra_topics/survey_survey_mode.hpp>
 
 #include <roverlink/values.hpp>
 
@@ -11,7 +11,7 @@ namespace rover::handlers
 namespace
 {
 
-/// data for a value of mode.
+/// Return the value of data for a number of mode.
 std::string data_of(int number)
 {
   switch (number) {
@@ -24,14 +24,14 @@ std::string data_of(int number)
   }
 }
 
-/// The value of mode for one of data.
+/// Return the number of mode for a value of data.
 int mode_from_data(const std::string & value)
 {
   if (value == "idle") {
-    return 0;
+    return 0;  // IDLE
   }
   if (value == "drilling") {
-    return 1;
+    return 1;  // DRILLING
   }
   throw roverlink::no_counterpart("data", value);
 }

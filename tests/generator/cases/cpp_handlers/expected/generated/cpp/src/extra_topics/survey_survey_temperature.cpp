@@ -1,7 +1,7 @@
 // Generated from mapping.yaml (row survey) and survey.proto; do not edit.
 // Regenerate with: roverlink generate
 
-#include <rover/feeds/survey_survey_temperature.hpp>
+#include <rover/extra_topics/survey_survey_temperature.hpp>
 
 #include <roverlink/values.hpp>
 
@@ -13,8 +13,7 @@ void SurveySurveyTemperatureFeed::publish(const ::Envelope & envelope, const rov
   publish_(to_ros(envelope.survey(), received));
 }
 
-SurveySurveyTemperatureFeed::Message SurveySurveyTemperatureFeed::to_ros(
-  const Payload & payload, const roverlink::Stamp & received)
+SurveySurveyTemperatureFeed::Message SurveySurveyTemperatureFeed::to_ros(const Payload & payload, const roverlink::Stamp & received)
 {
   sensor_msgs::msg::Temperature message;
   message.header.stamp = received;
