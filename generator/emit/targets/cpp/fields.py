@@ -148,17 +148,10 @@ class Field:
         return cpp_names.getter(self.conversion.proto_path[:-1])
 
     @property
-    def key(self) -> Value:
-        """The key of a map's entries."""
-        return self._part("key")
-
-    @property
-    def mapped(self) -> Value:
-        """The value of a map's entries."""
-        return self._part("value")
-
-    def _part(self, name: str) -> Value:
-        return Value(getattr(self.conversion.entry, name), self.value.shown, self.value.context)
+    def entry(self) -> list[Value]:
+        """The key and the value of a map's entries; empty for what is no map."""
+        entry = self.conversion.entry
+        return [Value(part, self.value.shown, self.value.context) for part in (entry.key, entry.value)] if entry else []
 
     @property
     def condition(self) -> str:
@@ -176,9 +169,7 @@ class Field:
     @property
     def headers(self) -> set[str]:
         """The headers of the functions that convert it."""
-        if self.kind == "MAP":
-            return self.key.headers | self.mapped.headers
-        return self.value.headers
+        return set().union(*(value.headers for value in self.entry or [self.value]))
 
 
 @dataclass(frozen=True, slots=True)
