@@ -16,11 +16,9 @@ import pytest
 ROOT = Path(__file__).parents[1]
 _SHARED_NAMES = {
     *(
-        "bodies",
         "conversions",
         "handlers",
         "interfaces",
-        "layout",
         "messages",
         "registry",
         "routes",

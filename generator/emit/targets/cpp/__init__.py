@@ -5,7 +5,7 @@ from __future__ import annotations
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.targets.cpp import conversions, handlers, library, unsupported_names
-from roverlink.generator.emit.targets.cpp.context import Context
+from roverlink.generator.emit.targets.cpp.conversion_context import Context
 from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER
 
 

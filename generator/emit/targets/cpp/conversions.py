@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.targets.cpp import cpp_names
-from roverlink.generator.emit.targets.cpp.context import Context, Converter
+from roverlink.generator.emit.targets.cpp.conversion_context import Context, Converter
+from roverlink.generator.emit.targets.cpp.conversion_fields import fields_of
 from roverlink.generator.emit.targets.cpp.cpp_files import CppFile
-from roverlink.generator.emit.targets.cpp.fields import fields_of
 from roverlink.generator.emit.targets.cpp.literals import comment_lines
 
 _ANY = "google.protobuf.Any"

@@ -8,9 +8,9 @@ from roverlink.generator import ir
 from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.targets.cpp import cpp_names
-from roverlink.generator.emit.targets.cpp.context import Context
+from roverlink.generator.emit.targets.cpp.conversion_context import Context
+from roverlink.generator.emit.targets.cpp.conversion_fields import Fields, fields_of
 from roverlink.generator.emit.targets.cpp.cpp_files import CppFile
-from roverlink.generator.emit.targets.cpp.fields import Fields, fields_of
 from roverlink.generator.emit.targets.cpp.literals import comment_lines
 from roverlink.generator.emit.targets.cpp.standard_fields import StandardFields
 

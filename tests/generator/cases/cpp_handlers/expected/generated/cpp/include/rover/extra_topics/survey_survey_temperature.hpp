@@ -44,7 +44,9 @@ public:
 
   /// Convert sensor_msgs/Temperature to Survey.
   ///
-  /// Does not set spin, mode, depth, sample.image, samples, parts, modes, flags, names, started.seconds, started.nanos, humidity.value, mask.paths, settings.fields, colours, levels, content.type_url, content.value, pose.x, pose.note.
+  /// Does not set spin, mode, depth, sample.image, samples, parts, modes, flags, names, started.seconds,
+  /// started.nanos, humidity.value, mask.paths, settings.fields, colours, levels, content.type_url,
+  /// content.value, pose.x, pose.note.
   /// Throws roverlink::ConversionError for a value that the payload cannot hold.
   static Payload from_ros(const Message & message);
 

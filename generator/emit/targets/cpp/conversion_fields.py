@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from roverlink.generator import ir
 from roverlink.generator.emit.targets.cpp import cpp_names
-from roverlink.generator.emit.targets.cpp.context import Context
+from roverlink.generator.emit.targets.cpp.conversion_context import Context
 from roverlink.generator.emit.targets.cpp.literals import comment_lines
 from roverlink.generator.ir.model import ConversionKind
 from roverlink.generator.resolve.well_known import FIELD_MASK
