@@ -158,7 +158,8 @@ class Project:
         bridge = self.compiled.bridge
         file = self._member(route.number).file
         wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
-        wanted += [f"generated/feeds/{one.file}.py" for one in named_feeds(bridge) if one.route.number == route.number]
+        extra_topics = [extra.file for extra in named_feeds(bridge) if extra.route.number == route.number]
+        wanted += [f"generated/extra_topics/{file}.py" for file in extra_topics]
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")

@@ -64,7 +64,7 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
     jobs = [(source, options) for source in (structs, *sorted(compiled.rglob("*.pb.cc")))]
     jobs.append((_HERE / "speaker.cpp", [*options, *speaker]))
     sources = sorted(folder / path for path in ours if path.endswith(".cpp") and not path.startswith(_RUNTIME))
-    alone = [source for source in sources if source.parent.name == "feeds"]  # each has functions of its own
+    alone = [source for source in sources if source.parent.name == "extra_topics"]  # each has functions of its own
     alone.append(_in_one(folder / "handlers.cpp", [source for source in sources if source not in alone]))
     alone.append(_in_one(folder / "runtime.cpp", sorted((folder / _RUNTIME / "src").glob("*.cpp"))))
     jobs += [(source, [*options, *_WARNINGS]) for source in alone]

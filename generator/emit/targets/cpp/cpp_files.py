@@ -1,47 +1,43 @@
-"""Where the files of the C++ library go, and what stands around the text in them."""
+"""The header and the source file of a generated class."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from roverlink.generator.emit.render import Files, header, render
-from roverlink.generator.emit.targets.cpp import layout
 
 FOLDER = "generated/cpp"
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
-    """A header and a source file of one name."""
+class CppFile:
+    """A header, and the source file of the same name where it has one."""
 
     package: str
     name: str
     """With its folder: ``handlers/imu_info``."""
     origin: str
-    """What the two are generated from."""
+    """What it is generated from."""
 
     @property
-    def header(self) -> str:
+    def top(self) -> str:
+        """The lines that open it."""
+        return header(self.origin, "//")
+
+    @property
+    def include(self) -> str:
         """The header, as an include directive names it."""
         return f"{self.package}/{self.name}.hpp"
 
     @property
-    def source(self) -> str:
-        """The source file, below the folder."""
-        return f"src/{self.name}.cpp"
+    def guard(self) -> str:
+        """The macro that guards the header: ``COMMS__HANDLERS__IMU_INFO_HPP_``."""
+        return self.include.replace("/", "__").replace(".", "_").upper() + "_"
 
+    def header(self, template: str, **view: object) -> Files:
+        """Yield the header, made by a template."""
+        yield f"{FOLDER}/include/{self.include}", render(f"cpp/{template}.hpp.j2", file=self, **view)
 
-def pair(files: Pair, template: str, **view: Any) -> Files:
-    """Both files, by the two templates of a name."""
-    yield header_file(files, template, **view)
-    text = render(f"cpp/{template}.cpp.j2", package=files.package, own_header=files.header, **view)
-    yield f"{FOLDER}/{files.source}", f"{header(files.origin, '//')}\n\n{text}"
-
-
-def header_file(files: Pair, template: str, **view: Any) -> tuple[str, str]:
-    """The header, with its guard."""
-    text = render(f"cpp/{template}.hpp.j2", package=files.package, **view)
-    guard = layout.guard(files.header)
-    opened = f"{header(files.origin, '//')}\n\n#ifndef {guard}\n#define {guard}\n"
-    return f"{FOLDER}/include/{files.header}", f"{opened}\n{text}\n#endif  // {guard}\n"
+    def source(self, template: str, **view: object) -> Files:
+        """Yield the source file, made by a template."""
+        yield f"{FOLDER}/src/{self.name}.cpp", render(f"cpp/{template}.cpp.j2", file=self, **view)

@@ -1,4 +1,4 @@
-"""One class a row, and one a further topic of a row."""
+"""One class for each row, and one for each extra topic of a row."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from roverlink.generator import ir
 from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.render import Files
-from roverlink.generator.emit.targets.cpp import cpp_names, layout
-from roverlink.generator.emit.targets.cpp.bodies import Bodies
+from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.conversion_context import Context
-from roverlink.generator.emit.targets.cpp.conversions import named
-from roverlink.generator.emit.targets.cpp.cpp_files import Pair, pair
-from roverlink.generator.emit.targets.cpp.feed_bodies import FeedBodies
-from roverlink.generator.ir import Feed
-
-_RCLCPP_DEFAULT = ir.Qos()
+from roverlink.generator.emit.targets.cpp.conversion_fields import Fields, fields_of
+from roverlink.generator.emit.targets.cpp.cpp_files import CppFile
+from roverlink.generator.emit.targets.cpp.literals import comment_lines
+from roverlink.generator.emit.targets.cpp.standard_fields import StandardFields
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,145 +20,93 @@ class Handler:
     """A class that is generated for a topic."""
 
     route: ir.Route
+    source: ir.Conversion | ir.Feed
+    """A `Feed` for a standard message."""
+    file: CppFile
     name: str
-    file: str
-    """Its files' name, with their folder."""
-    feed: Feed | None
+    envelope: str
+    """The class of the envelope."""
+    envelope_header: str
+
+    @property
+    def qos(self) -> ir.Qos | None:
+        """The quality of service; None for rclcpp's default, which is the C++ library's default, too."""
+        return None if self.route.qos == ir.Qos() else self.route.qos
+
+    @property
+    def accessor(self) -> str:
+        """The accessor of the payload in the envelope."""
+        return cpp_names.accessor(self.route.name)
+
+    @property
+    def payload(self) -> str:
+        """The class of the payload."""
+        return cpp_names.proto_class(self.source.proto)
+
+    @property
+    def payload_header(self) -> str:
+        """The header of the payload's class."""
+        return cpp_names.proto_header(self.source.file)
+
+    @property
+    def standard(self) -> ir.Feed | None:
+        """The standard message and what fills it; None where the row has a message of its own."""
+        return self.source if isinstance(self.source, ir.Feed) else None
+
+    @property
+    def ros(self) -> str:
+        """The full name of the ROS message: ``sensor_msgs/msg/Imu``."""
+        if isinstance(self.source, ir.Feed):
+            return self.source.message
+        return f"{self.file.package}/msg/{self.source.ros}"
+
+    @property
+    def message(self) -> str:
+        """The struct of the ROS message."""
+        return cpp_names.interface_struct(self.ros)
+
+    @property
+    def message_header(self) -> str:
+        """The header of the struct."""
+        return cpp_names.interface_header(self.ros)
 
 
 def handlers_of(bridge: ir.Bridge) -> list[Handler]:
-    """Those of all topics, in the order of the table."""
-    further = named_feeds(bridge)
+    """Return the handlers of all topics, in the order of the table."""
+    extra = named_feeds(bridge)
     found: list[Handler] = []
     for route in bridge.routes:
-        name, file = cpp_names.handler_class(route), f"handlers/{cpp_names.handler_file(route)}"
-        found.append(Handler(route, name, file, route.feed))
-        own = [one for one in further if one.route.number == route.number]
-        found += [Handler(one.route, one.name, f"feeds/{one.file}", one.feed) for one in own]
+        if source := route.feed or route.conversion:
+            file = f"handlers/{cpp_names.handler_file(route)}"
+            found.append(_handler(bridge, route, source, file, cpp_names.handler_class(route)))
+        found += [
+            _handler(bridge, one.route, one.feed, f"extra_topics/{one.file}", one.name)
+            for one in extra
+            if one.route.number == route.number
+        ]
     return found
 
 
+def _handler(bridge: ir.Bridge, route: ir.Route, source: ir.Conversion | ir.Feed, path: str, name: str) -> Handler:
+    file = CppFile(bridge.package, path, f"{bridge.table} (row {route.name}) and {source.file}")
+    envelope = bridge.envelope
+    return Handler(
+        route, source, file, name, cpp_names.proto_class(envelope.message), cpp_names.proto_header(envelope.file)
+    )
+
+
 def emit(bridge: ir.Bridge, context: Context) -> Files:
-    """Header and source file of each."""
+    """Yield the header and the source file of each."""
+    has_required = any(field.label == "required" for one in bridge.wire_messages for field in one.fields)
     for handler in handlers_of(bridge):
-        if handler.feed:
-            yield from _feed(bridge, handler, handler.feed)
-        elif handler.route.conversion:
-            yield from _row(bridge, handler, handler.route.conversion, context)
-
-
-def _row(bridge: ir.Bridge, handler: Handler, conversion: ir.Conversion, context: Context) -> Files:
-    bodies = Bodies(conversion, context)
-    to_ros, from_ros = list(bodies.to_ros()), list(bodies.from_ros())
-    yield from _pair(
-        bridge,
-        handler,
-        conversion.file,
-        cpp_names.proto_class(conversion.proto),
-        f"{bridge.package}/msg/{conversion.ros}",
-        bodies.headers,
-        about=f"{conversion.local_name} {_arrow(handler.route)} {handler.route.topic}.",
-        way_back="Convert a message. Throws roverlink::ConversionError for a value that the payload cannot hold.",
-        taken=[f"const Payload &{named('payload', to_ros)}"],
-        given=named("message", from_ros),
-        to_ros=layout.body(to_ros),
-        from_ros=layout.body(from_ros),
-        constants=(),
-        functions=(),
-        stamped=False,
-    )
-
-
-def _feed(bridge: ir.Bridge, handler: Handler, feed: Feed) -> Files:
-    bodies = FeedBodies(feed)
-    to_ros, from_ros = list(bodies.to_ros()), list(bodies.from_ros())
-    functions = list(bodies.functions())
-    shown = feed.message.replace("/msg/", "/")
-    yield from _pair(
-        bridge,
-        handler,
-        feed.file,
-        cpp_names.proto_class(feed.proto),
-        feed.message,
-        bodies.headers,
-        about=f"{feed.local_name} as {shown} {_arrow(handler.route)} {handler.route.topic}.",
-        way_back=_way_back(feed),
-        taken=[f"const Payload &{named('payload', to_ros)}", f"const roverlink::Stamp &{named('received', to_ros)}"],
-        given=named("message", from_ros),
-        to_ros=layout.body(to_ros),
-        from_ros=layout.body(from_ros),
-        constants=list(bodies.constants()),
-        functions=functions,
-        stamped=True,
-    )
-
-
-def _pair(
-    bridge: ir.Bridge,
-    handler: Handler,
-    file: str,
-    payload: str,
-    message: str,
-    headers: set[str],
-    *,
-    about: str,
-    way_back: str,
-    taken: list[str],
-    given: str,
-    stamped: bool,
-    **view: object,
-) -> Files:
-    route, package, envelope = handler.route, bridge.package, cpp_names.proto_class(bridge.envelope.message)
-    files = Pair(package, handler.file, f"{bridge.table} (row {route.name}) and {file}")
-    own = [*map(cpp_names.proto_header, (bridge.envelope.file, file)), cpp_names.interface_header(message)]
-    own.append(cpp_names.runtime_header("handler"))
-    yield from pair(
-        files,
-        "handler",
-        headers="\n\n".join([*(["#include <utility>"] if route.inbound else []), layout.includes(own)]),
-        needed=layout.includes(headers - {files.header}),
-        name=handler.name,
-        about=layout.comment(f"{route.name} ({route.number}): {about}"),
-        route=_route(route),
-        inbound=route.inbound,
-        envelope=envelope,
-        field=cpp_names.accessor(route.name),
-        payload=payload,
-        message=cpp_names.interface_struct(message),
-        way_back=layout.comment(way_back, "  "),
-        to_ros_head=layout.signature(f"{handler.name}::Message", f"{handler.name}::to_ros", taken),
-        from_ros_head=layout.signature(
-            f"{handler.name}::Payload", f"{handler.name}::from_ros", [f"const Message &{given}"]
-        ),
-        publish_head=layout.signature(
-            "void",
-            f"{handler.name}::publish",
-            [f"const {envelope} & envelope", f"const roverlink::Stamp &{' received' if stamped else ''}"],
-            " const",
-        ),
-        stamped=stamped,
-        has_required=any(field.label == "required" for one in bridge.wire_messages for field in one.fields),
-        **view,
-    )
-
-
-def _arrow(route: ir.Route) -> str:
-    return "to the topic" if route.inbound else "from the topic"
-
-
-def _route(route: ir.Route) -> str:
-    """What a `Route` is made from."""
-    parts = [str(route.number), *map(layout.text_literal, (route.name, route.topic, route.direction))]
-    if route.qos != _RCLCPP_DEFAULT:
-        words = (route.qos.reliability, route.qos.durability, route.qos.history)
-        parts.append(f"{{{', '.join(map(layout.text_literal, words))}, {route.qos.depth}}}")
-    flat = ", ".join(parts)
-    return flat if len(flat) < layout.LINE_LENGTH - 44 else f"\n    {flat}"
-
-
-def _way_back(feed: Feed) -> str:
-    """Write the comment of ``from_ros``."""
-    if feed.obstacle:
-        return f"Always throws roverlink::ConversionError: {feed.obstacle}."
-    lost = f" It does not set {', '.join(feed.lost)}." if feed.lost else ""
-    return f"Convert a message.{lost} Throws roverlink::ConversionError for a value that the payload cannot hold."
+        comment = comment_lines(handler.route.comment)
+        yield from handler.file.header("handler", handler=handler, comment=comment)
+        fields: Fields | StandardFields
+        if isinstance(handler.source, ir.Feed):
+            fields, template = StandardFields(handler.source), "standard_message"
+        else:
+            fields, template = fields_of(handler.source, context), "handler"
+        headers = fields.headers - {handler.file.include}
+        yield from handler.file.source(
+            template, handler=handler, fields=fields, headers=headers, has_required=has_required
+        )

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render, shipped
-from roverlink.generator.emit.targets.cpp import cpp_names, layout
-from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER, Pair, header_file
-from roverlink.generator.emit.targets.cpp.handlers import Handler, handlers_of
+from roverlink.generator.emit.targets.cpp import cpp_names
+from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER, CppFile
+from roverlink.generator.emit.targets.cpp.handlers import handlers_of
 
 _COPIED = ("CMakeLists.txt", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
 
 
 def emit(bridge: ir.Bridge) -> Files:
     """Yield the registry, the header for rclcpp and the runtime library."""
-    handlers = handlers_of(bridge)
-    own = [f"{bridge.package}/{handler.file}.hpp" for handler in handlers]
-    yield header_file(
-        Pair(bridge.package, "registry", bridge.table),
-        "registry",
-        headers=layout.includes([*own, cpp_names.runtime_header("registry")]),
-        envelope=cpp_names.proto_class(bridge.envelope.message),
-        oneof=bridge.envelope.oneof,
-        inbound=_classes([one for one in handlers if one.route.inbound]),
-        outbound=_classes([one for one in handlers if not one.route.inbound]),
-    )
-    yield header_file(Pair(bridge.package, "rclcpp", bridge.table), "rclcpp")
+    envelope = cpp_names.proto_class(bridge.envelope.message)
+    registry, rclcpp = (CppFile(bridge.package, name, bridge.table) for name in ("registry", "rclcpp"))
+    yield from registry.header("registry", handlers=handlers_of(bridge), envelope=envelope, oneof=bridge.envelope.oneof)
+    yield from rclcpp.header("rclcpp")
     # Projects add this folder to their own build and say where the protos are; colcon must not build it alone.
     yield f"{FOLDER}/COLCON_IGNORE", header(bridge.table) + "\n"
     yield from _runtime()
@@ -45,10 +37,6 @@ def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
         sources=sorted(sources),
     )
     return f"{FOLDER}/CMakeLists.txt", text
-
-
-def _classes(handlers: list[Handler]) -> str:
-    return ",".join(f"\n  {one.name}" for one in handlers)
 
 
 def _runtime() -> Files:

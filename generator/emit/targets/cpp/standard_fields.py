@@ -1,0 +1,275 @@
+"""The fields of a standard message and of its payload, as ``templates/cpp/standard_message.cpp.j2`` reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
+from roverlink.generator.emit.targets.cpp import cpp_names
+from roverlink.generator.emit.targets.cpp.literals import literal, text_literal
+from roverlink.generator.ir import Feed
+from roverlink.generator.ir.interfaces import (
+    Case,
+    Chosen,
+    Constant,
+    InterfaceType,
+    Moment,
+    Parts,
+    Path,
+    Rotation,
+    Source,
+    Taken,
+    TargetField,
+    Unset,
+)
+
+_Leaf = Taken | Chosen | Constant | Rotation | Moment
+_CPP = Dialect(separator="'", pi="roverlink::PI", power="std::pow({base}, {exponent})", constant="{name}")
+
+
+@dataclass(frozen=True, slots=True)
+class Filled:
+    """A field of the message that ``to_ros`` fills."""
+
+    path: str
+    """From the message: ``header.stamp``."""
+    value: str
+    """The expression; for each element of `source`, the variable ``item``, where there is one."""
+    source: str = ""
+    """The repeated field whose values fill the list; empty for one value."""
+    count: int = 0
+    """The number of elements that have the value; 0 for one value."""
+    is_array: bool = False
+    """Whether the elements are those of an array, and not of a sequence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recalled:
+    """A field of the payload that ``from_ros`` sets, or a variable for several of them."""
+
+    target: str
+    """The function that sets it: ``payload.mutable_inner()->set_x``; or the variable."""
+    value: str
+    """The expression; for each element of `source`, the variable ``item``, where there is one."""
+    source: str = ""
+    """The list in the message whose elements are the field's values; empty for one value."""
+    is_rotation: bool = False
+    """Whether it is the variable for the angles of a rotation."""
+
+
+@dataclass(frozen=True, slots=True)
+class EnumTable:
+    """A function between the number of an enum value and the value of a field of the message."""
+
+    to_number: bool
+    path: str
+    source: str
+    """The enum field of the payload."""
+    type: str
+    """The type of the message's field."""
+    cases: tuple[tuple[int, str, str], ...]
+    """Of each value the number, the name, and the value of the message's field."""
+    default: str
+    """The value for every other number; empty where another number is an error."""
+
+
+class StandardFields:
+    """The bodies of ``to_ros`` and ``from_ros`` of a standard message, and what stands above them."""
+
+    def __init__(self, feed: Feed) -> None:
+        self._arithmetic = Arithmetic(_CPP)
+        self.obstacle = feed.obstacle and text_literal(feed.obstacle)
+        """Why no payload can be made, as a literal; empty where it can."""
+        self.headers = {cpp_names.runtime_header("values")}
+        self.tables: dict[str, EnumTable] = {}
+        """The functions by name."""
+        leaves = [leaf for field in feed.fields for leaf in _leaves(field, ())]
+        self.filled = [self._filled(*leaf) for leaf in leaves]
+        self.recalled = list(_first_each(self._recalled(feed)))
+        self.constants = self._arithmetic.constants
+        """The constants by name."""
+        sources = [source for _, value, _ in leaves for source in _sources(value)]
+        self.reads_payload = any(sources)
+        self.reads_received = None in sources
+
+    # --- to ROS ---
+
+    def _filled(self, path: Path, value: _Leaf, type: InterfaceType) -> Filled:
+        dotted = ".".join(path)
+        if isinstance(value, Constant) and isinstance(value.value, tuple):
+            if len(value.value) > 1 and len(set(value.value)) == 1:
+                return Filled(dotted, literal(value.value[0]), count=len(value.value), is_array=type.length is not None)
+            return Filled(dotted, f"{{{', '.join(map(literal, value.value))}}}")
+        if isinstance(value, Taken) and (value.source.repeated or value.source.type == "bytes"):
+            return Filled(dotted, self._made(value, "item", type, path), cpp_names.getter(value.source.path))
+        return Filled(dotted, self._value(value, type, path))
+
+    def _value(self, value: _Leaf, type: InterfaceType, path: Path) -> str:
+        """The expression for a field that is no list."""
+        if isinstance(value, Constant):
+            return literal(value.value)
+        if isinstance(value, Taken):
+            made = self._made(value, cpp_names.getter(value.source.path), type, path)
+            return made if value.default is None else f"{_has(value.source)} ? {made} : {literal(value.default)}"
+        if isinstance(value, Chosen):
+            return f"{self._table(value, path, type, to_number=False)}({cpp_names.getter(value.source.path)})"
+        if isinstance(value, Rotation):
+            self.headers.add(cpp_names.runtime_header("rotations"))
+            parts = (value.roll, value.pitch, value.yaw)
+            angles = ", ".join(self._value(part, InterfaceType("float64"), ()) for part in parts)
+            return f"roverlink::quaternion({{{angles}}}, {_shown(path)})"
+        return self._moment(value, path)
+
+    def _made(self, value: Taken, text: str, type: InterfaceType, path: Path) -> str:
+        """One value of a payload as the message has it."""
+        source, shown = value.source, _shown(path)
+        if source.type == "string":
+            bound = f", {type.text_bound}" if type.text_bound else ""
+            return f"roverlink::text({text}, {shown}{bound})"
+        if source.type in ("bool", "bytes") and source.type != type.name:
+            return f"static_cast<{cpp_names.primitive(type.name)}>({text})"
+        if value.scaling.is_identity and not source.enum and source.type == type.name:
+            return text
+        whole = source.is_integer and value.scaling.is_whole
+        scaled = self._arithmetic.forth(_operand(text, source.type), value.scaling, whole=whole)
+        if type.name.startswith("float"):
+            scaled = f"static_cast<double>({scaled})" if whole else scaled
+            scaled = f"std::nearbyint({scaled})" if value.rounded and not whole else scaled
+            return f"roverlink::single({scaled}, {shown})" if type.name == "float32" else scaled
+        return f"roverlink::{'narrow' if whole else 'rounded'}<{cpp_names.primitive(type.name)}>({scaled}, {shown})"
+
+    def _moment(self, value: Moment, path: Path) -> str:
+        if value.source is None:
+            return "received"
+        whole = value.source.is_integer and value.nanoseconds.denominator == 1
+        text = _operand(cpp_names.getter(value.source.path), value.source.type)
+        scaled = text if value.nanoseconds == 1 else f"{text} * {_CPP.number(value.nanoseconds, whole=whole)}"
+        nanoseconds = scaled if whole else f"roverlink::whole({scaled}, {_shown(path)})"
+        return f"roverlink::stamp_of({nanoseconds}, {_shown(path)})"
+
+    # --- from ROS ---
+
+    def _recalled(self, feed: Feed) -> Iterator[Recalled]:
+        for index, recovered in enumerate(feed.recovered):
+            value, text = recovered.value, ".".join(("message", *recovered.path))
+            if isinstance(value, Rotation):
+                self.headers.add(cpp_names.runtime_header("rotations"))
+                name = f"rotation{index or ''}"
+                yield Recalled(name, text, is_rotation=True)
+                for angle, part in (("roll", value.roll), ("pitch", value.pitch), ("yaw", value.yaw)):
+                    if isinstance(part, Taken):
+                        yield Recalled(_setter(part.source), self._untaken(part, f"{name}.{angle}", "float64"))
+            elif isinstance(value, Taken) and value.source.repeated:
+                item = self._untaken(value, "item", recovered.type.name)
+                yield Recalled(_setter(value.source), item, text)
+            elif isinstance(value, Taken):
+                yield Recalled(_setter(value.source), self._untaken(value, text, recovered.type.name))
+            elif isinstance(value, Chosen):
+                function = self._table(value, recovered.path, recovered.type, to_number=True)
+                yield Recalled(_setter(value.source), _as_declared(value.source, f"{function}({text})"))
+            elif value.source:
+                number = _unscaled_time(value, value.source, f"roverlink::nanoseconds({text})")
+                yield Recalled(_setter(value.source), number)
+
+    def _untaken(self, value: Taken, text: str, type: str) -> str:
+        """One value of the message as the payload has it."""
+        source, scaling = value.source, value.scaling
+        shown = _shown(source.path)
+        if source.type == "string":
+            return f"roverlink::text({text}, {shown})"
+        if source.type == "bytes":
+            return f"roverlink::bytes({text})"
+        if scaling.is_identity and not source.enum and source.type == type:
+            return text
+        whole = source.is_integer and scaling.is_whole and abs(scaling.factor) == 1 and not type.startswith("float")
+        back = self._arithmetic.back(_operand(text, type), scaling, whole=whole)
+        if source.is_integer:
+            made = f"roverlink::{'narrow' if whole else 'rounded'}<{cpp_names.primitive(source.type)}>({back}, {shown})"
+            return _as_declared(source, made)
+        return f"roverlink::single({back}, {shown})" if source.type == "float32" else back
+
+    # --- enums ---
+
+    def _table(self, value: Chosen, path: Path, type: InterfaceType, *, to_number: bool) -> str:
+        """The name of the function for an enum's values."""
+        cases = {case.value if to_number else case.number: case for case in value.cases}
+        table = EnumTable(
+            to_number,
+            ".".join(path),
+            value.source.dotted,
+            cpp_names.primitive(type.name),
+            tuple((case.number, case.name, self._case(case, value.holder)) for case in cases.values()),
+            self._case(value.default, value.holder) if value.default else "",
+        )
+        target = "_".join(path)
+        name = f"{'_'.join(value.source.path)}_from_{target}" if to_number else f"{target}_of"
+        while self.tables.setdefault(name, table) != table:
+            name += "_"
+        return name
+
+    def _case(self, case: Case, holder: str) -> str:
+        """The value of the message's field."""
+        if not case.constant:
+            return literal(case.value)
+        self.headers.add(cpp_names.interface_header(holder))
+        return f"{cpp_names.interface_struct(holder)}::{case.constant}"
+
+
+def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, InterfaceType]]:
+    """The fields that something fills, with their paths, without the messages that hold them."""
+    path, value = (*holders, field.name), field.value
+    if isinstance(value, Parts):
+        for part in value.fields:
+            yield from _leaves(part, path)
+    elif not isinstance(value, Unset):
+        yield path, value, field.type
+
+
+def _sources(value: _Leaf) -> Iterator[Source | None]:
+    """The payload's fields that fill a field; None for the time of reception."""
+    for part in (value.roll, value.pitch, value.yaw) if isinstance(value, Rotation) else (value,):
+        if isinstance(part, (Taken, Chosen, Moment)):
+            yield part.source
+
+
+def _first_each(recalled: Iterable[Recalled]) -> Iterable[Recalled]:
+    """The first statement for each field: two fields of the message may be made from one of the payload."""
+    found: dict[str, Recalled] = {}
+    for one in recalled:
+        found.setdefault(one.target, one)
+    return found.values()
+
+
+def _unscaled_time(value: Moment, source: Source, text: str) -> str:
+    type, shown, factor = cpp_names.primitive(source.type), _shown(source.path), value.nanoseconds
+    if source.is_integer and factor.denominator == 1:
+        whole = text if factor == 1 else f"roverlink::floored({text}, {_CPP.number(factor, whole=True)})"
+        return f"roverlink::narrow<{type}>({whole}, {shown})"
+    divided = f"static_cast<double>({text})"
+    divided += "" if factor == 1 else f" / {_CPP.number(factor, whole=False)}"
+    return f"roverlink::rounded<{type}>({divided}, {shown})" if source.is_integer else f"static_cast<{type}>({divided})"
+
+
+def _operand(text: str, type: str) -> str:
+    """A number in arithmetic: whole ones are negated as such, for floats have two zeros."""
+    return text if type.startswith("float") else f"roverlink::wide({text})"
+
+
+def _as_declared(source: Source, text: str) -> str:
+    return f"roverlink::Enumerator({text}, {_shown(source.path)})" if source.enum else text
+
+
+def _setter(source: Source) -> str:
+    *holders, name = source.path
+    holder = "".join(["payload.", *(f"mutable_{cpp_names.accessor(part)}()->" for part in holders)])
+    return f"{holder}{'add' if source.repeated else 'set'}_{cpp_names.accessor(name)}"
+
+
+def _has(source: Source) -> str:
+    return f"{cpp_names.getter(source.path[:-1])}.has_{cpp_names.accessor(source.path[-1])}()"
+
+
+def _shown(path: Path) -> str:
+    """A field in the message of an error, as a literal."""
+    return f'"{".".join(path)}"'
