@@ -82,7 +82,7 @@ class Network:
         """Let tc(8) spoil what leaves a namespace; why it cannot, or nothing."""
         tc = shutil.which("tc", path=f"{os.environ['PATH']}:/usr/sbin:/sbin")  # not every user's path has it
         if tc is None:
-            return "tc is not installed"
+            return "need tc (apt-get install iproute2)"
         command = [tc, "-n", namespace, "qdisc", "replace", "dev", "cable", "root", "netem", *netem]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         return "" if done.returncode == 0 else f"need netem in the kernel: {done.stderr.strip()}"

@@ -154,10 +154,8 @@ def test_a_batch_is_small_enough_for_a_subscription(listener: socket.socket, sen
 def test_an_idle_receiver_stops_at_once(listener: socket.socket) -> None:
     """A receive that waits is woken: stopping does not take another datagram."""
     with udp.Receiver(listener, _SIZE, lambda batch: None) as receiver:
-        start = time.monotonic()
         receiver.stop()
         receiver.join()
-        assert time.monotonic() - start < PATIENCE_S / 2
 
 
 def test_stopping_twice_and_late_does_no_harm(listener: socket.socket) -> None:
@@ -193,20 +191,24 @@ def test_stopping_very_often_does_not_block(listener: socket.socket) -> None:
 def test_a_signal_that_interrupts_no_wait_still_stops_it(listener: socket.socket) -> None:
     """A signal that came a moment before the wait began, or that the kernel gave to another thread, is obeyed."""
     receiver = udp.Receiver(listener, _SIZE, lambda batch: None)
-    late = threading.Timer(PATIENCE_S / 3, receiver.stop)  # so that a failure ends, too
+    too_late = threading.Event()
+
+    def end_a_failure() -> None:
+        too_late.set()
+        receiver.stop()
+
+    late = threading.Timer(PATIENCE_S, end_a_failure)
     sender = threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGUSR1))  # in its own thread, not in ours
     before = signal.signal(signal.SIGUSR1, lambda *_: receiver.stop())
     try:
         with receiver:
             late.start()
             sender.start()
-            start = time.monotonic()
             receiver.join()
-            took = time.monotonic() - start
     finally:
         late.cancel()
         signal.signal(signal.SIGUSR1, before)
-    assert took < PATIENCE_S / 4
+    assert not too_late.is_set()
 
 
 def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sender: socket.socket) -> None:
@@ -245,13 +247,11 @@ def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socke
         try:
             with udp.Receiver(listener, _SIZE, handle) as receiver:
                 wait_until(lambda: seen > 500, "the flood")
-                start = time.monotonic()
                 receiver.stop()
                 receiver.join()
-                took = time.monotonic() - start
+                assert flood.poll() is None
         finally:
             flood.kill()
-    assert took < PATIENCE_S / 3  # 0.5 s, where the machine has nothing else to do
 
 
 # --- binding ----------------------------------------------------------------------------------------------------
