@@ -29,7 +29,7 @@ import json, sys, timeit
 sys.path[:0] = [{project!r}, {root!r}]
 from roverlink.runtime import load_registry
 from roverlink.runtime.interfaces import Time
-from roverlink.simulation import payload_at
+from roverlink.generator.example_payloads import payload_at
 registry, calls = load_registry({project!r}), {{}}
 for handler in (*registry.handlers, *registry.feeds):
     payload, stamp = payload_at(handler.payload_type, 1.0), Time(1, 2)

@@ -18,7 +18,7 @@ import pytest
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation.payloads import payload_at
+from roverlink.generator.example_payloads import payload_at
 
 _NEEDS_DDS = pytest.mark.skipif(
     not __import__("importlib.util").util.find_spec("cyclonedds"), reason="Cyclone DDS has no wheel for this machine"
