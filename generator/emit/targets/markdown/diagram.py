@@ -29,7 +29,7 @@ class Group:
     """The number of the others."""
     sender: End
     receiver: End
-    forward: tuple[End, ...]
+    """Where rows are forwarded, all that receive them stand at one end: arrows to each of them would cross."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,16 +55,20 @@ def diagram(bridge: ir.Bridge) -> Diagram:
         grouped.setdefault((route.inbound, end, route.forward), []).append(route)
     groups = []
     for index, ((inbound, end, forward), rows) in enumerate(grouped.items()):
-        ends = (_as("from", end), _as("to", _ROS)) if inbound else (_as("from", _ROS), _as("to", end))
-        further = tuple(_as("to", _whole(name)) for name in forward)
-        groups.append(Group(f"rows_{index}", tuple(rows[:_SHOWN]), max(0, len(rows) - _SHOWN), *ends, further))
-    receivers = [one for group in groups for one in (group.receiver, *group.forward)]
-    return Diagram(
-        tuple(dict.fromkeys(group.sender for group in groups)), tuple(groups), tuple(dict.fromkeys(receivers))
-    )
+        sender, receiver = (end, _forwarded(_ROS, forward)) if inbound else (_ROS, end)
+        ends = _as("from", sender), _as("to", receiver)
+        groups.append(Group(f"rows_{index}", tuple(rows[:_SHOWN]), max(0, len(rows) - _SHOWN), *ends))
+    senders = dict.fromkeys(group.sender for group in groups)
+    return Diagram(tuple(senders), tuple(groups), tuple(dict.fromkeys(group.receiver for group in groups)))
 
 
 _ROS = End("ros", "ROS 2")
+
+
+def _forwarded(end: End, forward: tuple[str, ...]) -> End:
+    if not forward:
+        return end
+    return End("_".join((end.id, *forward)), f"{end.label}<br>forwarded to {', '.join(forward)}")
 
 
 def _as(role: str, end: End) -> End:
