@@ -133,8 +133,7 @@ FOREIGN_TEMPLATE = Rule(
     """A template is not a file of its folder, or the folder is not in the project.
 
 A link can lead to any file of the machine, and the text of that file would end up in a generated one. Templates come
-with pull requests, so links out of the folder are refused, and so are files whose path has a part that starts with a
-dot.
+with pull requests, so links out of the folder are refused, and so are links to hidden files such as `.git/config`.
 
 Bad::
 

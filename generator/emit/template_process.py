@@ -26,6 +26,7 @@ from roverlink.generator import ir
 from roverlink.generator.emit.render import SETTINGS, header
 from roverlink.generator.ir import ros_names
 
+SUFFIX = ".j2"
 _SPARE_S = 2  # after the time limit: then the system ends the process, if Python could not
 _LARGEST_POWER = 4096  # bits of an integer that `**` may make
 
@@ -128,9 +129,14 @@ class _InsideFolder(FileSystemLoader):
 
 
 def is_inside(path: Path, root: Path) -> bool:
-    """Tell if a path leads, by way of any links, to a place below a folder that is not hidden there."""
+    """Tell if a path leads, by way of any links, to a template or a visible file below a folder.
+
+    The folder may be the project itself, and ``.git/config`` may hold a password.
+    """
     found = path.resolve()
-    return found.is_relative_to(root) and not any(part.startswith(".") for part in found.relative_to(root).parts)
+    if not found.is_relative_to(root):
+        return False
+    return found.suffix == SUFFIX or not any(part.startswith(".") for part in found.relative_to(root).parts)
 
 
 def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -15,9 +15,8 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.emit.output_rules import FOREIGN_TEMPLATE, NO_TEMPLATES, TEMPLATE_FAILED
 from roverlink.generator.emit.render import Files
-from roverlink.generator.emit.template_process import Limits, Request, is_inside
+from roverlink.generator.emit.template_process import SUFFIX, Limits, Request, is_inside
 
-SUFFIX = ".j2"
 LIMITS = Limits()
 _PATIENCE = 6  # times the processor time: other programs may use the processor too
 

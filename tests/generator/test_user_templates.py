@@ -127,7 +127,7 @@ def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkey
 
 @pytest.mark.parametrize("how", ["include {}", "import {} as one", "from {} import one", "extends {}"])
 @pytest.mark.parametrize(
-    "name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one.j2", "link", "links/secret.j2"]
+    "name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link", "links/secret.j2"]
 )
 def test_a_template_reads_only_templates_of_its_folder(project: Path, how: str, name: str) -> None:
     """No template can include, import or extend a file outside the folder, or a hidden one."""
@@ -137,9 +137,10 @@ def test_a_template_reads_only_templates_of_its_folder(project: Path, how: str, 
     assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot be rendered: ")
 
 
-@pytest.mark.parametrize("target", ["/etc/passwd", "../../secret.j2", "../mapping.yaml", "missing"])
+@pytest.mark.parametrize("target", ["/etc/passwd", "../../secret.j2", "../mapping.yaml", "missing", ".hidden/one"])
 def test_a_template_that_is_a_link_out_of_the_folder_is_refused(project: Path, target: str) -> None:
     """The file that a link leads to is not even read."""
+    _plant(project, {".hidden/one": "the secret"})
     (project / "own" / "users.txt.j2").symlink_to(target)
     assert _refused(project) == "own/users.txt.j2: error[OUT107] is not a file of own"
 
@@ -167,6 +168,13 @@ def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> 
     (project / "generated" / "own").symlink_to(outside)
     assert "would be written outside the project" in _refused(project)
     assert not list(outside.iterdir())
+
+
+def test_a_template_makes_a_hidden_file(project: Path) -> None:
+    """A template may have a name that starts with a dot."""
+    _plant(project, {".clang-format.j2": "Language: Cpp\n"})
+    assert generate(project).code == 0
+    assert (project / "generated" / "own" / ".clang-format").is_file()
 
 
 def test_templates_include_templates_of_their_folder(project: Path) -> None:
