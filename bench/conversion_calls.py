@@ -9,9 +9,9 @@ import timeit
 from collections.abc import Callable
 from functools import partial
 
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import load_registry
 from roverlink.runtime.interfaces import Time
-from roverlink.simulation.payloads import payload_at
 
 CALLS = 1_000
 

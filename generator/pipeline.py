@@ -15,7 +15,7 @@ from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
 from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.engine import lint
-from roverlink.generator.nanopb import table_bounds
+from roverlink.generator.nanopb import row_sizes, table_bounds
 from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
 from roverlink.generator.protos.proto_rules import NO_ENVELOPE, NO_PROTO_ROOT
 from roverlink.generator.protos.protoc import Compilation, compile_protos
@@ -114,8 +114,10 @@ def _compiled(
     findings += lint(Context(table, schema, published, changes=changes))
     bridge = None
     if compilation is not None and envelope.message in compilation.schema.messages:
-        bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
-        bridge = resolve(table, compilation, envelope, [one.bound for one in bounds], findings)
+        given = table_bounds(table, compilation.schema, project / table.proto.root, findings)
+        bounds = [one.bound for one in given]
+        sizes = row_sizes(table, compilation.schema, bounds)
+        bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))

@@ -13,6 +13,7 @@ from roverlink.generator.emit.emitter import FOLDER, placed
 from roverlink.generator.emit.extra_topic_names import named_feeds
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.type_hashes import type_hashes
+from roverlink.generator.example_payloads import EXAMPLE_S, payload_at
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.project import Question, lint_project
 from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
@@ -20,10 +21,8 @@ from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
 from roverlink.runtime.core.errors import RoverlinkError
-from roverlink.simulation.payloads import payload_at
 from roverlink.wire_dump import wire_lines
 
-_EXAMPLE_S = 1.0  # the simulated board's clock
 _NUMBER = re.compile("[0-9]{1,9}")  # protobuf's have no more digits
 
 
@@ -172,7 +171,7 @@ class Project:
         try:
             registry = load_project(self.folder)
             handler = registry.by_name[row.name]
-            envelope = registry.envelope(**{row.name: payload_at(handler.payload_type, _EXAMPLE_S)})
+            envelope = registry.envelope(**{row.name: payload_at(handler.payload_type, EXAMPLE_S)})
         except (RoverlinkError, KeyError, RecursionError) as error:
             return {"bytes": None, "lines": [], "missing": f"{error}; run `roverlink generate`"}
         data = envelope.SerializeToString(deterministic=True)

@@ -20,4 +20,6 @@ class BasestationRockMeasureResult(Message):
     )
 
     length_cm: Float32 = 0.0
+    """Length [cm]."""
     width_cm: Float32 = 0.0
+    """Width [cm]."""

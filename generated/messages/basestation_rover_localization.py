@@ -20,5 +20,8 @@ class BasestationRoverLocalization(Message):
     )
 
     x: Float32 = 0.0
+    """Along the field's x axis [m]."""
     y: Float32 = 0.0
+    """Along the field's y axis [m]."""
     z: Float32 = 0.0
+    """Along the field's z axis [m]."""

@@ -27,5 +27,7 @@ class MotorInformation(Message):
     state: UInt8 = 0
     motor_id: Int32 = 0
     rpm: Float32 = 0.0
+    """Speed of rotation [rpm]."""
     voltage: Float32 = 0.0
+    """Voltage [V]."""
     encoder_angle: Float32 = 0.0

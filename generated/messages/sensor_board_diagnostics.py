@@ -37,6 +37,7 @@ class SensorBoardDiagnostics(Message):
     )
     board_temperature: Float32 = 0.0
     board_voltage: Float32 = 0.0
+    """Voltage [V]."""
     gps_sensor: SensorBoardGPSInfo = dataclasses.field(
         default_factory=SensorBoardGPSInfo
     )

@@ -41,14 +41,16 @@ class SensorBoardGPSInfo(Message):
     GPS_LOW_SIGNAL_QUALITY: ClassVar[int] = 4
 
     latitude: Float64 = 0.0
-    """degrees"""
+    """North is positive [deg]."""
     longitude: Float64 = 0.0
-    """degrees"""
+    """East is positive [deg]."""
     altitude: Float32 = 0.0
     speed: Float32 = 0.0
     heading: Float32 = 0.0
     hdop: Float32 = 0.0
+    """Horizontal dilution of precision."""
     vdop: Float32 = 0.0
+    """Vertical dilution of precision."""
     satellites: Int32 = 0
     fix_quality: UInt8 = 0
     state: SensorState = dataclasses.field(default_factory=SensorState)

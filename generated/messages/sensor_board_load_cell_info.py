@@ -30,10 +30,13 @@ class SensorBoardLoadCellInfo(Message):
 
     sensor_index: UInt32 = 0
     force_newtons: Float32 = 0.0
+    """Force [N]."""
     mass_grams: Float32 = 0.0
+    """Mass [g]."""
     raw_counts: Int32 = 0
     is_calibrated: Bool = False
     scale_newtons_per_count: Float32 = 0.0
+    """Force of one count [N]."""
     tare_offset_counts: Int32 = 0
     state: SensorState = dataclasses.field(default_factory=SensorState)
     error_code: UInt8 = 0

@@ -31,6 +31,7 @@ class SensorBoardPHInfo(Message):
 
     ph_value: Float32 = 0.0
     voltage: Float32 = 0.0
+    """Voltage [V]."""
     temperature: Float32 = 0.0
     state: SensorState = dataclasses.field(default_factory=SensorState)
     error_code: UInt8 = 0

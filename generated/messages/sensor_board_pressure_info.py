@@ -30,8 +30,11 @@ class SensorBoardPressureInfo(Message):
 
     sensor_index: UInt32 = 0
     pressure_kpa: Float32 = 0.0
+    """Pressure [kPa]."""
     temperature_c: Float32 = 0.0
+    """Temperature [degC]."""
     voltage: Float32 = 0.0
+    """Voltage [V]."""
     is_calibrated: Bool = False
     state: SensorState = dataclasses.field(default_factory=SensorState)
     error_code: UInt8 = 0

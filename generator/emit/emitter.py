@@ -40,7 +40,8 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
         collected.add(span, _placed(_of_target(name, bridge, span), bridge))
     for folder in table.templates:
         span = table.at(f"templates.{folder}")
-        collected.add(span, _placed(_below_folder(user_templates.emit(bridge, project, folder, span), span), bridge))
+        rendered = _below_folder(user_templates.emit(bridge, project, folder, span), span)
+        collected.add(span, _inside(project, _placed(rendered, bridge), span))
     return collected.files()
 
 
@@ -112,3 +113,12 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
             message = f"would write {path!r}, which is not below {FOLDER}/"
             raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield str(pure), text
+
+
+def _inside(project: Path, files: Files, span: Span) -> Files:
+    """Files of users' templates, which no link may lead out of the project: their text can be anything."""
+    for path, text in files:
+        if not (project / path).parent.resolve().is_relative_to(project.resolve()):
+            message = f"{path} would be written outside the project: a link leads out of it"
+            raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
+        yield path, text

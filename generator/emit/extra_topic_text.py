@@ -1,10 +1,9 @@
-"""What fills the standard messages, in words: for docs/messages.md."""
+"""Words for what fills a standard message, field by field."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator import ir
 from roverlink.generator.ir import Feed
 from roverlink.generator.ir.interfaces import (
     Chosen,
@@ -21,19 +20,8 @@ from roverlink.generator.ir.interfaces import (
 )
 
 
-def view(route: ir.Route, feed: Feed) -> dict[str, object]:
-    """A feed for the template."""
-    return {
-        "number": route.number,
-        "name": f"`{route.name}`",
-        "message": f"`{feed.message}`",
-        "topic": f"`{feed.topic}`",
-        "fields": [(field, words.replace("|", "\\|")) for field, words in fields(feed)],
-    }
-
-
 def fields(feed: Feed) -> list[tuple[str, str]]:
-    """Each field that something fills, and what does."""
+    """Return each field that something fills, and the words for it."""
     return list(_rows(feed.fields, ()))
 
 

@@ -108,7 +108,8 @@ TEMPLATE_FAILED = Rule(
     """A template cannot be parsed or rendered.
 
 It has a syntax error, or it uses an attribute that the bridge does not have. A misspelt attribute must not become an
-empty text in a generated file.
+empty text in a generated file. Templates run in Jinja's sandbox, with limits on time, memory and output; what the
+sandbox forbids or a limit ends is reported here as well.
 
 Bad::
 
@@ -123,5 +124,23 @@ Good::
     templates: [report]
     # report/list.txt.j2
     {{ bridge.table }}
+""",
+)
+
+FOREIGN_TEMPLATE = Rule(
+    "OUT107",
+    "foreign-template",
+    """A template is not a file of its folder, or the folder is not in the project.
+
+A link can lead to any file of the machine, and the text of that file would end up in a generated one. Templates come
+with pull requests, so links out of the folder are refused, and so are links to hidden files such as `.git/config`.
+
+Bad::
+
+    $ ln -s /etc/passwd report/users.txt.j2
+
+Good::
+
+    $ cp ~/users.txt.j2 report/users.txt.j2
 """,
 )

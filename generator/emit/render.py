@@ -20,24 +20,27 @@ def shipped(folder: str) -> Path:
     return Path(__file__).parents[2] / folder
 
 
+SETTINGS: dict[str, Any] = {
+    "trim_blocks": True,
+    "lstrip_blocks": True,
+    "keep_trailing_newline": True,
+    "undefined": StrictUndefined,
+    "autoescape": False,
+}
+"""Jinja's settings for our templates and for those of users: a name that is not there is an error."""
+
+
 @cache
-def environment(folder: Path) -> Environment:
-    """Jinja for the templates of a folder, as all of ours are written: a name that is not there is an error."""
-    return Environment(
-        loader=FileSystemLoader(folder),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        undefined=StrictUndefined,
-        autoescape=False,  # noqa: S701  # what is made is source text, not HTML
-    )
+def environment() -> Environment:
+    """Return Jinja for the templates that are installed together with the generator."""
+    own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
+    own.filters |= {"docstring": _docstring, "literal": repr}
+    return own
 
 
 def render(template: str, **view: Any) -> str:
     """Return the text of a template."""
-    own = environment(shipped("templates"))
-    own.filters |= {"docstring": _docstring, "literal": repr}
-    return own.get_template(template).render(view)
+    return environment().get_template(template).render(view)
 
 
 def _docstring(text: str) -> str:

@@ -29,6 +29,7 @@ from roverlink.generator.ir.model import (
     WireEnum,
     WireField,
     WireMessage,
+    WireSize,
     WireValue,
     Wrapping,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "WireEnum",
     "WireField",
     "WireMessage",
+    "WireSize",
     "WireValue",
     "Wrapping",
 ]

@@ -6,7 +6,7 @@ Nothing here knows YAML, protobuf's Python classes, Jinja or any target's spelli
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Literal
 
@@ -64,6 +64,8 @@ class Peer:
     parameter: str
     port: int
     strip_trailing_zeros: bool
+    prefixes: tuple[str, ...] = ()
+    """Starts of the names of its messages, one for each of its boards; empty for any."""
     sources: tuple[str, ...] = ()
     """Addresses and networks from which it speaks; empty for any."""
     source_rate: int | None = None
@@ -268,6 +270,18 @@ class Feed:
 
 
 @dataclass(frozen=True, slots=True)
+class WireSize:
+    """The largest encodings of a row, in bytes."""
+
+    payload: int | None
+    """None where a field has no bound."""
+    datagram: int | None
+    """The envelope with the payload."""
+    unbounded: str = ""
+    """The first field without a bound, from the payload on, with dots; empty where there is none."""
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """One row of the table, resolved."""
 
@@ -288,6 +302,7 @@ class Route:
     deadman: Deadman | None = None
     max_rate: int | None = None
     """Most messages a second; None for any number."""
+    size: WireSize | None = None
     priority: int = 0
     expect_rate: int | None = None
     """Messages a second that diagnostics expect at least."""
@@ -314,6 +329,8 @@ class WireField:
     """``optional`` (it tells *absent* from *zero*), ``required``, ``repeated``; or empty."""
     oneof: str
     """The oneof it stands in; empty for none."""
+    comment: str = field(default="", compare=False)
+    """The .proto file's; the ledger has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,6 +345,7 @@ class WireMessage:
     reserved_names: tuple[str, ...]
     map_entry: bool = False
     """Whether it is key and value of a map, and not declared by itself."""
+    comment: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,6 +354,7 @@ class WireValue:
 
     number: int
     name: str
+    comment: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -348,6 +367,7 @@ class WireEnum:
     reserved: tuple[tuple[int, int], ...]
     """Ranges of numbers, both ends included."""
     reserved_names: tuple[str, ...]
+    comment: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -392,6 +412,8 @@ class Bridge:
     """The standard messages that the rows need, by name."""
     modules: Mapping[str, str]
     """Text of each module that protoc generated, by path."""
+    descriptors: bytes
+    """The serialized FileDescriptorSet of the envelope and of all that it imports, without comments."""
 
     @property
     def folder(self) -> str:

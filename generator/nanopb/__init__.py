@@ -14,7 +14,7 @@ The names and values of the options come from the installed nanopb package; boun
 from __future__ import annotations
 
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from roverlink.generator.nanopb.message_sizes import Unbounded, envelope_size, field_sizes, largest_size
+from roverlink.generator.nanopb.message_sizes import Unbounded, envelope_size, field_sizes, largest_size, row_sizes
 from roverlink.generator.nanopb.options_file import options_file_of
 from roverlink.generator.nanopb.options_in_force import read_bounds
 from roverlink.generator.nanopb.table_bounds import as_lines, as_options, table_bounds
@@ -31,5 +31,6 @@ __all__ = [
     "largest_size",
     "options_file_of",
     "read_bounds",
+    "row_sizes",
     "table_bounds",
 ]

@@ -7,14 +7,17 @@ from the innermost messages on; a message that this never reaches has none, and 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
+from roverlink.generator import ir
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.nanopb.bounded_field import BoundedField, fields_of, varint_size
-from roverlink.generator.nanopb.bounds import Bounds
+from roverlink.generator.nanopb.bounds import Bounds, FieldBounds
+from roverlink.generator.nanopb.table_bounds import as_options
 from roverlink.generator.protos.schema import ProtoMessage, Schema
+from roverlink.generator.table import Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +29,24 @@ class Unbounded:
     reason: str
     span: Span
     """That field's; the map's for a part of a map's entry."""
+
+
+def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> dict[str, ir.WireSize]:
+    """Return the largest encodings of each row, by name, with the bounds that the table gives.
+
+    Bounds in .options files do not count: only an installed nanopb can read all of them, and the same table must give
+    the same files everywhere.
+    """
+    bounds = Bounds(fields={(one.message, one.field): FieldBounds(**as_options(one)) for one in given})
+    sizes = {}
+    for row in (row for row in table.rows if row.proto in schema.messages):
+        payload = largest_size(schema, bounds, row.proto)
+        if isinstance(payload, Unbounded):
+            sizes[row.name] = ir.WireSize(None, None, payload.path)
+        else:
+            datagram = envelope_size(schema, bounds, table.envelope.message, row.number, payload)
+            sizes[row.name] = ir.WireSize(payload, datagram)
+    return sizes
 
 
 def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounded:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pb2 import EnumValueOptions, FieldOptions, FileDescriptorSet, MessageOptions
 
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Span
@@ -79,7 +79,8 @@ class ProtoField(Declared):
     def on_the_wire(self) -> ir.WireField:
         """What of it is visible in bytes; that a message or a oneof's member may be absent goes without saying."""
         plain = self.label == "optional" and (self.type in ("message", "group") or self.oneof)
-        return ir.WireField(self.number, self.name, self.wire_type, "" if plain else self.label, self.oneof)
+        label = "" if plain else self.label
+        return ir.WireField(self.number, self.name, self.wire_type, label, self.oneof, commented(self))
 
     @property
     def fact(self) -> Fact:
@@ -129,6 +130,7 @@ class ProtoMessage(Declared):
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
             self.map_entry,
+            commented(self),
         )
 
 
@@ -146,7 +148,7 @@ class ProtoEnumValue(Declared):
 
     def on_the_wire(self) -> ir.WireValue:
         """What of it is visible in bytes, with its name."""
-        return ir.WireValue(self.number, self.name)
+        return ir.WireValue(self.number, self.name, commented(self))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,6 +175,7 @@ class ProtoEnum(Declared):
             tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
             tuple(sorted(self.reserved)),
             tuple(sorted(self.reserved_names)),
+            commented(self),
         )
 
 
@@ -230,6 +233,15 @@ class Schema:
     uncompiled: tuple[str, ...] = ()
     """The files that should be part of the schema and do not compile."""
 
+    def descriptors_without_comments(self) -> bytes:
+        """Return the descriptors, serialized, without the comments and places that protoc keeps in them."""
+        bare = FileDescriptorSet()
+        for file in self.descriptors.file:
+            copy = bare.file.add()
+            copy.CopyFrom(file)
+            copy.ClearField("source_code_info")
+        return bare.SerializeToString(deterministic=True)
+
     def syntax_of(self, file: str) -> Syntax:
         """How a file is written, as far as that is known."""
         return self.syntaxes.get(file, Syntax(""))
@@ -247,3 +259,21 @@ class Schema:
                 messages.add(name)
                 waiting += [field.type_name for field in self.messages[name].fields if field.type_name]
         return messages, enums
+
+
+_MARK = "Deprecated."
+
+
+def commented(declared: Declared) -> str:
+    """Return the comment of what a .proto file declares, with a mark where it is deprecated."""
+    if not declared.options or not _is_deprecated(declared):
+        return declared.comment
+    return f"{declared.comment}\n\n{_MARK}" if declared.comment else _MARK
+
+
+def _is_deprecated(declared: Declared) -> bool:
+    if isinstance(declared, ProtoField):
+        return FieldOptions.FromString(declared.options).deprecated
+    if isinstance(declared, ProtoEnumValue):
+        return EnumValueOptions.FromString(declared.options).deprecated
+    return MessageOptions.FromString(declared.options).deprecated  # of an enum, the same field of EnumOptions

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
-from roverlink.generator.protos.deprecation import commented
-from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue
+from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
 from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
 
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))

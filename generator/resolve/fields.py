@@ -8,8 +8,7 @@ import itertools
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import nearest
 from roverlink.generator.ir import ros_names
-from roverlink.generator.protos.deprecation import commented
-from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+from roverlink.generator.protos.schema import ProtoField, ProtoMessage, commented
 from roverlink.generator.resolve import enums, oneofs, well_known
 from roverlink.generator.resolve.conversion_rules import (
     CANNOT_CONVERT,

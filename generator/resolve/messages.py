@@ -7,8 +7,7 @@ import keyword
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
 from roverlink.generator.ir import ros_names
-from roverlink.generator.protos.deprecation import commented
-from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums
 from roverlink.generator.resolve.conversion_rules import (
     CANNOT_CONVERT,

@@ -52,15 +52,16 @@ def resolve(
     compilation: Compilation,
     envelope: ir.Envelope,
     bounds: Iterable[ir.FieldBound],
+    sizes: Mapping[str, ir.WireSize],
     findings: list[Diagnostic],
 ) -> ir.Bridge:
-    """The IR of a table. Where findings were added, it is not fit to be emitted."""
+    """The IR of a table, with the sizes of its rows by name. Where findings were added, it is not fit to be emitted."""
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
     feeds = Feeds(table, schema, findings.append)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
-        guarded(_with_feeds(messages.route(row), feeds.of(row)), row, schema, findings)
+        guarded(_completed(messages.route(row), feeds.of(row), sizes.get(row.name)), row, schema, findings)
         for row in sorted(located, key=lambda row: row.number)
     )
     carried = {route.conversion.ros for route in routes if route.conversion}
@@ -78,7 +79,15 @@ def resolve(
         maintainer=table.ros.maintainer,
         envelope=envelope,
         peers=tuple(
-            ir.Peer(peer.name, peer.parameter, peer.port, peer.strip_trailing_zeros, peer.sources, peer.source_rate)
+            ir.Peer(
+                peer.name,
+                peer.parameter,
+                peer.port,
+                peer.strip_trailing_zeros,
+                peer.prefixes,
+                peer.sources,
+                peer.source_rate,
+            )
             for peer in sorted(table.peers, key=lambda peer: peer.name)
         ),
         routes=routes,
@@ -90,11 +99,12 @@ def resolve(
         bounds=tuple(bounds),
         interfaces=feeds.interfaces,
         modules=compilation.modules,
+        descriptors=schema.descriptors_without_comments(),
     )
 
 
-def _with_feeds(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]]) -> ir.Route:
-    return dataclasses.replace(route, feed=feeds[0], also=feeds[1])
+def _completed(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]], size: ir.WireSize | None) -> ir.Route:
+    return dataclasses.replace(route, feed=feeds[0], also=feeds[1], size=size)
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:

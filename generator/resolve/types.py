@@ -11,8 +11,7 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.ir.model import ConversionKind
-from roverlink.generator.protos.deprecation import commented
-from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema
+from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessage, Schema, commented
 from roverlink.generator.resolve import enums, well_known
 from roverlink.generator.resolve.field_overrides import FieldSettings
 from roverlink.generator.table import EnumSettings

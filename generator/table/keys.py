@@ -550,7 +550,8 @@ class Table(Part):
         Meaning("What the table is compiled to.", see="targets.md"),
     ] = USUAL_TARGETS
     templates: Annotated[
-        tuple[Folder, ...], Meaning("Folders of Jinja templates of your own, relative to the table.")
+        tuple[Annotated[str, Text("folder", r"(?!\.\.([/\\]|$)).+", "firmware/templates")], ...],
+        Meaning("Folders of Jinja templates of your own, below that of the table."),
     ] = ()
     lint: Annotated[tuple[Lowered, ...], Meaning("Rules that count for less everywhere.")] = ()
 

@@ -18,6 +18,7 @@ from rich.live import Live
 from roverlink import topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
 from roverlink.generated_code import load_project
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler
@@ -26,7 +27,6 @@ from roverlink.runtime.text.values import message_to_values, payload_to_values
 from roverlink.simulation import bridge_host, crossings
 from roverlink.simulation.bridge_host import BridgeHost
 from roverlink.simulation.crossings import Crossing
-from roverlink.simulation.payloads import payload_at
 
 if TYPE_CHECKING:
     from roverlink.demo.camera import DemoCamera

@@ -27,13 +27,13 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, Translator
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation import bridge_host
 from roverlink.simulation.bridge_host import BridgeHost
-from roverlink.simulation.payloads import payload_at
 from roverlink.simulation.peers import Arrivals, Senders
 from roverlink.simulation.run_account import Reckoning, fate, resident_bytes
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions

@@ -13,11 +13,11 @@ import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry
 from roverlink.runtime.core.envelope import strip_trailing_zeros
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.wire_format import DELIMITED, VARINT
-from roverlink.simulation.payloads import payload_at
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,11 @@ from rich.console import Console
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.console import keep_to_ourselves
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import SetupError
 from roverlink.simulation import bridge_host, crossings
 from roverlink.simulation.bridge_host import BridgeProcess, BridgeThread
 from roverlink.simulation.crossings import Crossing
-from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 

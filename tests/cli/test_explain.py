@@ -13,7 +13,7 @@ from google.protobuf import wrappers_pb2
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation.payloads import payload_at
+from roverlink.generator.example_payloads import payload_at
 from roverlink.wire_dump import wire_lines
 
 _ROOT = Path(__file__).parents[2]

@@ -20,12 +20,12 @@ from polling import wait_until
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.recording.replaying import RosReplay
-from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 

@@ -21,7 +21,7 @@ from polling import wait_until
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.simulation.payloads import payload_at
+from roverlink.generator.example_payloads import payload_at
 
 _FREE_PORT = ("-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
 

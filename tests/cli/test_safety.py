@@ -131,7 +131,7 @@ _FLOOD = """
 import sys
 from generated.registry import REGISTRY
 from roverlink import topics
-from roverlink.simulation import payload_at
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime.middleware import open_middleware
 middleware = open_middleware("dds", topics.identity("flood"))
 rows = [h for h in REGISTRY.handlers if not h.route.inbound and not h.route.priority]

@@ -14,8 +14,8 @@ import pytest
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime.text.values import payload_to_values
-from roverlink.simulation.payloads import payload_at
 
 Start = Callable[..., Any]
 

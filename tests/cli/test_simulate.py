@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Translator
 from roverlink.runtime.core.envelope import restore
-from roverlink.simulation.payloads import payload_at
 from roverlink.simulation.run_account import PUBLISHED, Reckoning, fate
 from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions, steady
 

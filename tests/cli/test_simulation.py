@@ -6,7 +6,7 @@ from google.protobuf.descriptor_pb2 import DescriptorProto
 from google.protobuf.struct_pb2 import ListValue, Struct, Value
 from google.protobuf.type_pb2 import Option
 
-from roverlink.simulation.payloads import payload_at
+from roverlink.generator.example_payloads import payload_at
 
 
 def test_messages_that_hold_themselves_come_to_an_end() -> None:

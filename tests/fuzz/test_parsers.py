@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from targets import TARGETS
 
 from generated.registry import REGISTRY
-from roverlink.simulation.payloads import payload_at
+from roverlink.generator.example_payloads import payload_at
 
 _ENVELOPES = [
     REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 1.0)}).SerializeToString()

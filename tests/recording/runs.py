@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime.recording.queued_file import Settings
 from roverlink.runtime.recording.recorder import Recorder
-from roverlink.simulation.payloads import payload_at
 
 ROWS = {f"/{handler.route.topic}": handler.route.name for handler in REGISTRY.handlers}
 LOGGER = logging.getLogger("test_recording")

@@ -21,12 +21,12 @@ from rosbags.highlevel import AnyReader
 from runs import LOGGER, ROWS, record_everything, recorder
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.recording.recorder import Recorder
 from roverlink.runtime.text.values import message_to_values
-from roverlink.simulation.payloads import payload_at
 
 _ROOT = Path(__file__).parents[2]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry
-from roverlink.simulation.payloads import payload_at
 
 
 def valid(registry: Registry, generator: random.Random) -> bytes:

@@ -18,6 +18,7 @@ from polling import PATIENCE_S, wait_until
 from tables import unguarded
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Bridge, Qos, Registry, SetupError, Translator
 from roverlink.runtime.bridge.bridge import Handle, Observer, Send
 from roverlink.runtime.core import cdr
@@ -26,7 +27,6 @@ from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.net import udp
 from roverlink.runtime.ros_arguments import parameters
-from roverlink.simulation.payloads import payload_at
 
 _QUIET = unguarded(REGISTRY)  # what a peer is told by the bridge itself has tests of its own
 _INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]

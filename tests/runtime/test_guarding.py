@@ -16,12 +16,12 @@ from polling import wait_until
 from tables import changed, of_peers, unguarded
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Bridge, Qos, Registry
 from roverlink.runtime.bridge import timekeeper
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware, MemoryPublisher
 from roverlink.runtime.ros_arguments import parameters
-from roverlink.simulation.payloads import payload_at
 
 _LOGGER = logging.getLogger("test_guarding")
 _PLAIN = unguarded(REGISTRY)

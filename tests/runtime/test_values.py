@@ -15,12 +15,12 @@ from strategies import messages
 
 from generated.messages import ArmBoardDiagnostics, BasestationDetectedObject, ImuSensorInformation
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import ConversionError, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.text.values import message_from_values, message_to_values, payload_to_values
-from roverlink.simulation.payloads import payload_at
 
 _TYPES = [
     ImuSensorInformation,

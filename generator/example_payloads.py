@@ -1,4 +1,4 @@
-"""Plausible payloads, made from nothing but their descriptors: for the demo, and wherever a board is needed."""
+"""Plausible payloads, made from nothing but their descriptors: for examples, for the demo, and for simulated boards."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ if TYPE_CHECKING:
 
 P = TypeVar("P", bound="ProtoMessage")
 
+EXAMPLE_S = 1.0
+"""The second whose payloads are examples."""
 _PERIOD_S = 6.0
 _LIST_LENGTH = 3
 _ANY = "google.protobuf.Any"

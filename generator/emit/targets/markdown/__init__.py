@@ -1,0 +1,13 @@
+"""docs/messages.md: who sends what to whom, and every message with its fields, units, sizes and an example."""
+
+from __future__ import annotations
+
+from roverlink.generator import ir
+from roverlink.generator.emit.render import Files, header, render
+from roverlink.generator.emit.targets.markdown.page import page
+
+
+def emit(bridge: ir.Bridge) -> Files:
+    """Make the page."""
+    top = header(bridge.table, "<!--", " -->")
+    yield "docs/messages.md", render("messages.md.j2", header=top, page=page(bridge))

@@ -1,0 +1,131 @@
+"""Example datagrams: an envelope with plausible values, encoded by protobuf and taken apart field by field."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from google.protobuf.descriptor import FieldDescriptor
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message import Message
+from google.protobuf.message_factory import GetMessageClass
+
+from roverlink.generator import ir
+from roverlink.generator.example_payloads import EXAMPLE_S, payload_at
+
+_BYTES_A_LINE = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A few bytes, and what they say."""
+
+    hex: str
+    meaning: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A datagram, line by line."""
+
+    payload_size: int
+    datagram_size: int
+    lines: tuple[Line, ...]
+
+    @property
+    def width(self) -> int:
+        """The number of characters of the longest bytes."""
+        return max((len(line.hex) for line in self.lines), default=0)
+
+
+class Examples:
+    """Makes the example of each row, with classes made of protoc's descriptors."""
+
+    def __init__(self, bridge: ir.Bridge) -> None:
+        pool = DescriptorPool()
+        for file in FileDescriptorSet.FromString(bridge.descriptors).file:
+            pool.Add(file)
+        self._envelope: Any = GetMessageClass(pool.FindMessageTypeByName(bridge.envelope.message))
+
+    def of(self, route: ir.Route) -> Example:
+        """Return the example of a row."""
+        envelope = self._envelope()
+        payload = getattr(envelope, route.name)
+        payload.CopyFrom(payload_at(type(payload), EXAMPLE_S))
+        payload.SetInParent()
+        return Example(len(_encoded(payload)), len(_encoded(envelope)), tuple(_lines(envelope, 0)))
+
+
+def _encoded(message: Message) -> bytes:
+    """Encode a message; fields that are required and not set are left out."""
+    return message.SerializePartialToString(deterministic=True)
+
+
+def _lines(message: Message, depth: int) -> Iterator[Line]:
+    """Yield the lines of a message's fields, in the order of their numbers.
+
+    A message that has the type and the bytes of an earlier field is not taken apart again.
+    """
+    earlier: dict[tuple[str, bytes], str] = {}
+    for field, held in message.ListFields():
+        if field.message_type is None:
+            yield from _wrapped(_alone(message, field, held), f"{'  ' * depth}{field.name}: {_text(field, held)}")
+            continue
+        for value in held if field.is_repeated else [held]:
+            inner = _encoded(value)
+            data = _alone(message, field, [value] if field.is_repeated else value)
+            key = (field.message_type.full_name, inner)
+            if inner and key in earlier:
+                yield from _wrapped(data, f"{'  ' * depth}{field.name}: as {earlier[key]}")
+                continue
+            earlier.setdefault(key, field.name)
+            yield from _taken_apart(field, value, data, depth)
+
+
+def _taken_apart(field: FieldDescriptor, value: Message, data: bytes, depth: int) -> Iterator[Line]:
+    size = value.ByteSize()
+    around = len(data) - size
+    start = around // 2 if field.type == field.TYPE_GROUP else around  # a group has a tag at its end too
+    yield Line(data[:start].hex(" "), f"{'  ' * depth}{field.name}: {value.DESCRIPTOR.name}, {size} bytes")
+    yield from _lines(value, depth + 1)
+    if start < around:
+        yield Line(data[start + size :].hex(" "), f"{'  ' * depth}end of {field.name}")
+
+
+def _alone(message: Message, field: FieldDescriptor, held: Any) -> bytes:
+    """Encode a message in which only one field is set."""
+    one = type(message)()
+    if field.is_repeated:
+        getattr(one, field.name).extend(held)
+    elif field.message_type is not None:
+        getattr(one, field.name).CopyFrom(held)
+        getattr(one, field.name).SetInParent()
+    else:
+        setattr(one, field.name, held)
+    return _encoded(one)
+
+
+def _wrapped(data: bytes, meaning: str) -> Iterator[Line]:
+    yield Line(data[:_BYTES_A_LINE].hex(" "), meaning)
+    for start in range(_BYTES_A_LINE, len(data), _BYTES_A_LINE):
+        yield Line(data[start : start + _BYTES_A_LINE].hex(" "))
+
+
+def _text(field: FieldDescriptor, held: Any) -> str:
+    if field.is_repeated:
+        values: Iterable[Any] = held
+        return f"[{', '.join(_value(field, value) for value in values)}]"
+    return _value(field, held)
+
+
+def _value(field: FieldDescriptor, value: Any) -> str:
+    if field.enum_type is not None:
+        return field.enum_type.values_by_number[value].name
+    if field.type == field.TYPE_BYTES:
+        return f"{len(value)} bytes"
+    if field.type == field.TYPE_FLOAT:
+        return f"{value:.7g}"  # as many digits as a float holds
+    return json.dumps(value)

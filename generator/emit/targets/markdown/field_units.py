@@ -1,0 +1,62 @@
+"""Units of fields: those that the table gives for extra topics, and those that comments end with, in brackets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from roverlink.generator import ir
+from roverlink.generator.ir.interfaces import Expression, Parts, Path, Rotation, Taken
+from roverlink.generator.resolve.units import UnitError, parse
+
+_BRACKETS = re.compile(r"\s*\[(?P<unit>[^\[\]]{1,20})\](?P<stop>\.?)$")
+
+
+class Units:
+    """The unit of each field of a bridge's payloads, as far as it is known."""
+
+    def __init__(self, bridge: ir.Bridge) -> None:
+        types = {(message.name, field.name): field.type for message in bridge.wire_messages for field in message.fields}
+        self._of_table: dict[tuple[str, str], str] = {}
+        for feed in (feed for route in bridge.routes for feed in route.feeds):
+            for path, unit in _units(feed):
+                message = feed.proto
+                for name in path[:-1]:
+                    message = types[message, name]
+                self._of_table[message, path[-1]] = unit
+
+    def split(self, message: str, field: ir.WireField) -> tuple[str, str]:
+        """Return a field's comment without its unit, and the unit; the table's unit goes before the comment's."""
+        comment, unit = _stated(field.comment)
+        return comment, self._of_table.get((message, field.name), unit)
+
+
+def _stated(comment: str) -> tuple[str, str]:
+    """Return a comment without the unit in brackets at its end, and that unit: ``Voltage.``, ``V``."""
+    found = _BRACKETS.search(comment)
+    if found is None:
+        return comment, ""
+    try:
+        parse(found["unit"])
+    except UnitError:
+        return comment, ""
+    return f"{comment[: found.start()]}{found['stop']}", found["unit"]
+
+
+def _units(feed: ir.Feed) -> Iterator[tuple[Path, str]]:
+    """Yield every field of the payload for which an extra topic states the unit."""
+    for target in feed.fields:
+        for taken in _takings(target.value):
+            if taken.scaling.unit:
+                yield taken.source.path, taken.scaling.unit
+
+
+def _takings(value: Expression) -> Iterator[Taken]:
+    if isinstance(value, Parts):
+        for part in value.fields:
+            yield from _takings(part.value)
+    elif isinstance(value, Rotation):
+        for angle in (value.roll, value.pitch, value.yaw):
+            yield from _takings(angle)
+    elif isinstance(value, Taken):
+        yield value

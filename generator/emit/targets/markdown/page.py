@@ -1,0 +1,175 @@
+"""What the template of docs/messages.md shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from roverlink.generator import ir
+from roverlink.generator.emit import extra_topic_text
+from roverlink.generator.emit.targets.markdown.diagram import Diagram, diagram, peer_of
+from roverlink.generator.emit.targets.markdown.examples import Example, Examples
+from roverlink.generator.emit.targets.markdown.payloads import Payload, Payloads, Value, cell
+from roverlink.generator.ir.msg_types import msg_type
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic, its message, and what fills the message's fields where it is a standard one."""
+
+    name: str
+    message: str
+    qos: str
+    fields: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of the table, with its payload."""
+
+    number: int
+    name: str
+    comment: str
+    anchor: str
+    sender: str
+    receiver: str
+    forward: tuple[str, ...]
+    topic: Topic
+    extra_topics: tuple[Topic, ...]
+    proto: str
+    file: str
+    size: ir.WireSize | None
+    max_rate: int | None
+    expect_rate: int | None
+    priority: int
+    deadman: ir.Deadman | None
+    payload: Payload | None
+    """None where an earlier row has the same one."""
+    payload_anchor: str
+    """The section that shows the payload."""
+    example: Example
+
+    @property
+    def receivers(self) -> tuple[str, ...]:
+        """Everyone who gets the payload."""
+        return (self.receiver, *self.forward)
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """The row's own topic and its extra topics."""
+        return (self.topic, *self.extra_topics)
+
+
+@dataclass(frozen=True, slots=True)
+class Enum:
+    """An enum and its values."""
+
+    name: str
+    comment: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Helper:
+    """A ROS 2 message that is made of no proto message alone: of a map's entry, an enum, an Any."""
+
+    name: str
+    fields: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The whole page."""
+
+    table: str
+    package: str
+    envelope: ir.Envelope
+    peers: tuple[ir.Peer, ...]
+    diagram: Diagram
+    rows: tuple[Row, ...]
+    nested: tuple[Payload, ...]
+    enums: tuple[Enum, ...]
+    helpers: tuple[Helper, ...]
+
+
+def page(bridge: ir.Bridge) -> Page:
+    """Collect everything that the page shows."""
+    payloads = Payloads(bridge)
+    carried = {route.proto for route in bridge.routes}
+    shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]
+    own = [message for message in shown if not message.map_entry and not message.name.startswith("google.protobuf.")]
+    return Page(
+        table=bridge.table,
+        package=bridge.package,
+        envelope=bridge.envelope,
+        peers=bridge.peers,
+        diagram=diagram(bridge),
+        rows=tuple(_rows(bridge, payloads)),
+        nested=tuple(payloads.of(message.name) for message in own if message.name not in carried),
+        enums=tuple(
+            Enum(enum.name, enum.comment, payloads.values(enum))
+            for enum in bridge.wire_enums
+            if not enum.name.startswith("google.protobuf.")
+        ),
+        helpers=tuple(_helpers(bridge)),
+    )
+
+
+def _rows(bridge: ir.Bridge, payloads: Payloads) -> Iterator[Row]:
+    examples = Examples(bridge)
+    files = {member.number: member.file for member in bridge.envelope.members}
+    seen: set[str] = set()
+    for route in bridge.routes:
+        yield _row(route, bridge.package, files[route.number], payloads, examples, new=route.proto not in seen)
+        seen.add(route.proto)
+
+
+def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples: Examples, *, new: bool) -> Row:
+    ends = (peer_of(route), "ROS 2") if route.inbound else ("ROS 2", peer_of(route))
+    return Row(
+        number=route.number,
+        name=route.name,
+        comment=payloads.comment(route.proto),
+        anchor=payloads.anchor_of_row(route),
+        sender=ends[0],
+        receiver=ends[1],
+        forward=route.forward,
+        topic=_topic(route, package),
+        extra_topics=tuple(_extra_topic(feed) for feed in route.also),
+        proto=route.proto,
+        file=file,
+        size=route.size,
+        max_rate=route.max_rate,
+        expect_rate=route.expect_rate,
+        priority=route.priority,
+        deadman=route.deadman,
+        payload=payloads.of(route.proto) if new else None,
+        payload_anchor=payloads.anchor(route.proto),
+        example=examples.of(route),
+    )
+
+
+def _topic(route: ir.Route, package: str) -> Topic:
+    if route.feed is not None:
+        return _extra_topic(route.feed)
+    return Topic(route.topic, f"{package}/msg/{route.conversion.ros if route.conversion else ''}", _qos(route.qos))
+
+
+def _extra_topic(feed: ir.Feed) -> Topic:
+    fields = tuple((name, cell(words)) for name, words in extra_topic_text.fields(feed))
+    return Topic(feed.topic, feed.message, _qos(feed.qos), fields)
+
+
+def _qos(qos: ir.Qos) -> str:
+    depth = f" {qos.depth}" if qos.history == "keep_last" else ""
+    words = f"{qos.reliability}, {qos.durability}, {qos.history}{depth}".replace("_", " ")
+    return f"{words} (the defaults)" if qos == ir.Qos() else words
+
+
+def _helpers(bridge: ir.Bridge) -> Iterator[Helper]:
+    converted = bridge.conversions()
+    for message in bridge.messages:
+        if message.name not in converted:
+            fields = ", ".join(f"`{msg_type(field.type)} {field.name}`" for field in message.fields)
+            yield Helper(message.name, fields, message.source)

@@ -1,0 +1,139 @@
+"""Proto messages and enums as the page shows them: fields, types with links, units, and fields of the .msg."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from roverlink.generator import ir
+from roverlink.generator.emit.targets.markdown.field_units import Units
+from roverlink.generator.ir.msg_types import msg_type
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a proto message; of a oneof there is one more, without a number."""
+
+    number: int | None
+    name: str
+    type: str
+    unit: str
+    ros: str
+    """The fields of the .msg that take it."""
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Payload:
+    """A proto message."""
+
+    name: str
+    comment: str
+    ros: str
+    """The .msg; empty where it has none."""
+    fields: tuple[Field, ...]
+    reserved: str
+    """Its reserved numbers; empty for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A value of an enum."""
+
+    number: int
+    name: str
+    constants: tuple[str, ...]
+    """Its constants in .msg files, where they have another name."""
+    meaning: str
+
+
+class Payloads:
+    """The messages and enums that a bridge's envelope can hold."""
+
+    def __init__(self, bridge: ir.Bridge) -> None:
+        self._messages = {message.name: message for message in bridge.wire_messages}
+        self._enums = {enum.name for enum in bridge.wire_enums}
+        routed = [route.conversion for route in reversed(bridge.routes) if route.conversion]
+        self._conversions = {conversion.proto: conversion for conversion in (*bridge.nested, *routed)}
+        self._rows = {route.proto: route for route in reversed(bridge.routes)}
+        self._units = Units(bridge)
+        self._constants: dict[tuple[str, int], dict[str, None]] = {}
+        for constant in (constant for message in bridge.messages for constant in message.constants):
+            self._constants.setdefault((constant.enum, constant.value), {})[constant.name] = None
+
+    def comment(self, proto: str) -> str:
+        """Return the comment of a message."""
+        return self._messages[proto].comment
+
+    def of(self, proto: str) -> Payload:
+        """Return a message for the page."""
+        message = self._messages[proto]
+        conversion = self._conversions.get(proto)
+        ranges = [str(first) if first == last else f"{first} to {last}" for first, last in message.reserved]
+        fields = (*self._fields(message, conversion), *_oneofs(message, conversion))
+        return Payload(proto, message.comment, conversion.ros if conversion else "", fields, ", ".join(ranges))
+
+    def values(self, enum: ir.WireEnum) -> tuple[Value, ...]:
+        """Return the values of an enum for the page."""
+        return tuple(Value(one.number, one.name, self._renamed(enum, one), cell(one.comment)) for one in enum.values)
+
+    def _renamed(self, enum: ir.WireEnum, value: ir.WireValue) -> tuple[str, ...]:
+        return tuple(name for name in self._constants.get((enum.name, value.number), ()) if name != value.name)
+
+    def anchor(self, proto: str) -> str:
+        """Return the anchor of the section that shows a message or an enum."""
+        return self.anchor_of_row(self._rows[proto]) if proto in self._rows else _anchor(proto)
+
+    @staticmethod
+    def anchor_of_row(route: ir.Route) -> str:
+        """Return the anchor of a row's section."""
+        return _anchor(f"{route.number}: {route.name}")
+
+    def _fields(self, message: ir.WireMessage, conversion: ir.Conversion | None) -> Iterator[Field]:
+        taken = _taken(conversion)
+        for field in message.fields:
+            meaning, unit = self._units.split(message.name, field)
+            ros = ", ".join(taken.get(field.name, ()))
+            yield Field(field.number, field.name, self._type(field), unit, ros, cell(meaning))
+
+    def _type(self, field: ir.WireField) -> str:
+        held = self._messages.get(field.type)
+        if held is not None and held.map_entry:
+            key, value = (self._linked(one.type) for one in held.fields)
+            return f"map of {key} to {value}"
+        type = self._linked(field.type)
+        return " ".join(filter(None, (field.label, type, f"in oneof `{field.oneof}`" if field.oneof else "")))
+
+    def _linked(self, type: str) -> str:
+        known = type in self._messages or type in self._enums
+        if not known or type.startswith("google.protobuf."):
+            return f"`{type}`"
+        return f"[`{type}`](#{self.anchor(type)})"
+
+
+def cell(text: str) -> str:
+    """Return a text for a cell of a table."""
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+
+
+def _anchor(heading: str) -> str:
+    """Return the anchor of a heading, as GitHub and Python-Markdown make it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def _taken(conversion: ir.Conversion | None) -> dict[str, list[str]]:
+    """Return the fields of the .msg by the field of the payload that they take, or that holds it."""
+    taken: dict[str, list[str]] = {}
+    for field in conversion.fields if conversion else ():
+        inner = f" from `{'.'.join(field.proto_path)}`" if len(field.proto_path) > 1 else ""
+        ros = f"`{msg_type(field.ros.type)} {field.ros.name}`{inner}"
+        taken.setdefault(field.proto_path[0], []).append(ros)
+    return taken
+
+
+def _oneofs(message: ir.WireMessage, conversion: ir.Conversion | None) -> Iterator[Field]:
+    """Yield the message's own oneofs, with the field of the .msg that tells which member is set."""
+    taken = _taken(conversion)
+    for name in dict.fromkeys(field.oneof for field in message.fields if field.oneof):
+        yield Field(None, name, "oneof", "", ", ".join(taken.get(name, ())), "")

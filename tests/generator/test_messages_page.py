@@ -1,0 +1,159 @@
+"""docs/messages.md, as its readers use it: bytes that decode, links that lead somewhere, units, the diagram."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from golden import ROOT, Case, files_of, generate, passing_cases
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message_factory import GetMessageClass
+
+from generated.registry import REGISTRY
+from roverlink.generator.pipeline import compile_table
+
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}}
+targets: [markdown]
+messages:
+"""
+_EXAMPLE = re.compile(
+    r"An example: a payload of (?P<payload>\d+) bytes, a datagram of (?P<datagram>\d+)\.\n\n```text\n(?P<lines>.*?)```",
+    re.DOTALL,
+)
+
+
+def _sections(page: str) -> dict[str, str]:
+    """The sections of rows, by the row's name."""
+    parts = re.split(r"^## (?:\d+: (\w+)|[^\n]*)$", page, flags=re.MULTILINE)
+    return {name: text for name, text in zip(parts[1::2], parts[2::2]) if name}
+
+
+def _example(section: str) -> tuple[bytes, int, int]:
+    """The datagram of an example, and the sizes that the page tells."""
+    found = _EXAMPLE.search(section)
+    assert found is not None
+    data = "".join(re.match(r"(?:[0-9a-f]{2}(?: |$))*", line)[0] for line in found["lines"].splitlines())  # type: ignore[index]  # it may match nothing
+    return bytes.fromhex(data), int(found["payload"]), int(found["datagram"])
+
+
+def _page(tmp_path: Path, rows: str, proto: str) -> str:
+    (tmp_path / "proto").mkdir()
+    (tmp_path / "mapping.yaml").write_text(_TABLE + rows)
+    (tmp_path / "proto" / "board.proto").write_text(f'syntax = "proto3";\n{proto}')
+    outcome = generate(tmp_path)
+    assert (outcome.code, outcome.stderr) == (0, "")
+    return (tmp_path / "docs" / "messages.md").read_text(encoding="utf-8")
+
+
+def _with_pages() -> list[Case]:
+    """The passing cases with the usual targets."""
+    cases = passing_cases()
+    return [case for case in cases if "\ntargets:" not in (case.folder / "mapping.yaml").read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
+def test_the_bytes_of_examples_decode(case: Case) -> None:
+    """The bytes of each example, as they stand on the page, are an envelope with the row's payload."""
+    bridge = compile_table(case.folder / "mapping.yaml").bridge
+    pool = DescriptorPool()
+    for file in FileDescriptorSet.FromString(bridge.descriptors).file:
+        pool.Add(file)
+    envelope_type: Any = GetMessageClass(pool.FindMessageTypeByName(bridge.envelope.message))
+    sections = _sections(files_of(case)["docs/messages.md"])
+    assert [*sections] == [route.name for route in bridge.routes]
+    for route in bridge.routes:
+        data, payload, datagram = _example(sections[route.name])
+        envelope = envelope_type()
+        envelope.MergeFromString(data)
+        assert envelope.WhichOneof(bridge.envelope.oneof) == route.name
+        assert (getattr(envelope, route.name).ByteSize(), len(data)) == (payload, datagram)
+
+
+def test_the_meaning_beside_the_bytes_is_what_they_say() -> None:
+    """A reader who decodes an example of this repository with the generated classes finds the values of the page."""
+    page = (ROOT / "docs" / "messages.md").read_text(encoding="utf-8")
+    section = _sections(page)["pressure_info"]
+    envelope = REGISTRY.envelope.FromString(_example(section)[0])
+    shown = dict(re.findall(r"^[0-9a-f ]+  (\w+): ([\w.]+)$", section, re.MULTILINE))
+    assert float(shown["pressure_kpa"]) == pytest.approx(envelope.pressure_info.pressure_kpa)
+    assert int(shown["sensor_index"]) == envelope.pressure_info.sensor_index
+    assert (shown["state"], envelope.pressure_info.state) == ("SENSOR_OPERATING", 1)
+
+
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
+def test_links_lead_to_headings(case: Case) -> None:
+    """Every link of the page leads to a heading of it, and no two headings share an anchor."""
+    page = files_of(case)["docs/messages.md"]
+    headings = re.findall(r"^#+ (.*)$", page, re.MULTILINE)
+    anchors = Counter(re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings)
+    links = set(re.findall(r"\]\(#([^)]*)\)", page))
+    assert {link: anchors[link] for link in links} == dict.fromkeys(links, 1)
+
+
+def test_units_come_from_the_table_and_from_comments(tmp_path: Path) -> None:
+    """A unit in brackets moves from the comment to its column; the table's unit goes before it."""
+    page = _page(
+        tmp_path,
+        "  - number: 1\n    name: probe\n    proto: Probe\n    topic: probe\n    direction: board_to_ros\n"
+        "    also: [{topic: t, ros: sensor_msgs/Temperature, frame_id: f,"
+        " fields: {temperature: {from: inner.heat, unit: degF}}}]\n",
+        "message Inner {\n  float heat = 1;  // Heat [degC].\n}\n"
+        "message Probe {\n  float speed = 1;  // Speed over ground [km/h].\n  float share = 2;  // Between [0, 1].\n"
+        "  float level = 3;  // [V]\n  Inner inner = 4;\n}\n",
+    )
+    assert "| 1 | `speed` | `float` | km/h | `float32 speed` | Speed over ground. |" in page
+    assert "| 2 | `share` | `float` |  | `float32 share` | Between [0, 1]. |" in page
+    assert "| 3 | `level` | `float` | V | `float32 level` |  |" in page
+    assert "| 1 | `heat` | `float` | degF | `float32 heat` | Heat. |" in page
+
+
+def test_sizes_follow_the_bounds_of_the_table(tmp_path: Path) -> None:
+    """A payload has a largest size if the table bounds each of its texts and lists."""
+    row = "  - {number: %d, name: %s, proto: %s, topic: %s, direction: board_to_ros%s}\n"
+    page = _page(
+        tmp_path,
+        row % (1, "note", "Note", "note", ", bounds: {text: {length: 20}}") + row % (2, "log", "Log", "log", ""),
+        "message Note {\n  string text = 1;\n}\nmessage Log {\n  string text = 1;\n}\n",
+    )
+    assert "- **Size** at most 22 bytes, 24 as a datagram\n" in _sections(page)["note"]
+    assert "- **Size** without limit: `text` has no bound in mapping.yaml\n" in _sections(page)["log"]
+
+
+def test_the_diagram_groups_rows_by_board_and_direction() -> None:
+    """Each row of this repository stands in the diagram once, in a few groups."""
+    page = (ROOT / "docs" / "messages.md").read_text(encoding="utf-8")
+    diagram = re.search(r"```mermaid\n(.*?)```", page, re.DOTALL)
+    assert diagram is not None
+    groups = [label.split("<br>") for label in re.findall(r'rows_\d+\["([^"]*)"\]', diagram[1])]
+    assert sorted(row for group in groups for row in group) == sorted(
+        f"{handler.route.number} {handler.route.name}" for handler in REGISTRY.handlers
+    )
+    assert ["8 drive_diag", "10 drive_progress"] in groups
+    assert len(groups) == 7
+
+
+def test_the_diagram_stays_small(tmp_path: Path) -> None:
+    """A group with many rows shows the first twelve, and counts the others."""
+    rows = "".join(
+        f"  - {{number: {n}, name: r{n}, proto: M{n}, topic: t{n}, direction: board_to_ros}}\n" for n in range(1, 16)
+    )
+    page = _page(tmp_path, rows, "".join(f"message M{n} {{}}\n" for n in range(1, 16)))
+    assert 'rows_0["1 r1<br>' in page
+    assert '<br>12 r12<br>and 3 more"]' in page
+
+
+def test_a_payload_of_two_rows_is_shown_once(tmp_path: Path) -> None:
+    """The section of the second row leads to the first one's fields."""
+    row = "  - {number: %d, name: %s, proto: M, topic: %s, direction: board_to_ros}\n"
+    page = _page(tmp_path, row % (1, "left", "left") + row % (2, "right", "right"), "message M {\n  int32 x = 1;\n}\n")
+    assert page.count("| 1 | `x` |") == 1
+    assert "The fields are those of [`M`](#1-left)." in _sections(page)["right"]

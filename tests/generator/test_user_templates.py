@@ -1,0 +1,185 @@
+"""Hostile templates, as a pull request could bring them: each is one diagnostic, and nothing is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from golden import generate, snapshot
+
+from roverlink.generator.emit import user_templates
+from roverlink.generator.emit.template_process import Limits
+
+_TABLE = """\
+version: 1
+proto: {root: proto}
+envelope: {file: envelope.proto, message: Envelope, oneof: payload}
+ros: {package: rover}
+peers: {board: {}}
+messages:
+  - {number: 1, name: probe, proto: Probe, topic: probe, direction: board_to_ros}
+targets: [ros2]
+"""
+_PROBE = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A project with a folder for templates, beside a file that is none of its business."""
+    (tmp_path / "secret.j2").write_text("the secret\n")
+    folder = tmp_path / "project"
+    for name in ("proto", "own"):
+        (folder / name).mkdir(parents=True)
+    (folder / "mapping.yaml").write_text(f"{_TABLE}templates: [own]\n")
+    (folder / "proto" / "probe.proto").write_text(_PROBE)
+    return folder
+
+
+def _plant(project: Path, files: Mapping[str, str]) -> None:
+    for path, text in files.items():
+        (project / "own" / path).parent.mkdir(parents=True, exist_ok=True)
+        (project / "own" / path).write_text(text)
+
+
+def _refused(project: Path) -> str:
+    """The only diagnostic of a run that writes nothing."""
+    before = snapshot(project)
+    outcome = generate(project)
+    first, _, rest = outcome.stderr.partition("\n")
+    assert (outcome.code, rest.splitlines()[-1]) == (1, "1 error in mapping.yaml; nothing was written")
+    assert "error[" not in rest
+    assert "the secret" not in outcome.stderr + outcome.stdout
+    assert snapshot(project) == before
+    return first
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "bridge.__class__.__mro__[-1].__subclasses__()",
+        'bridge["__class__"].__init__.__globals__',
+        'bridge | attr("__class__") | string',
+        '[bridge] | map(attribute="__class__") | first',
+        "header.__globals__",
+        "header.__code__",
+        "bridge.conversions.__func__.__globals__",
+        "bridge.routes[0].feeds.__class__",
+        "bridge.conversions.__self__.__dict__",
+        "cycler.__init__.__globals__.os.system('touch ran')",
+        "namespace.__init__.__globals__",
+        "self._TemplateReference__context.environment",
+        "self.__init__.__globals__",
+        'joiner()._Undefined__fail or "".__class__',
+        '"{0.__class__.__init__.__globals__}".format(bridge)',
+        '"{one.__class__}".format_map({"one": bridge})',
+        '("{0.__class__}" | attr("format"))(bridge)',
+        '["{0.__class__}".format] | map("string") | first | length and "{0.__class__}".format(header)',
+        "lipsum.__globals__",
+        "[].append.__self__.__class__",
+        "bridge.modules.clear()",
+        "bridge.modules.update({})",
+        "[].append(1)",
+    ],
+)
+def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, expression: str) -> None:
+    """The sandbox refuses private attributes by whatever way they are asked for, and changes of what it is given."""
+    _plant(project, {"a.txt.j2": f"{{{{ bridge.table }}}}\n{{{{ {expression} }}}}\n"})
+    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot be rendered: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("{% for i in range(10**7) %}{% endfor %}", "Range too big"),
+        ("{{ 2 ** (10 ** 9) }}", "a power of more than 4096 bits"),
+        ("{% for i in range(9999) %}{% for j in range(9999) %}{% endfor %}{% endfor %}", "it takes too long"),
+        ("{% macro m() %}{{ m() }}{% endmacro %}{{ m() }}", "maximum recursion depth exceeded"),
+        ("{% include 'a.txt.j2' %}", "maximum recursion depth exceeded"),
+        ("{% for i in range(99999) %}{{ 'x' * 9999 }}{% endfor %}", "the templates of the folder make too much text"),
+        ("{{ 'x' * 10 ** 10 }}", "it needs too much memory"),
+        ("{{ '%9999999999d' | format(1) }}", "it needs too much memory"),
+        ("{{ '{:9999999999}'.format(1) }}", "it needs too much memory"),
+        (
+            "{% set n = namespace(s='x') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}",
+            "it needs too much memory",
+        ),
+    ],
+)
+def test_a_template_without_end_is_stopped(
+    project: Path, monkeypatch: pytest.MonkeyPatch, text: str, reason: str
+) -> None:
+    """Time, memory and output of a template are limited."""
+    monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=1, memory=1 << 28, output=1 << 20))
+    _plant(project, {"a.txt.j2": f"\n{text}\n"})
+    said = _refused(project)
+    assert said.startswith("own/a.txt.j2:2: error[OUT106] cannot be rendered: ")
+    assert reason in said
+
+
+def test_a_template_that_python_cannot_interrupt_is_killed(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A single operation that never ends is stopped too; only its line is not known."""
+    monkeypatch.setattr(user_templates, "LIMITS", Limits(seconds=1))
+    squares = "{% set n = namespace(n=7) %}{% for i in range(40) %}{% set n.n = n.n * n.n %}{% endfor %}"
+    _plant(project, {"a.txt.j2": squares})
+    assert "error[OUT106] cannot be rendered" in _refused(project)
+
+
+@pytest.mark.parametrize("how", ["include {}", "import {} as one", "from {} import one", "extends {}"])
+@pytest.mark.parametrize(
+    "name", ["../../secret.j2", "/etc/passwd", "a/../../../secret.j2", ".hidden/one", "link", "links/secret.j2"]
+)
+def test_a_template_reads_only_templates_of_its_folder(project: Path, how: str, name: str) -> None:
+    """No template can include, import or extend a file outside the folder, or a hidden one."""
+    _plant(project, {"a.txt.j2": f"\n{{% {how.format(repr(name))} %}}\n", ".hidden/one": "the secret"})
+    (project / "own" / "link").symlink_to(project.parent / "secret.j2")
+    (project / "own" / "links").symlink_to(project.parent)
+    assert _refused(project).startswith("own/a.txt.j2:2: error[OUT106] cannot be rendered: ")
+
+
+@pytest.mark.parametrize("target", ["/etc/passwd", "../../secret.j2", "../mapping.yaml", "missing", ".hidden/one"])
+def test_a_template_that_is_a_link_out_of_the_folder_is_refused(project: Path, target: str) -> None:
+    """The file that a link leads to is not even read."""
+    _plant(project, {".hidden/one": "the secret"})
+    (project / "own" / "users.txt.j2").symlink_to(target)
+    assert _refused(project) == "own/users.txt.j2: error[OUT107] is not a file of own"
+
+
+def test_a_folder_that_is_a_link_out_of_the_project_is_refused(project: Path) -> None:
+    """The table names folders of the project, whatever links there are in it."""
+    (project / "own").rmdir()
+    (project / "own").symlink_to(project.parent)
+    assert _refused(project) == "mapping.yaml:9:13: error[OUT107] own is a link that leads out of the project"
+
+
+@pytest.mark.parametrize("folder", ["..", "../..", "../other", "own/../..", "/etc"])
+def test_the_table_names_no_folder_outside_the_project(project: Path, folder: str) -> None:
+    """Only the command line may name a folder of templates outside the project."""
+    (project / "mapping.yaml").write_text(f"{_TABLE}templates: ['{folder}']\n")
+    assert _refused(project).startswith("mapping.yaml:9:13: error[")
+
+
+def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> None:
+    """A link in the place of the folder of output would put a template's text anywhere on the machine."""
+    _plant(project, {"authorized_keys.j2": "mine"})
+    outside = project.parent / "outside"
+    outside.mkdir()
+    (project / "generated").mkdir()
+    (project / "generated" / "own").symlink_to(outside)
+    assert "would be written outside the project" in _refused(project)
+    assert not list(outside.iterdir())
+
+
+def test_a_template_makes_a_hidden_file(project: Path) -> None:
+    """A template may have a name that starts with a dot."""
+    _plant(project, {".clang-format.j2": "Language: Cpp\n"})
+    assert generate(project).code == 0
+    assert (project / "generated" / "own" / ".clang-format").is_file()
+
+
+def test_templates_include_templates_of_their_folder(project: Path) -> None:
+    """Parts that several templates share are files of the folder without the suffix, or links to such files."""
+    _plant(project, {"a.txt.j2": "{% include 'parts/one' %}{% include 'two' %}", "parts/one": "{{ bridge.table }}\n"})
+    (project / "own" / "two").symlink_to("parts/one")
+    assert generate(project).code == 0
+    assert (project / "generated" / "own" / "a.txt").read_text() == "mapping.yaml\nmapping.yaml\n"
