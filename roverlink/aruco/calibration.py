@@ -1,4 +1,4 @@
-"""What `roverlink aruco calibrate` does: views in, a file of parameters out, and text on the way."""
+"""Run of ``roverlink aruco calibrate``: collect views, calibrate, write parameters and report."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 
 
 def calibrate(arguments: argparse.Namespace) -> int:
-    """Collect views, calibrate, write. Raises `SetupError` for what is missing."""
+    """Collect views, calibrate and write the files. Raises `SetupError` if something is missing."""
     board = board_of(arguments)
-    if not arguments.out.resolve().parent.is_dir():  # said now, not when all the work is done
-        raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
+    if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
+        raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
         if arguments.page:
             try:
                 text.calibrated(*_on_page(source, board, arguments, text.note))
             except KeyboardInterrupt:
-                text.note("nothing was saved")
+                text.note("stopped; nothing was saved")
                 return FINDINGS
             return OK
         views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
@@ -59,7 +59,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
-    """A view of every image: somebody chose them."""
+    """Return a view of every image, since the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
     with progress(source.name) as told:
@@ -72,7 +72,7 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
 def _stream(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
 ) -> Sequence[View]:
-    """Views that add something, until nothing is missing, the source ends, or somebody stops it."""
+    """Collect useful views until the coverage is complete, the source ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
     with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
@@ -88,7 +88,7 @@ def _stream(
 def _on_page(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
 ) -> tuple[Calibration, Path, Path]:
-    """What was saved on the page, and where."""
+    """Let the user calibrate on the page; return the last saved calibration and its two files."""
     saved: list[tuple[Calibration, Path, Path]] = []
 
     def save(calibration: Calibration) -> str:
@@ -116,7 +116,7 @@ def _on_page(
 
 
 def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
-    """Frames, stamped in nanoseconds since 1970 as far as that is known, with names for their views."""
+    """Yield frames with names for their views, stamped in nanoseconds since 1970 as well as possible."""
     if isinstance(source, ImageFiles):
         for path, frame in zip(source.paths, source):
             yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
@@ -130,7 +130,7 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
 
 
 def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
-    """Write the parameters, and the report beside them; where both are."""
+    """Write the parameters, and the report next to them; return both paths."""
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())
     write_calibration(path, calibration)
@@ -138,6 +138,6 @@ def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[P
 
 
 def versions() -> dict[str, str]:
-    """What the numbers may depend on."""
+    """Return the versions of the packages on which the numbers may depend."""
     packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
     return {name: found for name, package in packages.items() if (found := installed_version(package))}

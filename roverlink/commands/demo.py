@@ -1,4 +1,4 @@
-"""``roverlink demo``: the bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
+"""``roverlink demo``: bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
 
 from __future__ import annotations
 
@@ -44,22 +44,24 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "demo",
-        "bridge simulated boards, a simulated basestation and ROS 2 on loopback, shown live",
+        "run the bridge with simulated boards and a simulated basestation, and show it live",
         "roverlink demo --seconds 5",
     )
     add_project(parser)
-    parser.add_argument("--seconds", type=seconds, default=15.0, metavar="S", help="how long (default: %(default)s)")
+    parser.add_argument(
+        "--seconds", type=seconds, default=15.0, metavar="S", help="duration in seconds (default: %(default)s)"
+    )
     parser.add_argument(
         "--middleware",
         choices=("dds", "memory"),
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
-        help="dds: the bridge is a process of its own; memory: no ROS 2 wire at all (default: %(default)s)",
+        help="dds: the bridge is a separate process; memory: all in one process, no ROS 2 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the bridge at work; exit code 1 where a message did not cross."""
+    """Show the bridge at work. Exit code 1 if a message was not bridged."""
     keep_to_ourselves()
     project = project_folder(arguments.project)
     registry = load_project(project)
@@ -73,27 +75,27 @@ def run(arguments: argparse.Namespace) -> int:
         if camera and arguments.middleware == "memory":
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
-        account = host.stop()  # at once: whoever commands is silent from now on
+        account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
         if camera:
             console.print(camera.stop(), soft_wrap=True)
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
-        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages crossed, {crossed} times in all; "
+        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages were bridged, {crossed} times in all; "
         f"{rig.forwarded} datagrams were forwarded raw"
     )
-    console.print("the bridge says: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), soft_wrap=True)
+    console.print("counters of the bridge: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), soft_wrap=True)
     if missing:
-        console.print(f"[red]did not cross: {', '.join(missing)}")
+        console.print(f"[red]not bridged: {', '.join(missing)}")
     return FINDINGS if missing else OK
 
 
 def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
-    """A camera that tells where the rover is, where OpenCV is installed."""
+    """Start the camera that reports the rover's position, if OpenCV is installed."""
     try:
         from roverlink.demo.camera import DemoCamera
     except SetupError as error:
-        console.print(f"without a camera: {error}", soft_wrap=True, markup=False)
+        console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
         return None
     return stack.enter_context(DemoCamera(project, middleware))
 
@@ -113,7 +115,7 @@ def _host(middleware: str, project: Path, registry: Registry, sockets: dict[str,
 
 
 class _Rig:
-    """The boards, the basestation and the ROS 2 nodes around the bridge."""
+    """Boards, basestation and ROS 2 nodes around the bridge."""
 
     def __init__(
         self,
@@ -123,7 +125,7 @@ class _Rig:
         sockets: dict[str, socket.socket],
         told: Collection[str] = (),
     ) -> None:
-        """`told` are the rows whose topics another node publishes."""
+        """Connect to the topics; ``told`` are the rows whose topics another node publishes."""
         self._registry, self._host, self._sockets, self._told = registry, host, sockets, told
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -134,7 +136,7 @@ class _Rig:
             self._join(crossing, middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Be the ROS 2 node at the other end of a row."""
+        """Create the ROS 2 publisher or subscriber at the other end of a row."""
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
@@ -153,7 +155,7 @@ class _Rig:
         middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
-        """Let every board and every node say something."""
+        """Send one datagram of each inbound row, and one message of each outbound row."""
         for handler in self._registry.handlers:
             if handler.route.inbound:
                 payload = payload_at(handler.payload_type, seconds)
@@ -163,7 +165,7 @@ class _Rig:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
-        """Let every peer take what has arrived."""
+        """Count the datagrams that have arrived at each peer."""
         for sock in self._sockets.values():
             for datagram in _arrived(sock):
                 envelope = self._translator.parse(datagram)
@@ -173,7 +175,7 @@ class _Rig:
                     self.forwarded += 1
                 else:
                     payload = getattr(envelope, name)
-                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound early
+                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound now, not when called
 
 
 def _arrived(sock: socket.socket) -> Iterator[bytes]:
@@ -199,8 +201,8 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
                     )
                 else:
                     crossed = sum(bool(crossing.count) for crossing in rig.crossings)
-                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages have crossed")
+                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages were bridged")
             time.sleep(_TICK_S)
         live.update(crossings.table(rig.crossings, title), refresh=True)
     if not console.is_terminal:
-        console.print()  # there, the last table ends without a line break
+        console.print()  # outside a terminal, the last table ends without a line break

@@ -1,4 +1,7 @@
-"""Workflow commands, which GitHub Actions shows at the lines of a pull request."""
+"""Workflow commands of GitHub Actions, which shows findings at the lines of a pull request.
+
+Their syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING:
 
 
 def write(linted: Linted) -> None:
-    """Print a command a finding."""
+    """Print one workflow command for each finding."""
     for finding in linted.findings:
         print(_command(finding, linted))
 
@@ -26,7 +29,7 @@ def _command(finding: Diagnostic, linted: Linted) -> str:
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Text as a command takes it; properties have two more characters that end them."""
+    """Percent-encode the characters that end a command, and those in ``more`` that end a property."""
     for character in f"%\r\n{more}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text

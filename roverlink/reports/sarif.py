@@ -1,4 +1,4 @@
-"""SARIF 2.1.0, which code scanning services read."""
+"""SARIF 2.1.0 (OASIS), the format of code scanning services."""
 
 from __future__ import annotations
 

@@ -1,9 +1,12 @@
-"""The bridge: datagrams from the peers to topics, and topics to datagrams for the peers.
+"""The bridge: datagrams of peers to topics, and topics to datagrams for peers.
 
-Two threads do the work. `Receiver` takes datagrams from the socket, and there they are translated, published and
-forwarded; publishing never waits (see `Publisher`), so neither does receiving. The middleware's thread calls back with
-what topics say, and there it is translated and sent. Where the table limits rates, or tells what stops a peer, a third
-one keeps the time.
+Two threads do the work.
+- `udp.Receiver` reads datagrams; on its thread they are translated, published and forwarded. Publishing never blocks
+(see `Publisher`), so a slow subscriber cannot delay the socket.
+- The middleware's thread calls back with messages of topics; on it they are translated and sent.
+
+A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``; a fourth watches the publishers of
+topics with ``deadman``.
 """
 
 from __future__ import annotations
@@ -31,24 +34,27 @@ from roverlink.runtime.net.sources import restrict
 from roverlink.runtime.node.parameters import Parameters
 
 NODE = "udp_forwarder"
-"""The bridge's name on the ROS 2 graph, where nobody gives it another."""
+"""Default node name of the bridge in the ROS 2 graph."""
 
 
 Handle = Callable[[udp.Batch], None]
 
 
 class Observer(Protocol):
-    """Hears what passes a bridge. It is asked at start: a bridge without observers does nothing for them."""
+    """Observer of the datagrams that pass a bridge.
+
+    It wraps functions when the bridge starts, so a bridge without observers pays nothing for them.
+    """
 
     def receiving(self, handle: Handle) -> Handle:
-        """What handles batches of received datagrams in the place of ``handle``, and calls it."""
+        """Wrap the handler of received batches; the returned function must call ``handle``."""
 
     def sending(self, peer: str, send: Send) -> Send:
-        """What sends datagrams made from a topic to a peer in the place of ``send``, and calls it."""
+        """Wrap the function that sends datagrams to a peer; the returned function must call ``send``."""
 
 
 class Bridge:
-    """One running bridge. A context manager; `run` works until `stop` is called."""
+    """One bridge: a context manager. Inside it, `run` works until `stop` is called."""
 
     def __init__(
         self,
@@ -59,7 +65,11 @@ class Bridge:
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
     ) -> None:
-        """``topic`` gives the fully qualified name of a row's topic. Raises `SetupError` for port and destination."""
+        """Bind the UDP port and resolve the peers' addresses.
+
+        ``topic`` maps a row's topic to its fully qualified name. Raises `SetupError` if the port is in use or an
+        address does not resolve.
+        """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
         self._logger = logger
@@ -79,12 +89,12 @@ class Bridge:
 
     @property
     def port(self) -> int:
-        """The UDP port that the bridge listens on."""
+        """UDP port on which the bridge listens."""
         port: int = self._socket.getsockname()[1]
         return port
 
     def socket_state(self) -> udp.SocketState:
-        """How full the socket is, and what the kernel dropped."""
+        """Return the fill level of the socket's receive buffer and the number of datagrams that the kernel dropped."""
         return udp.socket_state(self._socket)
 
     def __enter__(self) -> Bridge:
@@ -110,6 +120,8 @@ class Bridge:
         return self
 
     def __exit__(self, *_: object) -> None:
+        # The order matters: first no datagram comes in, then no timer fires, then the waiting messages are published
+        # and the topics closed. The stops go out last, because nothing may follow them.
         self._receiver.__exit__()
         self._counters.leave(self._receiver.left)
         self._watch.__exit__()
@@ -126,11 +138,11 @@ class Bridge:
             destination.close()
 
     def stop(self) -> None:
-        """Let `run` handle what has arrived and return. May be called from a signal handler."""
+        """Make `run` handle the datagrams that have arrived and return. Safe to call from a signal handler."""
         self._receiver.stop()
 
     def run(self) -> None:
-        """Bridge until `stop` is called. Raises whatever unforeseen ended the bridging, in either direction."""
+        """Bridge until `stop` is called. Raises the unexpected error that ended a thread of the bridge, if any."""
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -138,7 +150,10 @@ class Bridge:
     # --- peers to topics ---
 
     def _receiver_of(self, parameters: Parameters) -> udp.Receiver[Any]:
-        """The receiver; only where the table restricts who may speak does it look at addresses."""
+        """Return the receiver.
+
+        It reads sender addresses only if the table restricts senders, because that costs time.
+        """
         size = parameters.max_datagram + 1
         if parameters.source_policy == "any" or not restrict(self._registry.peers):
             return udp.Receiver(self._socket, size, self._observed(self._handle))
@@ -147,7 +162,7 @@ class Bridge:
         return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
 
     def _observed(self, handle: Handle) -> Handle:
-        """The same with the observers before it."""
+        """Wrap a handler of batches with all observers."""
         for observer in self._observers:
             handle = observer.receiving(handle)
         return handle
@@ -157,7 +172,7 @@ class Bridge:
         self._dispatch(batch, self._translator)
 
     def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
-        """Bridge what comes from who may speak, each as far as it may; observers hear nothing else."""
+        """Bridge the datagrams whose senders are admitted; observers see only these."""
         self._counters.receive(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
             if translator not in self._admitted:
@@ -176,7 +191,9 @@ class Bridge:
         longest = self._parameters.max_datagram
         fitting = [datagram for datagram in batch if len(datagram) <= longest]
         for _ in range(len(batch) - len(fitting)):
-            self._counters.drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
+            self._counters.drop(
+                DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes (parameter max_datagram)")
+            )
         return fitting
 
     def _publish(self, translation: Translation) -> None:
@@ -199,7 +216,7 @@ class Bridge:
     # --- topics to peers ---
 
     def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
-        """Send datagrams to a peer, and return how many the network took."""
+        """Send datagrams to a peer and return how many the network took."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
             self._counters.fail_to_send(destination, error)
@@ -228,7 +245,7 @@ class Bridge:
         return outlet.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
-        """Something unforeseen ended another thread; whoever waits in `run` has to hear of it."""
+        """Stop the bridge because a thread of it failed; `run` raises the error."""
         self._failure = failure
         self.stop()
 
@@ -236,8 +253,8 @@ class Bridge:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer
         if got < wanted:
             self._logger.warning(
-                "the receive buffer is %d bytes where %d were asked for: bursts may be lost; "
-                "raise it with `sysctl -w net.core.rmem_max=%d`",
+                "the UDP receive buffer has %d bytes instead of %d: datagrams of a burst may be lost; "
+                "allow more with `sysctl -w net.core.rmem_max=%d`",
                 got,
                 wanted,
                 wanted,

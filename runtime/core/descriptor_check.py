@@ -1,7 +1,7 @@
-"""Does what is loaded agree with what the code was generated from? Called by ``generated/checks.py`` at start.
+"""Check at start that the loaded protobuf descriptors are those from which the code was generated.
 
-Two copies of one .proto tree at two commits, both importable, are enough to make a program read bytes with numbers
-that its code does not mean; nothing else would notice.
+``generated/checks.py`` calls it. If two copies of one .proto tree at different commits are importable, a program can
+load the wrong one and then read fields by the wrong numbers; no other check would notice.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _SCALARS = {
 
 
 def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[str, tuple[str, ...]]) -> None:
-    """Compare what is loaded with what it was at generation.
+    """Compare the loaded descriptors with those at generation.
 
-    ``messages`` maps a message's full name to its fields, each as ``"<number> <name> [repeated ]<type>"``, ``enums``
-    an enum's to its values, each as ``"<number> <name>"``; both in the order of the numbers. Raises `RegistryError`
-    that lists every difference.
+    ``messages`` maps each message's full name to its fields, each as ``"<number> <name> [repeated ]<type>"``. ``enums``
+    maps each enum's full name to its values, each as ``"<number> <name>"``. Both are sorted by number. Raises
+    `RegistryError` that lists every difference.
     """
     pool = descriptor_pool.Default()
     differences = [
@@ -38,7 +38,7 @@ def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[st
     ]
     if differences:
         raise RegistryError(
-            "the protobuf modules that are loaded are not those from which this code was generated:\n  "
+            "the loaded protobuf modules are not those from which this code was generated:\n  "
             + "\n  ".join(differences)
             + "\nrun `roverlink generate`, and look for a second copy of the modules on the import path"
         )
@@ -49,19 +49,27 @@ def _differences(generated: Mapping[str, tuple[str, ...]], load: Callable[[str],
         try:
             loaded = load(name)
         except KeyError:
-            yield f"{name}: not loaded at all"
+            yield f"{name}: not loaded"
             continue
-        yield from (f"{name}: {part!r} was generated, but is not loaded" for part in expected if part not in loaded)
-        yield from (f"{name}: {part!r} is loaded, but was not generated" for part in loaded if part not in expected)
+        yield from (
+            f"{name}: the generated code has {part!r}, the loaded module does not"
+            for part in expected
+            if part not in loaded
+        )
+        yield from (
+            f"{name}: the loaded module has {part!r}, the generated code does not"
+            for part in loaded
+            if part not in expected
+        )
 
 
 def describe(descriptor: Descriptor) -> tuple[str, ...]:
-    """A loaded message's fields, in the spelling of `check_descriptors`."""
+    """Return a loaded message's fields as `check_descriptors` spells them."""
     return tuple(_describe_field(field) for field in sorted(descriptor.fields, key=lambda field: field.number))
 
 
 def describe_enum(descriptor: EnumDescriptor) -> tuple[str, ...]:
-    """A loaded enum's values, in the spelling of `check_descriptors`."""
+    """Return a loaded enum's values as `check_descriptors` spells them."""
     return tuple(f"{value.number} {value.name}" for value in sorted(descriptor.values, key=lambda v: v.number))
 
 
@@ -72,5 +80,5 @@ def _describe_field(field: FieldDescriptor) -> str:
 
 
 def scalar_name(field: FieldDescriptor) -> str:
-    """The type of a scalar field, as a .proto spells it."""
+    """Return the type of a scalar field as a .proto file spells it."""
     return _SCALARS[field.type]

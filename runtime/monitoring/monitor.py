@@ -1,4 +1,4 @@
-"""Watches the account of a bridge, and says how the bridge is doing."""
+"""Monitor of a bridge: reads its counters periodically and computes rates, ages and levels."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
 LOOK_S = 0.25
-"""How often the account is looked at: what an age may be wrong by."""
+"""Interval in seconds at which the counters are read; the largest error of an age."""
 WINDOW_S = 2.0
-"""Over which rates are taken, and in which a drop makes a warning."""
+"""Time window in seconds for rates, and for drops that raise a warning."""
 TELL_S = 1.0
-"""How often whoever wants to know is told."""
+"""Interval in seconds at which listeners get the state."""
 
-_LOW = 0.8  # of the expected rate, from where on it is too low
-_SILENT_PERIODS = 3.0  # of the expected rate, after which a row is stale; and never before WINDOW_S
+_LOW = 0.8  # share of the expected rate below which a row gets a warning
+_SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale, but at least WINDOW_S
 
 
 class Watched(Protocol):
-    """A bridge, as the monitor sees it."""
+    """Part of a bridge that the monitor reads."""
 
     account: Account
 
     def socket_state(self) -> SocketState:
-        """How full the socket is, and what the kernel dropped."""
+        """Return the fill level of the socket's receive buffer and the kernel's drop counter."""
 
 
 class _Look(NamedTuple):
-    """The counters at one moment."""
+    """Counters at one moment."""
 
     time: float
     crossed: Counter[str]
     dropped: Counter[tuple[str, str]]
     received: int
     lost: int
-    """Everything that did not get through."""
+    """Sum of all losses."""
 
 
 class Monitor:
-    """Watches one bridge. A context manager, whose thread looks and tells."""
+    """Monitor of one bridge. A context manager; its thread reads counters and calls listeners."""
 
     def __init__(
         self,
@@ -61,14 +61,14 @@ class Monitor:
         self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
         self._recording, self._clock = recording, clock
         self._looks: deque[_Look] = deque()
-        self._last: dict[str, float] = {}  # when each row was last seen to have crossed
+        self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
         self._tellings: list[Callable[[State], None]] = []
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
         self.look()
 
     def tell(self, listener: Callable[[State], None]) -> None:
-        """Have a listener told once a second, from the monitor's thread. Before the monitor is entered."""
+        """Call ``listener`` with the state once a second, on the monitor's thread. Use before entering the monitor."""
         self._tellings.append(listener)
 
     def __enter__(self) -> Monitor:
@@ -90,7 +90,7 @@ class Monitor:
                     listener(state)
 
     def look(self) -> None:
-        """Take the counters down."""
+        """Read the counters once."""
         account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
         dropped = Counter(account.dropped_of_row)
@@ -98,13 +98,13 @@ class Monitor:
         before = self._looks[-1].crossed if self._looks else crossed
         self._last.update({name: now for name, count in crossed.items() if count != before[name]})
         lost = account.dropped.total() + account.refused.total() + account.unsent.total()
-        lost += self._bridge.socket_state().drops  # the account learns of them with the next datagram
+        lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
         self._looks.append(_Look(now, crossed, dropped, account.received, lost))
         while len(self._looks) > 2 and self._looks[1].time <= now - WINDOW_S:
             self._looks.popleft()
 
     def state(self) -> State:
-        """How the bridge was doing at the last look."""
+        """Return the state of the bridge at the last reading."""
         account, first, last = self._bridge.account, self._looks[0], self._looks[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
@@ -129,9 +129,13 @@ class Monitor:
 
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
-            return Level.ERROR, f"the recording has ended: {recording.failure}"
+            return Level.ERROR, f"the recording stopped: {recording.failure}"
         lost = self._looks[-1].lost - self._looks[0].lost
-        return (Level.WARN, f"{lost} lost in the last {WINDOW_S:.0f} s") if lost else (Level.OK, "nothing lost")
+        return (
+            (Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s")
+            if lost
+            else (Level.OK, "nothing lost")
+        )
 
     def _row(self, route: Route) -> RowState:
         first, last = self._looks[0], self._looks[-1]
@@ -159,16 +163,16 @@ class Monitor:
 
 
 def _judged(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
-    """How a row is, and why."""
+    """Return the level of a row and the reason."""
     if fresh:
         told = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
         return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {told}"
     if expected is None:
-        return Level.OK, "" if age is not None else "nothing yet"
+        return Level.OK, "" if age is not None else "no message yet"
     silence = max(_SILENT_PERIODS / expected, WINDOW_S)
     if age is None or age > silence:
-        since = "nothing yet" if age is None else f"silent for {age:.1f} s"
-        return Level.STALE, f"{since}; {expected:g}/s are expected"
+        since = "no message yet" if age is None else f"silent for {age:.1f} s"
+        return Level.STALE, f"{since}; {expected:g}/s expected"
     if rate < _LOW * expected and expected * WINDOW_S >= _SILENT_PERIODS:
-        return Level.WARN, f"{rate:.1f}/s where {expected:g}/s are expected"
+        return Level.WARN, f"{rate:.1f}/s; {expected:g}/s expected"
     return Level.OK, ""
