@@ -85,7 +85,7 @@ def said(node: yaml.Node) -> str:
     text = str(node.value)
     shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
     is_quoted = isinstance(node, yaml.ScalarNode) and node.style is not None
-    return repr(shown) if is_quoted else shown or "nothing"
+    return repr(shown) if is_quoted else shown or "an empty value"
 
 
 def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:

@@ -51,7 +51,7 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     assert code == 0, output
     # where the processor is shared with many, commands come late, which the bridge has to say
     assert [line for line in errors.splitlines() if not line.endswith("told to stop")] == []
-    summary = re.search(r"21 of 21 messages crossed, (\d+) times in all; (\d+) datagrams were forwarded raw", output)
+    summary = re.search(r"21 of 21 messages were bridged, (\d+) times in all; (\d+) datagrams were forwarded raw", output)
     assert summary
     assert int(summary[1]) >= 21
     assert int(summary[2]) >= 12
@@ -75,7 +75,7 @@ def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixtur
     """Without any time nothing crosses: each message is named, and the exit code is 1."""
     assert main(["demo", "--seconds", "0", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
-    assert "0 of 21 messages crossed" in output
+    assert "0 of 21 messages were bridged" in output
     missing = output.partition("did not cross: ")[2].replace("\n", " ")
     assert [name.strip() for name in missing.split(",")] == [handler.route.name for handler in REGISTRY.handlers]
 
@@ -95,7 +95,7 @@ def test_a_single_message_that_does_not_cross_is_exit_code_1(
     monkeypatch.setattr(Crossing, "add", all_but_one)
     assert main(["demo", "--seconds", "1", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
-    assert "20 of 21 messages crossed" in output
+    assert "20 of 21 messages were bridged" in output
     assert "did not cross: gps_info" in output
 
 
@@ -154,7 +154,7 @@ def test_simulated_payloads_fit_and_change(handler: Any) -> None:
 
 def test_a_bridge_that_does_not_start_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the bridge's process ends before it is ready, its own words are shown, and the demo cannot run."""
-    with pytest.raises(SetupError, match="the bridge did not start"), BridgeProcess(tmp_path, {}):
+    with pytest.raises(SetupError, match="the bridge process did not start"), BridgeProcess(tmp_path, {}):
         pass
     assert f"no generated code in {tmp_path}" in capsys.readouterr().err
 

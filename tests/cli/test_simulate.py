@@ -138,7 +138,7 @@ def test_the_account_is_told_in_words(done: Start) -> None:
     code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
     assert code == 0
     assert " datagrams were sent to the bridge" in output
-    assert output.splitlines()[-1] == "the sums agree"
+    assert output.splitlines()[-1] == "all sums agree"
 
 
 def test_a_bridge_of_somebody_elses_gets_the_stream(done: Start) -> None:
@@ -170,12 +170,12 @@ def _account(**changed: Any) -> dict[str, Any]:
     ("changed", "fault"),
     [
         ({}, None),
-        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 received"),
+        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 were received"),
         ({"published": 7}, "10 datagrams received, but 9 published and dropped"),
-        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams were malformed, but 1 counted as that"),
+        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams should be dropped as malformed, but 1 were"),
         ({"sent": 2}, "3 messages taken, but 2 sent"),
         ({"forwarded": 1}, "the bridge sent 4 datagrams to the peers, but 3 arrived"),
-        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 taken"),
+        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 received by the bridge"),
     ],
 )
 def test_sums_that_do_not_agree_are_told(changed: dict[str, Any], fault: str | None) -> None:

@@ -229,7 +229,7 @@ def test_exit_codes(lint: Lint, tmp_path: Path) -> None:
     assert lint()[0] == 1
     assert lint("--fail-on", "error")[0] == 0
     write({"imu.proto": _BEFORE}, tmp_path / "after")
-    assert lint() == (0, "nothing to find fault with\n", "")
+    assert lint() == (0, "No problems found.\n", "")
 
 
 @needs_buf

@@ -75,7 +75,7 @@ class _Bridge:
 def test_rates_and_ages() -> None:
     """A rate is that of the last two seconds, an age the time since the last message."""
     bridge = _Bridge()
-    assert (bridge.row("imu_info").age, bridge.row("imu_info").message) == (None, "nothing yet")
+    assert (bridge.row("imu_info").age, bridge.row("imu_info").message) == (None, "no message yet")
     bridge.let(4, imu_info=40, gps_info=8)
     assert (bridge.row("imu_info").rate, bridge.row("gps_info").rate) == (40, 8)
     assert bridge.monitor.state().received_rate == 48
@@ -92,7 +92,7 @@ def test_rates_and_ages() -> None:
         (32, 0, Level.OK, ""),
         (28, 0, Level.WARN, "28.0/s where 40/s are expected"),
         (40, 3, Level.STALE, "silent for 3.0 s; 40/s are expected"),
-        (0, 0, Level.STALE, "nothing yet; 40/s are expected"),
+        (0, 0, Level.STALE, "no message yet; 40/s expected"),
     ],
 )
 def test_levels_of_a_row_of_which_a_rate_is_expected(
@@ -138,7 +138,7 @@ def test_a_recording_that_has_ended_is_an_error() -> None:
     bridge = _Bridge()
     bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
     state = bridge.monitor.state()
-    assert (state.level, state.message) == (Level.ERROR, "the recording has ended: No space left on device")
+    assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")
 
 
 def test_how_long_batches_take() -> None:

@@ -169,7 +169,7 @@ def test_it_rotates_by_size(tmp_path: Path) -> None:
     [
         ("run.bag", "a recording is named something.mcap"),
         ("run.datagrams.mcap", "a recording is named something.mcap"),
-        ("nowhere/run.mcap", "there is no folder"),
+        ("nowhere/run.mcap", "does not exist"),
         ("there.mcap", "there.mcap is there already; move it away, or give another name"),
         ("half.mcap", "half.datagrams.mcap is there already"),
     ],
@@ -253,7 +253,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     assert child.returncode == 0, output
     assert "WARNING the disk is nearly full: " in output
     assert f" MB are left for {path}, at this rate for " in output
-    assert "ERROR the recording has ended (No space left on device); the bridge goes on. recorded 0 messages" in output
+    assert "ERROR the recording failed (No space left on device); the bridge continues. recorded 0 messages" in output
     assert int(output.rpartition("lost ")[2]) >= 1
     messages = list(Recording(path).messages())
     assert len(messages) > 1000
@@ -283,7 +283,7 @@ def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, capl
         while writing.failure is None and time.monotonic() < deadline:
             time.sleep(0.01)
         received([b"late"])
-    assert "the recording has ended (TypeError" in caplog.text
+    assert "the recording failed (TypeError" in caplog.text
     assert writing.lost == 1
 
 

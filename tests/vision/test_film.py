@@ -57,7 +57,7 @@ def test_a_long_time_without_images_is_cut_out(tmp_path: Path) -> None:
 
 def test_a_film_that_cannot_be_is_told(tmp_path: Path) -> None:
     """Its ending, its folder, and a size that changes; nothing is left behind where nothing was written."""
-    with pytest.raises(SetupError, match=r"ends with \.mp4 or \.avi"):
+    with pytest.raises(SetupError, match=r"end with \.mp4 or \.avi"):
         Film(tmp_path / "film.gif", 10)
     with pytest.raises(SetupError, match="no such folder"):
         Film(tmp_path / "none" / "film.mp4", 10)
