@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from roverlink.console import OK, UNABLE, complain
+from roverlink.console import OK, UNABLE, print_error
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.node import ros_args
 
@@ -54,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = int(arguments.run(arguments))
         sys.stdout.flush()  # here, so that a closed pipe is handled below
     except RoverlinkError as error:
-        complain(str(error))
+        print_error(str(error))
         return UNABLE
     except KeyboardInterrupt:
         return OK

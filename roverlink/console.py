@@ -30,12 +30,12 @@ class NoProjectError(SetupError):
     """A command was started outside a project."""
 
 
-def complain(message: str) -> None:
+def print_error(message: str) -> None:
     """Print the reason why a command cannot run, on standard error."""
     print(f"roverlink: {message}", file=sys.stderr)
 
 
-def note(message: str) -> None:
+def print_note(message: str) -> None:
     """Print a message for the user on standard error while a command runs."""
     print(message, file=sys.stderr, flush=True)
 
@@ -133,7 +133,7 @@ def project_folder(given: Path | None) -> Path:
     )
 
 
-def keep_to_ourselves() -> None:
+def isolate_ros() -> None:
     """Restrict ROS 2 to this host, in a domain that others on this host are unlikely to use.
 
     The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).

@@ -40,7 +40,7 @@ class Sources:
         path = self.folder / span.file
         return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
 
-    def told(self, span: Span, what: str) -> str:
+    def with_commit(self, span: Span, what: str) -> str:
         """Return the text of another place, with the commit of its line if known."""
         commit = self.commit_of(span)
         return f"{what} ({commit})" if commit else what
@@ -92,6 +92,6 @@ def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
         yield Text(f"{number} | {line}".replace("\t", _TAB))
         yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))
     for span, what in finding.also:
-        yield Text(f"  {sources.from_here(span)}: {sources.told(span, what)}")
+        yield Text(f"  {sources.from_here(span)}: {sources.with_commit(span, what)}")
     if finding.help:
         yield Text.assemble("  ", ("help: ", "bold"), finding.help)

@@ -49,7 +49,7 @@ def sources(found: Linted) -> Sources:
     return Sources(found.folder, commit_of=found.commit_of)
 
 
-def say_limits(found: Linted) -> int:
+def print_limits(found: Linted) -> int:
     """Print the parts that were not checked, for commands that show no other findings; return the exit code."""
     show(found.limits, sources(found), sys.stderr)
     return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK

@@ -54,7 +54,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-class Watching:
+class BridgeObservers:
     """All observers of one bridge, opened on an exit stack."""
 
     def __init__(
@@ -78,7 +78,7 @@ class Watching:
     def _monitored(self) -> bool:
         return not self._arguments.no_diagnostics or self._arguments.metrics is not None
 
-    def around(self, middleware: Middleware) -> Middleware:
+    def wrap(self, middleware: Middleware) -> Middleware:
         """Return the middleware, wrapped for observers of topics. Raises `SetupError` for a file or a port."""
         if self._arguments.record is not None:
             middleware = self._recorded(middleware, self._arguments.record)
@@ -90,7 +90,7 @@ class Watching:
         self._middleware = middleware
         return middleware
 
-    def over(self, bridge: Bridge) -> ExitStack:
+    def monitor(self, bridge: Bridge) -> ExitStack:
         """Start the monitoring of a bridge.
 
         Close the returned stack before the bridge, because the bridge closes the topics.
@@ -102,7 +102,7 @@ class Watching:
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
-                monitor.tell(diagnostic_array.publisher(self._middleware, topic))
+                monitor.add_listener(diagnostic_array.publisher(self._middleware, topic))
             except MiddlewareError as error:
                 self._logger.warning("cannot publish diagnostics on %s: %s", topic, error)
         if self._arguments.metrics is not None:

@@ -60,7 +60,7 @@ def _number(text: str) -> Any:
     return text
 
 
-def in_trouble(page: dict[str, Any]) -> bool:
+def has_problems(page: dict[str, Any]) -> bool:
     """Return true if any status is not OK."""
     return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))
 

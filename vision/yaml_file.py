@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 
 from roverlink.runtime.core.errors import SetupError, nearest
-from roverlink.runtime.text.strict_yaml import YamlTextError, compose, construct, said
+from roverlink.runtime.text.strict_yaml import YamlTextError, compose, construct, shown
 from roverlink.vision.camera.camera_model import Floats
 
 LARGEST = 1e9
@@ -34,9 +34,9 @@ class Item:
         return SetupError(f"{self.path}:{mark.line + 1}:{mark.column + 1}: {message}")
 
     @property
-    def said(self) -> str:
+    def shown(self) -> str:
         """Value for messages: as written, or its kind."""
-        return said(self.node)
+        return shown(self.node)
 
     @property
     def value(self) -> Any:
@@ -57,7 +57,7 @@ class Item:
         value = self.value
         number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
         if LARGEST < abs(number) < math.inf:
-            raise self.error(f"{self.name} is {self.said}; that is too large (limit: {LARGEST:g})")
+            raise self.error(f"{self.name} is {self.shown}; that is too large (limit: {LARGEST:g})")
         return number
 
     @property
@@ -97,12 +97,12 @@ class Item:
         """Return a list of `count` finite numbers. Raises `SetupError` for anything else."""
         items = self.items(f"a number of {self.name}")
         if items is None or len(items) != count:
-            raise self.error(f"{self.name} is {self.said}; it must be a list of {count} numbers")
+            raise self.error(f"{self.name} is {self.shown}; it must be a list of {count} numbers")
         numbers = []
         for item in items:
             number = item.number
             if not math.isfinite(number):
-                raise item.error(f"{item.name} is {item.said}; it must be a finite number, such as 0.5 or 1.0e-3")
+                raise item.error(f"{item.name} is {item.shown}; it must be a finite number, such as 0.5 or 1.0e-3")
             numbers.append(number)
         return np.array(numbers)
 

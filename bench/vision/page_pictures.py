@@ -54,7 +54,7 @@ def _photograph(visitor: Visitor, live: LiveCalibration, folder: Path) -> None:
         image = np.repeat(grey[:, :, None], 3, axis=2)
         for again in range(2):  # the second frame shows that the board is still
             stamp = _START_NS + (2 * number + again) * _FRAME_NS
-            live.look(image, stamp, f"frame {2 * number + again}")
+            live.add_frame(image, stamp, f"frame {2 * number + again}")
         if number + 1 == FIRST:
             visitor.until(lambda: visitor.count("#views li") == FIRST)
             _write(folder / "page.png", visitor)

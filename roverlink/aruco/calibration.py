@@ -108,7 +108,7 @@ def _on_page(
         for frame, name in _named(source):
             if stop.is_set():
                 return
-            live.look(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+            live.add_frame(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
         live.ended()
 
     serve_page(live, feed, arguments.page_address, arguments.page_port, say, waits=source.live)

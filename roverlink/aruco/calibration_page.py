@@ -11,8 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from roverlink.vision.calibration.page.server import PageServer
 
-_LOOK_S = 0.2
-_FAREWELL_S = 1.0
+_POLL_S = 0.2
+_LINGER_S = 1.0
 """Time that the page stays available at the end, so that every browser gets the last state."""
 
 Feed = Callable[[threading.Event], None]
@@ -35,10 +35,10 @@ def serve_page(
             say(f"anyone who can reach {address} sees the camera on this page and can press its buttons")
         feeding = frames.submit(feed, stop)
         try:
-            while not live.finished.wait(_LOOK_S):
+            while not live.finished.wait(_POLL_S):
                 if feeding.done():
                     feeding.result()  # raises its error, if it has one
-            time.sleep(_FAREWELL_S)
+            time.sleep(_LINGER_S)
         finally:
             stop.set()
             frames.shutdown(wait=not waits)

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from roverlink.console import complain, counted, note
+from roverlink.console import counted, print_error, print_note
 from roverlink.vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
 from roverlink.vision.calibration.report import parameters
 
@@ -50,23 +50,25 @@ class PlainText:
 
     def note(self, message: str) -> None:
         """Print the message."""
-        note(message)
+        print_note(message)
 
     def begins(self, collection: Collection) -> None:
         """Print instructions."""
-        note("Move the board through the whole image: near and far, tilted to all sides. Hold it still now and then.")
-        note(f"Useful views are taken automatically, at least {collection.wanted}. Press Ctrl-C when you have enough.")
+        print_note(
+            "Move the board through the whole image: near, far, and tilted to all sides. Hold it still now and then."
+        )
+        print_note(f"Useful views are taken automatically, at least {collection.wanted}. Ctrl-C ends the collection.")
 
     def offered(self, offer: Offer, collection: Collection) -> None:
         """Print each view that was taken and what is missing; at intervals, the reason why none is taken."""
         now = time.monotonic()
         if offer.taken:
             count = len(collection.views)
-            note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
+            print_note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
             if missing := missing_words(collection.missing):
-                note(f"  missing: {missing}")
+                print_note(f"  missing: {missing}")
         elif now - self._told > _HINT_S:
-            note(f"  {offer.reason}")
+            print_note(f"  {offer.reason}")
         else:
             return
         self._told = now
@@ -75,9 +77,9 @@ class PlainText:
         """Print the unusable views, and one line for each reason."""
         for view in views:
             if view.flaw:
-                note(f"{view.name}: {view.flaw}")
+                print_note(f"{view.name}: {view.flaw}")
         for reason in error.reasons:
-            complain(f"the views are not sufficient for a calibration: {reason}")
+            print_error(f"the views are not sufficient for a calibration: {reason}")
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
         """Print the views, the parameters and their uncertainty."""
@@ -99,7 +101,7 @@ class JsonText:
 
     def note(self, message: str) -> None:
         """Print the message on standard error, for people."""
-        note(message)
+        print_note(message)
 
     def begins(self, collection: Collection) -> None:
         """Print nothing."""

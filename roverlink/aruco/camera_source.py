@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink.console import note, rate
+from roverlink.console import print_note, rate
 
 if TYPE_CHECKING:
     from roverlink.vision.frames import FrameSource
@@ -34,7 +34,7 @@ def add_source(parser: argparse.ArgumentParser) -> None:
 
 
 def open_source(
-    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = note
+    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = print_note
 ) -> FrameSource:
     """Open the source that the options or the user name; ``size`` is requested if the options give none.
 

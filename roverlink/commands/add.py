@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from roverlink.commands.generate import report, say_changes
-from roverlink.commands.next_number import say_skipped
+from roverlink.commands.generate import print_changes, report
+from roverlink.commands.next_number import print_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         sys.stdout.writelines(change.diff() for change in changes)
     else:
-        say_changes(compiled, changes)
+        print_changes(compiled, changes)
     print(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}", file=sys.stderr)
     return OK
 
@@ -68,7 +68,7 @@ def _number(table: Path, name: str) -> int:
         context = lint_project(table, question).context
     if (member := _member(context, name)) is not None:
         return member
-    say_skipped(context)
+    print_skipped(context)
     return context.next_number()
 
 

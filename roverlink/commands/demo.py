@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.live import Live
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
 from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.core import cdr
@@ -36,7 +36,7 @@ _TICK_S = 0.01
 _REFRESH_HZ = 4
 _PLAIN_REPORT_S = 5.0
 _LARGEST = 65_536
-_TOLD = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
+_SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
 
 
 def add(commands: Subparsers) -> None:
@@ -62,7 +62,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show the bridge at work. Exit code 1 if a message was not bridged."""
-    keep_to_ourselves()
+    isolate_ros()
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
         host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, host, middleware, sockets, camera.tells if camera else ())
+        rig = _Rig(registry, host, middleware, sockets, camera.rows if camera else ())
         if camera and arguments.middleware == "memory":
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
@@ -84,7 +84,8 @@ def run(arguments: argparse.Namespace) -> int:
         f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages were bridged, {crossed} times in all; "
         f"{rig.forwarded} datagrams were forwarded raw"
     )
-    console.print("counters of the bridge: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), soft_wrap=True)
+    counters = ", ".join(f"{name} {account[name]}" for name in _SHOWN_COUNTERS)
+    console.print(f"counters of the bridge: {counters}", soft_wrap=True)
     if missing:
         console.print(f"[red]not bridged: {', '.join(missing)}")
     return FINDINGS if missing else OK
@@ -123,10 +124,11 @@ class _Rig:
         host: BridgeHost,
         middleware: Middleware,
         sockets: dict[str, socket.socket],
-        told: Collection[str] = (),
+        published_elsewhere: Collection[str] = (),
     ) -> None:
-        """Connect to the topics; ``told`` are the rows whose topics another node publishes."""
-        self._registry, self._host, self._sockets, self._told = registry, host, sockets, told
+        """Connect to the topics; ``published_elsewhere`` are the rows whose topics another node publishes."""
+        self._registry, self._host, self._sockets = registry, host, sockets
+        self._published_elsewhere = published_elsewhere
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
@@ -140,7 +142,7 @@ class _Rig:
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
-            if handler.route.name in self._told:
+            if handler.route.name in self._published_elsewhere:
                 return
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return

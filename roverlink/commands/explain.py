@@ -42,12 +42,12 @@ def run(arguments: argparse.Namespace) -> int:
     by_name = {rule.name: rule for rule in rules.values()}
     found = rules.get(arguments.what.upper()) or by_name.get(arguments.what)
     if found is not None:
-        _tell_rule(found)
+        _print_rule(found)
         return OK
     return _explain_row(arguments, [*rules, *by_name])
 
 
-def _tell_rule(rule: Rule) -> None:
+def _print_rule(rule: Rule) -> None:
     print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
 
 
@@ -74,11 +74,11 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
             f"{what!r} is neither a row of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
         )
     said = project.explain(row)
-    print(json.dumps(said, indent=2)) if arguments.json else _tell(said)
+    print(json.dumps(said, indent=2)) if arguments.json else _print_row(said)
     return OK
 
 
-def _tell(said: dict[str, Any]) -> None:
+def _print_row(said: dict[str, Any]) -> None:
     """Print a row for people."""
     peer, ros = said["peer"], said["ros"]
     _line("row", f"{said['name']}, number {said['number']} in {said['envelope']['message']}")

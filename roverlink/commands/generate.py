@@ -53,11 +53,11 @@ def run(arguments: argparse.Namespace) -> int:
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
-    say_changes(compiled, changes)
+    print_changes(compiled, changes)
     return OK
 
 
-def say_changes(compiled: Compiled, changes: list[Change]) -> None:
+def print_changes(compiled: Compiled, changes: list[Change]) -> None:
     """Print the changes that were written."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")

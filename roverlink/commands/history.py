@@ -10,7 +10,7 @@ from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.engine import Question
 from roverlink.generator.lint.history import Usage, branch_name
-from roverlink.lint_scope import add_subject, folder_of, linted, say_limits
+from roverlink.lint_scope import add_subject, folder_of, linted, print_limits
 from roverlink.progress import progress
 
 
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    context, code = found.context, say_limits(found)
+    context, code = found.context, print_limits(found)
     if context.past is None:
         return UNABLE
     owner = arguments.of or context.table.envelope.message
@@ -49,13 +49,13 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"{owner} never used the number {arguments.number} in {history.commits} commits")
         return max(code, FINDINGS)
     for usage in usages:
-        _tell(usage, f"{usage.type} {usage.name}".strip())
+        _print_usage(usage, f"{usage.type} {usage.name}".strip())
     for usage in claims:
-        _tell(usage, f"in a comment: {usage.type} {usage.name}".strip())
+        _print_usage(usage, f"in a comment: {usage.type} {usage.name}".strip())
     return code
 
 
-def _tell(usage: Usage, what: str) -> None:
+def _print_usage(usage: Usage, what: str) -> None:
     print(what)
     for interval in usage.intervals:
         print(f"  added {interval.came} ({interval.path}:{interval.line})")

@@ -68,13 +68,13 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.root is None:
             started = new_project(Path.cwd(), arguments.package)
             if _write(started.changes, arguments.dry_run):
-                _tell_started(started)
+                _print_started(started)
             return OK
         wanted = Wanted(arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package)
         with progress("reading history") as report:
             adoption = adopt(table, wanted, report)
         if _write(adoption.changes, arguments.dry_run):
-            _tell(adoption)
+            _print_adoption(adoption)
     except DiagnosticsError as error:
         show_error(error, Path.cwd(), sys.stderr)
         print("nothing was written", file=sys.stderr)
@@ -91,7 +91,7 @@ def _write(changes: Iterable[Change], dry_run: bool) -> bool:
     return not dry_run
 
 
-def _tell_started(started: NewProject) -> None:
+def _print_started(started: NewProject) -> None:
     """Print the files that were written, and the next steps."""
     for path in started.kept:
         print(f"kept the existing {path}")
@@ -110,7 +110,7 @@ def _tell_started(started: NewProject) -> None:
     print("  roverlink send board_status battery_voltage=11.7     in a third one: send a datagram as the board does")
 
 
-def _tell(adoption: Adoption) -> None:
+def _print_adoption(adoption: Adoption) -> None:
     """Print the results, the guesses, and the next steps."""
     draft = adoption.draft
     guessed = sum(bool(row.doubt) for row in draft.rows)
@@ -130,7 +130,7 @@ def _tell(adoption: Adoption) -> None:
     if adoption.past.reused:
         numbers = ", ".join(map(str, adoption.past.reused))
         print(f"numbers that had another meaning before: {numbers}; see `roverlink lint --history`")
-    _tell_findings(adoption)
+    _print_findings(adoption)
     added = sum(change.verb == "added" for change in adoption.changes)
     changed = [change.path for change in adoption.changes if change.verb != "added"]
     print(f"wrote {TABLE} and {added - 1} generated files" + "".join(f"; changed {path}" for path in changed))
@@ -141,7 +141,7 @@ def _tell(adoption: Adoption) -> None:
     print("  roverlink run         run the bridge")
 
 
-def _tell_findings(adoption: Adoption) -> None:
+def _print_findings(adoption: Adoption) -> None:
     show(adoption.findings, Sources(Path.cwd()), sys.stdout)
     draft = adoption.draft
     if lowered := sorted({*draft.lint, *(rule for row in draft.rows for rule in row.lint)}):

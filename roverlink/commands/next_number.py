@@ -11,7 +11,7 @@ from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import Question
 from roverlink.generator.table import LARGEST_NUMBER
-from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, say_limits
+from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, print_limits
 from roverlink.progress import progress
 
 
@@ -39,10 +39,10 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    code = say_limits(found)
+    code = print_limits(found)
     if found.context.past is None:
         print("not a git repository, so the history was not checked", file=sys.stderr)
-    say_skipped(found.context)
+    print_skipped(found.context)
     number = found.context.next_number()
     if number > LARGEST_NUMBER:
         print("no number is left", file=sys.stderr)
@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
-def say_skipped(context: Context) -> None:
+def print_skipped(context: Context) -> None:
     """Print the reasons for skipped numbers on standard error."""
     largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:

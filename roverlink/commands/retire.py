@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from roverlink.commands.generate import report, say_changes
+from roverlink.commands.generate import print_changes, report
 from roverlink.console import OK, Subparsers, add_table, command, count, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -32,5 +32,5 @@ def run(arguments: argparse.Namespace) -> int:
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
-    say_changes(compiled, changes)
+    print_changes(compiled, changes)
     return OK

@@ -12,7 +12,7 @@ from pathlib import Path
 from roverlink import observers
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
 from roverlink.generated_code import load_project
-from roverlink.observers import Watching
+from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
 from roverlink.runtime.node import parameters, ros_args
@@ -69,11 +69,11 @@ def run(arguments: argparse.Namespace) -> int:
     settings = parameters.read(registry, ros.parameters)
     with ExitStack() as stack:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
-        watch = Watching(arguments, registry, ros, settings, logger, stack)
-        bridge = Bridge(registry, settings, watch.around(middleware), ros.topic, logger, watch.observers)
+        attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
+        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
-        with bridge, watch.over(bridge):
+        with bridge, attached.monitor(bridge):
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:

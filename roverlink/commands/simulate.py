@@ -21,7 +21,7 @@ from roverlink.console import (
     Subparsers,
     add_project,
     command,
-    keep_to_ourselves,
+    isolate_ros,
     project_folder,
     rate,
     seconds,
@@ -35,7 +35,7 @@ from roverlink.simulation import bridge_host
 from roverlink.simulation.bridge_host import BridgeHost
 from roverlink.simulation.payloads import payload_at
 from roverlink.simulation.peers import Arrivals, Senders
-from roverlink.simulation.run_account import Reckoning, fate, resident_bytes
+from roverlink.simulation.run_account import RunTotals, predict, resident_bytes
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
@@ -45,7 +45,7 @@ _PREPARED = 5000
 _PREPARED_FROM_HZ = 1000.0
 _TICK_S = 0.002
 _SETTLE_S = 0.3
-_PATIENCE_S = 20.0
+_TIMEOUT_S = 20.0
 
 
 def add(commands: Subparsers) -> None:
@@ -115,23 +115,21 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
-    reckoning = Reckoning()
+    totals = RunTotals()
     with Senders(destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
-        for _ in _play(stream, arguments.seconds, senders, reckoning, world):
+        for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:
-        print(json.dumps({"sent": dict(sorted(reckoning.sent.items())), "unsendable": reckoning.unsendable}))
+        print(json.dumps({"sent": dict(sorted(totals.sent.items())), "unsendable": totals.unsendable}))
         return OK
-    ends = ", ".join(f"{count} {end}" for end, count in reckoning.sent.most_common())
-    print(
-        f"sent {reckoning.sent.total()} datagrams to {arguments.to}; expected results in the bridge: {ends or 'none'}"
-    )
+    ends = ", ".join(f"{count} {end}" for end, count in totals.sent.most_common())
+    print(f"sent {totals.sent.total()} datagrams to {arguments.to}; expected results in the bridge: {ends or 'none'}")
     return OK
 
 
 def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
-    keep_to_ourselves()
-    reckoning = Reckoning()
+    isolate_ros()
+    totals = RunTotals()
     with contextlib.ExitStack() as stack:
         arrivals = stack.enter_context(Arrivals(world.registry))
         host = stack.enter_context(_host(arguments, world.registry, arrivals))
@@ -139,13 +137,13 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
-            for now in _play(stream, arguments.seconds, senders, reckoning, world):
-                reckoning.commands += nodes.publish(now)
-                _watch_memory(host, now, reckoning)
+            for now in _play(stream, arguments.seconds, senders, totals, world):
+                totals.commands += nodes.publish(now)
+                _watch_memory(host, now, totals)
         time.sleep(_SETTLE_S)
-        reckoning.account = host.stop()
-        _wait_for(arrivals, reckoning)
-    return _report(reckoning, as_json=arguments.json)
+        totals.account = host.stop()
+        _wait_for(arrivals, totals)
+    return _report(totals, as_json=arguments.json)
 
 
 def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals) -> BridgeHost:
@@ -187,50 +185,50 @@ def _repeated(stream: Stream, count: int) -> Stream:
             yield dataclasses.replace(emission, at=start * length + emission.at)
 
 
-def _play(stream: Stream, length: float, senders: Senders, reckoning: Reckoning, world: World) -> Iterator[float]:
+def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
     """Send each datagram at its time; yield the time in seconds every few milliseconds."""
-    translator, fates = Translator(world.registry), dict[bytes, str]()
+    translator, predictions = Translator(world.registry), dict[bytes, str]()
     start = time.monotonic()
     next_tick = 0.0
     for emission in stream:
-        if emission.at >= length or reckoning.seconds >= length:
+        if emission.at >= length or totals.seconds >= length:
             return  # the second condition ends the run if this machine is too slow for the rate
         while (now := time.monotonic() - start) < emission.at or now >= next_tick:
             next_tick = now + _TICK_S
-            reckoning.seconds = now
+            totals.seconds = now
             yield now
             time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
         if not senders.send(emission):
-            reckoning.unsendable += 1
+            totals.unsendable += 1
             continue
-        end = fates.get(emission.datagram)
+        end = predictions.get(emission.datagram)
         if end is None:
-            end = fate(emission.datagram, translator, world.longest)
-            if len(fates) < 2 * _PREPARED:
-                fates[emission.datagram] = end
-        reckoning.sent[end] += 1
+            end = predict(emission.datagram, translator, world.longest)
+            if len(predictions) < 2 * _PREPARED:
+                predictions[emission.datagram] = end
+        totals.sent[end] += 1
 
 
-def _watch_memory(host: BridgeHost, now: float, reckoning: Reckoning) -> None:
-    if now >= len(reckoning.memory) + 1 and (size := resident_bytes(host.pid)) is not None:
-        reckoning.memory.append(size)
+def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:
+    if now >= len(totals.memory) + 1 and (size := resident_bytes(host.pid)) is not None:
+        totals.memory.append(size)
 
 
-def _wait_for(arrivals: Arrivals, reckoning: Reckoning) -> None:
+def _wait_for(arrivals: Arrivals, totals: RunTotals) -> None:
     """Wait until the peers have received everything that the bridge has sent."""
-    account = reckoning.account
+    account = totals.account
     out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
-    deadline = time.monotonic() + _PATIENCE_S
+    deadline = time.monotonic() + _TIMEOUT_S
     while arrivals.count + arrivals.lost < out and time.monotonic() < deadline:
         time.sleep(_TICK_S)
-    reckoning.arrived, reckoning.lost_at_peers = arrivals.count, arrivals.lost
+    totals.arrived, totals.lost_at_peers = arrivals.count, arrivals.lost
 
 
-def _report(reckoning: Reckoning, *, as_json: bool) -> int:
-    faults = reckoning.faults()
+def _report(totals: RunTotals, *, as_json: bool) -> int:
+    faults = totals.faults()
     if as_json:
-        print(json.dumps(reckoning.as_dict()))
+        print(json.dumps(totals.as_dict()))
     else:
-        print("\n".join(reckoning.lines()))
+        print("\n".join(totals.lines()))
         print("all sums agree" if not faults else "\n".join(f"error: {fault}" for fault in faults))
     return FINDINGS if faults else OK

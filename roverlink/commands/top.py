@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
             return FINDINGS
         if arguments.once:
             _show(page, arguments.json)
-            return FINDINGS if top_screen.in_trouble(page) else OK
+            return FINDINGS if top_screen.has_problems(page) else OK
         return _follow(arrived, page, arguments)
 
 

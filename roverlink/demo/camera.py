@@ -29,13 +29,13 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 from roverlink.vision.ros.rover_position import ROW, position_publisher
 
-_PATIENCE_S = 20.0
+_TIMEOUT_S = 20.0
 
 
 class DemoCamera:
     """Camera that sees a film in a loop. A context manager; on exit the child process ends."""
 
-    tells = (ROW,)
+    rows = (ROW,)
     """Rows whose topics the camera publishes."""
 
     def __init__(self, project: Path, middleware: str) -> None:
@@ -52,7 +52,7 @@ class DemoCamera:
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
         self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
-        self._tell: Callable[[Floats], None] = lambda _: None
+        self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0
         frames.mkdir()
@@ -62,7 +62,7 @@ class DemoCamera:
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
         """Publish the rover's position from this process, because the child has no access to its middleware."""
-        self._tell = position_publisher(middleware, registry, topic)
+        self._publish_position = position_publisher(middleware, registry, topic)
 
     def __enter__(self) -> DemoCamera:
         self._child = subprocess.Popen(  # noqa: S603  # our own program
@@ -80,7 +80,7 @@ class DemoCamera:
     def stop(self) -> str:
         """End the child and return a summary for the user."""
         self._child.send_signal(signal.SIGINT)
-        self._child.wait(_PATIENCE_S)
+        self._child.wait(_TIMEOUT_S)
         self._thread.join()
         return (
             f"the camera located itself in {self._frames} frames with {len(landmarks().places)} landmarks; "
@@ -100,7 +100,7 @@ class DemoCamera:
             if "camera" not in view:
                 continue
             place = np.array(view["camera"]["position"])
-            self._tell(place)
+            self._publish_position(place)
             truth = self._film.truth[view["frame"] % len(self._film.truth)].translation
             self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
             self._frames += 1

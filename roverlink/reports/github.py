@@ -23,7 +23,7 @@ def _command(finding: Diagnostic, linted: Linted) -> str:
     span, rule = files.from_here(finding.span), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
-    also = [f"{files.from_here(place)}: {files.told(place, what)}" for place, what in finding.also]
+    also = [f"{files.from_here(place)}: {files.with_commit(place, what)}" for place, what in finding.also]
     lines = [finding.message, *also, *([f"help: {finding.help}"] if finding.help else [])]
     return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(chr(10).join(lines))}"
 

@@ -46,7 +46,7 @@ def _result(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
     }
     if finding.also:
         result["relatedLocations"] = [
-            {**_location(files.from_here(span)), "message": {"text": files.told(span, what)}}
+            {**_location(files.from_here(span)), "message": {"text": files.with_commit(span, what)}}
             for span, what in finding.also
         ]
     return result

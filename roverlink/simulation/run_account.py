@@ -26,7 +26,7 @@ _WARMED_UP = 0.25
 _MOST_GROWTH = 8 * 1024 * 1024
 
 
-def fate(datagram: bytes, translator: Translator, longest: int) -> str:
+def predict(datagram: bytes, translator: Translator, longest: int) -> str:
     """Predict the result of a datagram in a bridge with enough room: ``published``, or the reason of its drop."""
     if len(datagram) > longest:
         return Reason.OVERSIZED.value
@@ -38,7 +38,7 @@ def fate(datagram: bytes, translator: Translator, longest: int) -> str:
 
 
 @dataclass
-class Reckoning:
+class RunTotals:
     """Totals of a run: datagrams sent to a bridge, and their results."""
 
     sent: Counter[str] = field(default_factory=Counter)
@@ -93,14 +93,20 @@ class Reckoning:
 
     def faults(self) -> list[str]:
         """Return the sums that do not agree, and growth of memory; an empty list if all is well."""
-        return [*self._lost(), *discrepancies(self.account), *self._misjudged(), *self._astray(), *self._grown()]
+        return [
+            *self._lost_before_bridge(),
+            *discrepancies(self.account),
+            *self._mispredicted(),
+            *self._lost_behind_bridge(),
+            *self._memory_growth(),
+        ]
 
-    def _lost(self) -> Iterator[str]:
+    def _lost_before_bridge(self) -> Iterator[str]:
         found = self.account["received"] + self.account["kernel_drops"]
         if found != self.sent.total():
             yield f"{self.sent.total()} datagrams were sent, but {found} were received or dropped by the kernel"
 
-    def _misjudged(self) -> Iterator[str]:
+    def _mispredicted(self) -> Iterator[str]:
         """Yield reasons whose count differs from the prediction by more than the datagrams lost earlier explain."""
         dropped = self.account["dropped"]
         for reason in Reason:
@@ -109,7 +115,7 @@ class Reckoning:
             if reason not in _OF_THE_BRIDGE and not expected - spared <= counted <= expected:
                 yield f"{expected} datagrams should be dropped as {reason.value}, but {counted} were"
 
-    def _astray(self) -> Iterator[str]:
+    def _lost_behind_bridge(self) -> Iterator[str]:
         out = self.account["sent"] + self.account["forwarded"] + sum(self.account["stops"].values())
         found = self.arrived + self.lost_at_peers
         if out != found:
@@ -117,7 +123,7 @@ class Reckoning:
         if self.account["taken"] > self.commands:
             yield f"{self.commands} messages were published, but {self.account['taken']} received by the bridge"
 
-    def _grown(self) -> Iterator[str]:
+    def _memory_growth(self) -> Iterator[str]:
         warm = self.memory[int(len(self.memory) * _WARMED_UP) :]
         if warm and warm[-1] - warm[0] > _MOST_GROWTH:
             yield f"the bridge's memory grew from {_mebibytes(warm[0])} to {_mebibytes(warm[-1])}"

@@ -111,7 +111,7 @@ class ThrottledWarnings:
         self._logger, self._clock = logger, clock
         self._next: dict[str, float] = {}
         self._last: dict[str, str] = {}
-        self._kept_back: Counter[str] = Counter()
+        self._suppressed: Counter[str] = Counter()
         self._lock = threading.Lock()
 
     def warn(self, subject: str, message: str) -> None:
@@ -119,17 +119,17 @@ class ThrottledWarnings:
         now = self._clock()
         with self._lock:
             if now < self._next.get(subject, now):
-                self._kept_back[subject] += 1
+                self._suppressed[subject] += 1
                 return
             self._next[subject] = now + WARNING_INTERVAL_S
             self._last[subject] = message
-            kept_back = self._kept_back.pop(subject, 0)
+            kept_back = self._suppressed.pop(subject, 0)
         self._log(subject, message, kept_back)
 
-    def tell_rest(self) -> None:
+    def log_suppressed(self) -> None:
         """Log how many warnings of each subject were suppressed since its last one. Call at the end of the run."""
         with self._lock:
-            rest, self._kept_back = self._kept_back, Counter()
+            rest, self._suppressed = self._suppressed, Counter()
         for subject, kept_back in rest.items():
             self._log(subject, self._last[subject], kept_back)
 

@@ -21,16 +21,16 @@ from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.forwarding import Forwarding
-from roverlink.runtime.bridge.timekeeper import Tended, Timekeeper
-from roverlink.runtime.bridge.to_peer import Outlet, PublisherWatch, Send
-from roverlink.runtime.bridge.to_topic import Inlet, PacedInlet
+from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
+from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
+from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import AnyHandler, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
-from roverlink.runtime.net.sources import restrict
+from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.node.parameters import Parameters
 
 NODE = "udp_forwarder"
@@ -80,10 +80,10 @@ class Bridge:
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
         self._receiver = self._receiver_of(parameters)
-        self._inlets: dict[str, Inlet] = {}
-        self._outlets: list[Outlet] = []
-        self._paced: list[PacedInlet] = []
-        self._feeding = extra_topics.Feeding(self.account, self._counters.warnings)
+        self._inbound_rows: dict[str, InboundRow] = {}
+        self._outbound_rows: list[OutboundRow] = []
+        self._paced: list[PacedInboundRow] = []
+        self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
         self._forwarding = Forwarding(registry, self._destinations, parameters.forward_policy, self._send, self.account)
         self._failure: BaseException | None = None
 
@@ -100,18 +100,18 @@ class Bridge:
     def __enter__(self) -> Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
-            self._inlets[handler.route.name] = self._inlet(handler)
+            self._inbound_rows[handler.route.name] = self._inbound_row(handler)
         for feed in self._registry.feeds:
             if feed.route.inbound:
-                self._feeding.open(feed, self._publisher(feed).publish)
+                self._extra_topics.open(feed, self._publisher(feed).publish)
         handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.feeds)
         outbound = [handler for handler in handlers if not handler.route.inbound]
-        self._outlets = [self._outlet(handler) for handler in outbound]
-        tended: list[Tended] = [*self._paced, *(outlet for outlet in self._outlets if outlet.is_tended)]
-        self._timekeeper = Timekeeper("timekeeper", tended, self._fail)
-        for inlet in self._paced:
-            inlet.wake = self._timekeeper.wake
-        watches = [self._subscribe(handler, outlet) for handler, outlet in zip(outbound, self._outlets)]
+        self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
+        tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
+        self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
+        for paced in self._paced:
+            paced.wake = self._timekeeper.wake
+        watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         self._watch = Timekeeper("publisher-watch", [watch for watch in watches if watch], self._fail)
         self._warn_of_small_buffer()
         self._timekeeper.__enter__()
@@ -123,16 +123,16 @@ class Bridge:
         # The order matters: first no datagram comes in, then no timer fires, then the waiting messages are published
         # and the topics closed. The stops go out last, because nothing may follow them.
         self._receiver.__exit__()
-        self._counters.leave(self._receiver.left)
+        self._counters.count_unhandled(self._receiver.left)
         self._watch.__exit__()
         self._timekeeper.__exit__()
-        for inlet in self._paced:
-            inlet.end()
+        for paced in self._paced:
+            paced.end()
         self._middleware.close()
-        for outlet in self._outlets:
-            outlet.end()
-        self._counters.look_at_kernel_drops()
-        self._counters.warnings.tell_rest()
+        for row in self._outbound_rows:
+            row.end()
+        self._counters.read_kernel_drops()
+        self._counters.warnings.log_suppressed()
         self._socket.close()
         for destination in self._destinations.values():
             destination.close()
@@ -155,11 +155,11 @@ class Bridge:
         It reads sender addresses only if the table restricts senders, because that costs time.
         """
         size = parameters.max_datagram + 1
-        if parameters.source_policy == "any" or not restrict(self._registry.peers):
+        if parameters.source_policy == "any" or not restricts_sources(self._registry.peers):
             return udp.Receiver(self._socket, size, self._observed(self._handle))
-        self._admission = Admission(self._registry, self._counters.drop)
+        self._admission = Admission(self._registry, self._counters.count_dropped)
         self._admitted: dict[Translator, Handle] = {}
-        return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
+        return udp.Receiver(self._socket, size, self._handle_with_sources, udp.source_reader)
 
     def _observed(self, handle: Handle) -> Handle:
         """Wrap a handler of batches with all observers."""
@@ -168,12 +168,12 @@ class Bridge:
         return handle
 
     def _handle(self, batch: udp.Batch) -> None:
-        self._counters.receive(len(batch))
+        self._counters.count_received(len(batch))
         self._dispatch(batch, self._translator)
 
-    def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
+    def _handle_with_sources(self, batch: list[udp.SourcedDatagram]) -> None:
         """Bridge the datagrams whose senders are admitted; observers see only these."""
-        self._counters.receive(len(batch))
+        self._counters.count_received(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
             if translator not in self._admitted:
                 self._admitted[translator] = self._observed(partial(self._dispatch, translator=translator))
@@ -183,7 +183,7 @@ class Bridge:
         fitting = self._without_oversized(batch)
         translation = translator.receive_all(fitting, extra_topics.now())
         for refusal in translation.refusals:
-            self._counters.drop(refusal)
+            self._counters.count_dropped(refusal)
         self._publish(translation)
         self._forwarding.forward(fitting, translation.names)
 
@@ -191,27 +191,28 @@ class Bridge:
         longest = self._parameters.max_datagram
         fitting = [datagram for datagram in batch if len(datagram) <= longest]
         for _ in range(len(batch) - len(fitting)):
-            self._counters.drop(
+            self._counters.count_dropped(
                 DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes (parameter max_datagram)")
             )
         return fitting
 
     def _publish(self, translation: Translation) -> None:
         for name, messages in translation.messages.items():
-            self._inlets[name].take(messages)
+            self._inbound_rows[name].take(messages)
         if translation.fed:
-            self._feeding.publish(translation.fed)
+            self._extra_topics.publish(translation.fed)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
 
-    def _inlet(self, handler: AnyHandler) -> Inlet:
+    def _inbound_row(self, handler: AnyHandler) -> InboundRow:
         route = handler.route
         publisher = self._publisher(handler)
         if route.max_rate is None:
-            return Inlet(route, publisher, self.account, self._counters.drop)
-        self._paced.append(PacedInlet(route, publisher, self.account, self._counters.drop, route.max_rate))
-        return self._paced[-1]
+            return InboundRow(route, publisher, self.account, self._counters.count_dropped)
+        row = PacedInboundRow(route, publisher, self.account, self._counters.count_dropped, route.max_rate)
+        self._paced.append(row)
+        return row
 
     # --- topics to peers ---
 
@@ -219,22 +220,22 @@ class Bridge:
         """Send datagrams to a peer and return how many the network took."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
-            self._counters.fail_to_send(destination, error)
+            self._counters.count_unsent(destination, error)
         return len(datagrams) - len(refusals)
 
-    def _outlet(self, handler: AnyHandler) -> Outlet:
+    def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
         destination = self._destinations[handler.route.peer]
         send: Send = partial(self._send, destination=destination)
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
-        return Outlet(handler, self._translator, send, self.account, self._counters.warnings)
+        return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)
 
-    def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> PublisherWatch | None:
+    def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> PublisherWatch | None:
         route = handler.route
 
         def take(messages: Sequence[bytes]) -> None:
             try:
-                outlet.take(messages)
+                row.take(messages)
             except BaseException as failure:
                 self._fail(failure)
                 raise
@@ -242,7 +243,7 @@ class Bridge:
         subscription = self._middleware.subscribe(
             self._topic(route.topic), handler.message_type, route.qos, take, route.priority
         )
-        return outlet.connect(subscription, self._timekeeper.wake)
+        return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
         """Stop the bridge because a thread of it failed; `run` raises the error."""

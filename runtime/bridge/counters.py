@@ -23,14 +23,14 @@ class Counters:
         self._next_look = 0.0
         self._lock = threading.Lock()
 
-    def receive(self, count: int) -> None:
+    def count_received(self, count: int) -> None:
         """Count datagrams read from the socket; every two seconds also read the kernel's drop counter."""
         self.account.received += count
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
-            self.look_at_kernel_drops()
+            self.read_kernel_drops()
 
-    def drop(self, error: DatagramError) -> None:
+    def count_dropped(self, error: DatagramError) -> None:
         """Count a datagram that is not bridged, by its reason and its row, and warn."""
         with self._lock:  # called by the receiving thread and by the timekeeper
             self.account.dropped[error.reason.value] += 1
@@ -38,19 +38,19 @@ class Counters:
                 self.account.dropped_of_row[error.row, error.reason.value] += 1
         self.warnings.warn(error.reason.value, f"dropped: {error}")
 
-    def leave(self, count: int) -> None:
+    def count_unhandled(self, count: int) -> None:
         """Count datagrams that were still unhandled when the time to stop was over."""
         if count:
             self.account.received += count
             self.account.dropped[Reason.STOPPED.value] += count
 
-    def fail_to_send(self, destination: Destination, error: OSError) -> None:
+    def count_unsent(self, destination: Destination, error: OSError) -> None:
         """Count a datagram that the network refused to send, and warn."""
         with self._lock:  # called by every thread of the bridge
             self.account.unsent[destination.peer] += 1
         self.warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
 
-    def look_at_kernel_drops(self) -> None:
+    def read_kernel_drops(self) -> None:
         """Read the kernel's drop counter of the socket, and warn if it has grown."""
         before = self.account.kernel_drops
         self.account.kernel_drops = udp.kernel_drops(self._socket)

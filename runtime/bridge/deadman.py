@@ -33,7 +33,7 @@ class Watchdog:
         """Time at which `is_due` becomes true if no message passes before."""
         return self._due
 
-    def spoke(self, now: float) -> None:
+    def message_passed(self, now: float) -> None:
         """Note that a message has passed on to the peer."""
         with self._lock:
             self._silent, self._due = False, now + self._after_s

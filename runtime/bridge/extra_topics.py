@@ -16,7 +16,7 @@ def now() -> Time:
     return Time(*divmod(time.time_ns(), 1_000_000_000))
 
 
-class Feeding:
+class ExtraTopics:
     """Publishers of all extra topics."""
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:

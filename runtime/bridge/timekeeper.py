@@ -23,10 +23,10 @@ _LOOK_S = 0.1
 _WAKES = 4096  # bytes read at once; each call of `wake` writes one
 
 
-class Tended(Protocol):
+class TimedTask(Protocol):
     """A task that has to run at certain times."""
 
-    def tend(self, now: float) -> None:
+    def run_due(self, now: float) -> None:
         """Run whatever is due. Must never block."""
 
     @property
@@ -37,9 +37,9 @@ class Tended(Protocol):
 class Timekeeper:
     """Runs timed tasks on one thread. A context manager; it starts no thread if there are no tasks."""
 
-    def __init__(self, name: str, tended: Sequence[Tended], fail: Callable[[BaseException], None]) -> None:
+    def __init__(self, name: str, tasks: Sequence[TimedTask], fail: Callable[[BaseException], None]) -> None:
         """Name the thread; ``fail`` is called with the error if the thread dies."""
-        self._tended, self._fail = tended, fail
+        self._tasks, self._fail = tasks, fail
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._stopping = False
@@ -51,7 +51,7 @@ class Timekeeper:
             self._wake.send(b"\0")
 
     def __enter__(self) -> Timekeeper:
-        if self._tended:
+        if self._tasks:
             self._thread.start()
         return self
 
@@ -69,9 +69,9 @@ class Timekeeper:
         try:
             while not self._stopping:
                 now = time.monotonic()
-                for one in self._tended:
-                    one.tend(now)
-                due = min(one.next_due for one in self._tended)
+                for one in self._tasks:
+                    one.run_due(now)
+                due = min(one.next_due for one in self._tasks)
                 wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
                 if poll.poll(math.ceil(wait_s * 1000)):  # in milliseconds
                     self._woken.recv(_WAKES)

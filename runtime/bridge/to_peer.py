@@ -1,7 +1,8 @@
 """One row from its topic to its peer: translate, limit the rate, watch for silence, send and count.
 
-The middleware's thread calls `take`, the timekeeper's thread calls `tend`. A lock keeps datagrams in order. `tend` only
-tries to get the lock: the other thread may be blocked while it holds it, and exactly then the stop has to go out.
+The middleware's thread calls `take`, the timekeeper's thread calls `run_due`. A lock keeps datagrams in order.
+`run_due` only tries to get the lock: the other thread may be blocked while it holds it, and exactly then the stop
+has to go out.
 """
 
 from __future__ import annotations
@@ -21,15 +22,15 @@ from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Subscription
 from roverlink.runtime.text.assignments import payload_from_assignments
 
-_FAREWELLS = 3
+_STOP_COPIES = 3
 """Number of stop datagrams at shutdown: nobody repeats them afterwards, and UDP may lose one."""
-_FAREWELL_PAUSE_S = 0.02
+_STOP_PAUSE_S = 0.02
 
 Send = Callable[[Sequence[bytes]], int]
 """Function that sends datagrams to the row's peer and returns how many the network took."""
 
 
-class Outlet:
+class OutboundRow:
     """Sends the messages of one topic to its peer."""
 
     def __init__(
@@ -47,7 +48,7 @@ class Outlet:
         self._wake: Callable[[], None] = lambda: None
 
     @property
-    def is_tended(self) -> bool:
+    def is_timed(self) -> bool:
         """True if a timekeeper has to run this row."""
         return self._pacer is not None or self._guard is not None
 
@@ -65,7 +66,7 @@ class Outlet:
             if messages:
                 self._pass_on(messages)
 
-    def tend(self, now: float) -> None:
+    def run_due(self, now: float) -> None:
         """Send the stop if the topic is silent; otherwise send the message whose slot has come."""
         if self._guard and self._guard.is_due(now):
             self._tell_to_stop(self._guard.stop)
@@ -78,7 +79,7 @@ class Outlet:
 
     @property
     def next_due(self) -> float:
-        """Time at which `tend` is due if nothing happens before."""
+        """Time at which `run_due` is due if nothing happens before."""
         slot = self._pacer.next_slot if self._pacer else None
         stop = self._guard.watchdog.next_due if self._guard else math.inf
         return stop if slot is None else min(slot, stop)
@@ -92,9 +93,9 @@ class Outlet:
             return
         # A command that waits must not go out: the stop has to be the last word.
         self._account.superseded[self._name] += message is not None
-        for _ in range(_FAREWELLS):
+        for _ in range(_STOP_COPIES):
             self._account.stops[self._name] += self._send([self._guard.stop])
-            time.sleep(_FAREWELL_PAUSE_S)
+            time.sleep(_STOP_PAUSE_S)
 
     def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
         """Return the newest message if its slot has come, else nothing; the others count as superseded."""
@@ -118,7 +119,7 @@ class Outlet:
         if sent:
             self._account.sent[self._name] += sent
             if self._guard:
-                self._guard.watchdog.spoke(time.monotonic())
+                self._guard.watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
             self._account.failed[self._name] += failed
 
@@ -165,7 +166,7 @@ class PublisherWatch:
         self._subscription, self._watchdog, self._wake = subscription, watchdog, wake
         self._published = False
 
-    def tend(self, _: float) -> None:
+    def run_due(self, _: float) -> None:
         """Compare the publishers with those of the last call."""
         published = self._subscription.has_publishers()
         if self._published and not published:

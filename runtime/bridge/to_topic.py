@@ -16,7 +16,7 @@ from roverlink.runtime.middleware import Publisher
 Drop = Callable[[DatagramError], None]
 
 
-class Inlet:
+class InboundRow:
     """Publishes the messages of one row. To be used from the receiving thread."""
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop) -> None:
@@ -31,7 +31,7 @@ class Inlet:
             self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: a subscriber is too slow", self._route.name))
 
 
-class PacedInlet(Inlet):
+class PacedInboundRow(InboundRow):
     """Publishes at most ``rate`` messages a second; a newer message replaces the waiting one.
 
     Used from the receiving thread and the timekeeper's.
@@ -55,7 +55,7 @@ class PacedInlet(Inlet):
         if not passes:
             self.wake()
 
-    def tend(self, now: float) -> None:
+    def run_due(self, now: float) -> None:
         """Publish the waiting message if its slot has come."""
         # If the receiving thread holds the lock, it is publishing right now; the next round looks again.
         if self._lock.acquire(blocking=False):

@@ -117,7 +117,7 @@ class Field:
     type: FieldType
 
 
-def once_a_type(function: Callable[P, R]) -> Callable[P, R]:
+def cached_by_type(function: Callable[P, R]) -> Callable[P, R]:
     """Cache a function as `functools.cache` does, and keep its type.
 
     mypy does not accept a message class as hashable, so the typed `cache` would reject the calls.
@@ -126,7 +126,7 @@ def once_a_type(function: Callable[P, R]) -> Callable[P, R]:
     return remembered
 
 
-@once_a_type
+@cached_by_type
 def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
     """Return the fields of a message class in wire order.
 

@@ -13,7 +13,16 @@ from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
 
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
+from roverlink.runtime.core.messages import (
+    Array,
+    FieldType,
+    Message,
+    Primitive,
+    Sequence,
+    Text,
+    cached_by_type,
+    fields_of,
+)
 from roverlink.runtime.middleware.cyclone import WriterBatching
 
 _MAX_BLOCKING = 0  # ns that a reliable write may block for slow readers; a blocked bridge loses datagrams
@@ -75,7 +84,7 @@ _array: Any = types.array.__class_getitem__
 _bounded_text: Any = types.bounded_str.__class_getitem__
 
 
-@once_a_type
+@cached_by_type
 def dds_type(message_type: type[Message]) -> type[IdlStruct]:
     """Return the DDS type of a ROS 2 message."""
     return make_idl_struct(*_declaration(message_type))

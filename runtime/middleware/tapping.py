@@ -38,11 +38,11 @@ class TappedMiddleware:
         """Subscribe; messages reach the listener before the callback."""
         tap = self._listener.topic(topic, message_type, qos)
 
-        def heard(messages: Sequence[bytes]) -> None:
+        def tapped(messages: Sequence[bytes]) -> None:
             tap(messages)
             callback(messages)
 
-        return self._middleware.subscribe(topic, message_type, qos, heard, priority)
+        return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
 
     def close(self) -> None:
         """Leave the graph."""

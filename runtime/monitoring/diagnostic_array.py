@@ -24,10 +24,10 @@ def publisher(
     """Return a function that publishes a state. Raises `MiddlewareError` if rclpy lacks diagnostic_msgs."""
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
 
-    def tell(state: State) -> None:
+    def publish_state(state: State) -> None:
         publish([cdr.encode(array_of(state, clock()))])  # if a queue is full: the next one follows in a second
 
-    return tell
+    return publish_state
 
 
 def array_of(state: State, now: int) -> DiagnosticArray:

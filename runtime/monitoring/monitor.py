@@ -15,11 +15,11 @@ from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
-LOOK_S = 0.25
+SAMPLE_S = 0.25
 """Interval in seconds at which the counters are read; the largest error of an age."""
 WINDOW_S = 2.0
 """Time window in seconds for rates, and for drops that raise a warning."""
-TELL_S = 1.0
+REPORT_S = 1.0
 """Interval in seconds at which listeners get the state."""
 
 _LOW = 0.8  # share of the expected rate below which a row gets a warning
@@ -35,7 +35,7 @@ class Watched(Protocol):
         """Return the fill level of the socket's receive buffer and the kernel's drop counter."""
 
 
-class _Look(NamedTuple):
+class _Sample(NamedTuple):
     """Counters at one moment."""
 
     time: float
@@ -60,16 +60,16 @@ class Monitor:
     ) -> None:
         self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
         self._recording, self._clock = recording, clock
-        self._looks: deque[_Look] = deque()
+        self._samples: deque[_Sample] = deque()
         self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
-        self._tellings: list[Callable[[State], None]] = []
+        self._listeners: list[Callable[[State], None]] = []
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
-        self.look()
+        self.sample()
 
-    def tell(self, listener: Callable[[State], None]) -> None:
+    def add_listener(self, listener: Callable[[State], None]) -> None:
         """Call ``listener`` with the state once a second, on the monitor's thread. Use before entering the monitor."""
-        self._tellings.append(listener)
+        self._listeners.append(listener)
 
     def __enter__(self) -> Monitor:
         self._thread.start()
@@ -80,32 +80,32 @@ class Monitor:
         self._thread.join()
 
     def _run(self) -> None:
-        next_telling = self._clock()
-        while not self._ending.wait(LOOK_S):
-            self.look()
-            if self._clock() >= next_telling:
-                next_telling += TELL_S
+        next_report = self._clock()
+        while not self._ending.wait(SAMPLE_S):
+            self.sample()
+            if self._clock() >= next_report:
+                next_report += REPORT_S
                 state = self.state()
-                for listener in self._tellings:
+                for listener in self._listeners:
                     listener(state)
 
-    def look(self) -> None:
+    def sample(self) -> None:
         """Read the counters once."""
         account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
         dropped = Counter(account.dropped_of_row)
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
-        before = self._looks[-1].crossed if self._looks else crossed
+        before = self._samples[-1].crossed if self._samples else crossed
         self._last.update({name: now for name, count in crossed.items() if count != before[name]})
         lost = account.dropped.total() + account.refused.total() + account.unsent.total()
         lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
-        self._looks.append(_Look(now, crossed, dropped, account.received, lost))
-        while len(self._looks) > 2 and self._looks[1].time <= now - WINDOW_S:
-            self._looks.popleft()
+        self._samples.append(_Sample(now, crossed, dropped, account.received, lost))
+        while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
+            self._samples.popleft()
 
     def state(self) -> State:
         """Return the state of the bridge at the last reading."""
-        account, first, last = self._bridge.account, self._looks[0], self._looks[-1]
+        account, first, last = self._bridge.account, self._samples[0], self._samples[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
         level, message = self._overall(recording)
@@ -114,7 +114,7 @@ class Monitor:
             fingerprint=self._registry.fingerprint,
             rows=tuple(self._row(handler.route) for handler in self._registry.handlers),
             received=last.received,
-            received_rate=(last.received - first.received) / max(last.time - first.time, LOOK_S),
+            received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
             forwarded=dict(account.forwarded),
             unsent=dict(account.unsent),
             dropped=dict(account.dropped),
@@ -130,7 +130,7 @@ class Monitor:
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
-        lost = self._looks[-1].lost - self._looks[0].lost
+        lost = self._samples[-1].lost - self._samples[0].lost
         return (
             (Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s")
             if lost
@@ -138,14 +138,14 @@ class Monitor:
         )
 
     def _row(self, route: Route) -> RowState:
-        first, last = self._looks[0], self._looks[-1]
-        name, span = route.name, max(last.time - first.time, LOOK_S)
+        first, last = self._samples[0], self._samples[-1]
+        name, span = route.name, max(last.time - first.time, SAMPLE_S)
         rate = (last.crossed[name] - first.crossed[name]) / span
         seen = self._last.get(name)
         age = None if seen is None else self._clock() - seen
         dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
         fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
-        level, message = _judged(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
+        level, message = _assess(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
         return RowState(
             number=route.number,
             name=name,
@@ -162,7 +162,7 @@ class Monitor:
         )
 
 
-def _judged(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
+def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
     """Return the level of a row and the reason."""
     if fresh:
         told = ", ".join(f"{reason} {count}" for reason, count in fresh.items())

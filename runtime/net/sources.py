@@ -24,7 +24,7 @@ Address = bytes
 """IPv4 address, four bytes in network order."""
 
 
-def restrict(peers: Iterable[Peer]) -> bool:
+def restricts_sources(peers: Iterable[Peer]) -> bool:
     """Return true if the table restricts the senders of any peer (table key ``sources``)."""
     return any(peer.sources for peer in peers)
 
@@ -41,7 +41,7 @@ class _Source:
     at: float
     """Time of the last change of the allowance."""
 
-    def may_speak(self, now: float) -> bool:
+    def take_token(self, now: float) -> bool:
         """Take one token; return false if the bucket is empty."""
         if self.rate == math.inf:
             return True
@@ -63,7 +63,7 @@ class SourceGate:
             for peer in self._peers
             for network in map(IPv4Network, peer.sources)
         ]
-        self._anywhere = {peer.name for peer in self._peers if not peer.sources}
+        self._unrestricted = {peer.name for peer in self._peers if not peer.sources}
         self._known: OrderedDict[Address, _Source] = OrderedDict()
 
     def admit(self, address: Address, now: float) -> frozenset[str]:
@@ -73,19 +73,19 @@ class SourceGate:
         """
         source = self._known.get(address)
         if source is None:
-            source = self._meet(address, now)
+            source = self._add(address, now)
         else:
             self._known.move_to_end(address)
-        if not source.may_speak(now):
+        if not source.take_token(now):
             raise DatagramError(
                 Reason.OVER_RATE, f"{socket.inet_ntoa(address)} sends more than {source.rate:g} datagrams a second"
             )
         return source.peers
 
-    def _meet(self, address: Address, now: float) -> _Source:
+    def _add(self, address: Address, now: float) -> _Source:
         number = int.from_bytes(address, "big")
         named = {name for name, network, mask in self._networks if number & mask == network}
-        peers = named | self._anywhere
+        peers = named | self._unrestricted
         if not peers:
             raise DatagramError(
                 Reason.UNKNOWN_SOURCE, f"{socket.inet_ntoa(address)} is not among the sources of any peer"

@@ -41,7 +41,7 @@ overflow its queue.
 """
 
 Batch = list[bytes]
-Sourced = tuple[bytes, bytes]
+SourcedDatagram = tuple[bytes, bytes]
 """A datagram with its sender's IPv4 address, four bytes."""
 
 T = TypeVar("T")
@@ -133,7 +133,7 @@ def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
     return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
 
 
-def source_reader(sock: socket.socket, size: int) -> Callable[[], list[Sourced]]:
+def source_reader(sock: socket.socket, size: int) -> Callable[[], list[SourcedDatagram]]:
     """Return a function as `reader` does; it gives each datagram with its sender's address."""
     if mmsg.AVAILABLE:
         return mmsg.SourceReader(sock, size, _SLOTS).read_with_sources
@@ -234,7 +234,7 @@ class OneByOneReader:
         """Return the datagrams that have arrived, oldest first, cut to ``size`` bytes; [] if there are none."""
         return [datagram for datagram, _ in self._arrived()]
 
-    def read_with_sources(self) -> list[Sourced]:
+    def read_with_sources(self) -> list[SourcedDatagram]:
         """Read as `read`; return each datagram with its sender's address."""
         return [(datagram, socket.inet_aton(host)) for datagram, (host, _) in self._arrived()]
 

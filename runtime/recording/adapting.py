@@ -35,7 +35,7 @@ class Adapter:
         }
         rest = [field for field in recorded.DESCRIPTOR.fields if field.number not in self._same]
         self._moved = {field.number: moved for field in rest if (moved := _counterpart(field, today)) is not None}
-        self.refused = {field.number: self._why(field) for field in rest if field.number not in self._moved}
+        self.refused = {field.number: self._reason(field) for field in rest if field.number not in self._moved}
         """Reason why a recorded payload is not replayed, by its number in the recording."""
         self.changed = sorted(f"{field.name} ({field.number})" for field in rest if field.number in self._moved)
         """Recorded payloads whose values are copied by name."""
@@ -66,10 +66,10 @@ class Adapter:
             return datagram
         field = self._recorded.DESCRIPTOR.fields_by_number[numbers[-1]]
         now = self._registry.envelope()
-        _carry(getattr(then, field.name), getattr(now, self._moved[numbers[-1]].name))
+        _copy_by_name(getattr(then, field.name), getattr(now, self._moved[numbers[-1]].name))
         return now.SerializeToString()
 
-    def _why(self, field: Any) -> str:
+    def _reason(self, field: Any) -> str:
         today = self._registry.envelope.DESCRIPTOR.fields_by_number.get(field.number)
         if today is not None:
             return f"number {field.number} was {_spelled(field)} in the recording and is {_spelled(today)} today"
@@ -120,7 +120,7 @@ def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset
     return then.message_type is None or _same_message(then.message_type, now.message_type, above)
 
 
-def _carry(then: Any, now: Any) -> None:
+def _copy_by_name(then: Any, now: Any) -> None:
     """Copy fields by name as far as the values fit today's types."""
     now.SetInParent()
     for field, value in then.ListFields():
@@ -129,10 +129,10 @@ def _carry(then: Any, now: Any) -> None:
             continue
         if (target.message_type is None) != (field.message_type is None):
             continue
-        _carry_field(value, now, target)
+        _copy_field(value, now, target)
 
 
-def _carry_field(value: Any, now: Any, target: Any) -> None:
+def _copy_field(value: Any, now: Any, target: Any) -> None:
     if target.message_type is None:
         with contextlib.suppress(TypeError, ValueError):  # the value does not fit: the field keeps its default
             if target.is_repeated:
@@ -141,6 +141,6 @@ def _carry_field(value: Any, now: Any, target: Any) -> None:
                 setattr(now, target.name, value)
     elif target.is_repeated:
         for element in value:
-            _carry(element, getattr(now, target.name).add())
+            _copy_by_name(element, getattr(now, target.name).add())
     else:
-        _carry(value, getattr(now, target.name))
+        _copy_by_name(value, getattr(now, target.name))

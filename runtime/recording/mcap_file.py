@@ -159,11 +159,11 @@ class McapFile:
         """Close the file as it is. Without a summary it can be read, but readers cannot seek."""
         self._file.close()
 
-    def forget_chunk(self) -> int:
+    def drop_chunk(self) -> int:
         """Drop the messages that are not on disk yet, because the disk is full, and return their number."""
-        forgotten = sum(len(column) // 2 for column in self._chunk.index.values())
+        dropped = sum(len(column) // 2 for column in self._chunk.index.values())
         self._chunk = _Chunk()
-        return forgotten
+        return dropped
 
     def _write(self, data: bytes) -> None:
         """Write whole records, or leave the file unchanged."""

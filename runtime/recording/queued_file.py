@@ -30,7 +30,7 @@ class Settings:
     """Number of messages that may wait for each file."""
 
 
-class Half:
+class QueuedFile:
     """One of the two files of a recording, in one or more parts, with the queue in front of it.
 
     The bridge's threads append to the queue, the recorder's thread empties it; `deque` makes both safe without a lock.
@@ -96,7 +96,7 @@ class Half:
     def give_up(self) -> None:
         """Finish the file without the messages for which the disk has no room."""
         self.limit = 0  # from now on every message is dropped and counted
-        self.lost[0] += len(self.waiting) + self.file.forget_chunk()
+        self.lost[0] += len(self.waiting) + self.file.drop_chunk()
         self.waiting.clear()
         with contextlib.suppress(OSError):
             self.finish()

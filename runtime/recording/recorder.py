@@ -22,7 +22,7 @@ from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.mcap_file import Entry
 from roverlink.runtime.recording.message_definitions import definition_of
-from roverlink.runtime.recording.queued_file import Half, Settings
+from roverlink.runtime.recording.queued_file import QueuedFile, Settings
 from roverlink.runtime.recording.rosbag2 import qos_text
 from roverlink.runtime.recording.schemas import descriptor_set_of
 
@@ -51,15 +51,15 @@ class Recorder:
         self._registry, self._rows, self._logger = registry, topics, logger
         settings = settings or Settings()
         metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
-        self._topics = Half(self.path, file_names.TOPICS, settings, metadata)
-        self._datagrams = Half(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
-        self._halves = (self._topics, self._datagrams)
+        self._topics = QueuedFile(self.path, file_names.TOPICS, settings, metadata)
+        self._datagrams = QueuedFile(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._files = (self._topics, self._datagrams)
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
         self._ending = threading.Event()
         self._next_flush = time.monotonic() + _FLUSH_S
         self._bytes_seen = 0
-        self._told = False
+        self._warned = False
         self.failure: str | None = None
         """Reason why the recording failed; None while it works."""
         self._thread = threading.Thread(target=self._run, name="record", daemon=True)
@@ -112,21 +112,21 @@ class Recorder:
     @property
     def lost(self) -> int:
         """Messages that were not recorded, because the disk was too slow or the recording had failed."""
-        return sum(half.lost.total() for half in self._halves)
+        return sum(queued.lost.total() for queued in self._files)
 
     @property
     def waiting(self) -> int:
         """Messages that wait to be written."""
-        return sum(len(half.waiting) for half in self._halves)
+        return sum(len(queued.waiting) for queued in self._files)
 
     @property
     def bytes(self) -> int:
         """Bytes on disk."""
-        return sum(half.bytes for half in self._halves)
+        return sum(queued.bytes for queued in self._files)
 
     def summary(self) -> str:
         """Return the result of the recording as one line of text."""
-        topics, datagrams = (half.counts.total() for half in self._halves)
+        topics, datagrams = (queued.counts.total() for queued in self._files)
         lost = f"; {self.lost} were lost because the disk was too slow" if self.lost and not self.failure else ""
         return f"recorded {topics} messages of topics and {datagrams} datagrams to {self.path}{lost}"
 
@@ -143,43 +143,43 @@ class Recorder:
     def _run(self) -> None:
         try:
             while not self._ending.wait(_WAKE_S):
-                self._turn()
-            for half in self._halves:
-                half.take()
-                half.finish()
-            if not any(half.counts for half in self._halves):
-                self._leave_nothing()
+                self._write_waiting()
+            for queued in self._files:
+                queued.take()
+                queued.finish()
+            if not any(queued.counts for queued in self._files):
+                self._delete_files()
                 return
         except Exception as error:  # noqa: BLE001  # any error ends the recording, never the bridge
             self._fail(error)
         else:
             self._logger.info("%s", self.summary())
 
-    def _leave_nothing(self) -> None:
+    def _delete_files(self) -> None:
         """Delete empty files; otherwise the next run could not use the same name."""
-        for half in self._halves:
-            half.file.path.unlink()
+        for queued in self._files:
+            queued.file.path.unlink()
         self._logger.info("nothing was recorded, so %s was not kept", self.path)
 
-    def _turn(self) -> None:
-        for half in self._halves:
-            half.take()
+    def _write_waiting(self) -> None:
+        for queued in self._files:
+            queued.take()
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + _FLUSH_S
-            for half in self._halves:
-                half.file.flush()
-            self._look_at_disk()
+            for queued in self._files:
+                queued.file.flush()
+            self._check_free_space()
 
-    def _look_at_disk(self) -> None:
+    def _check_free_space(self) -> None:
         """Warn once if the disk will be full within minutes; warn again if it had recovered meanwhile."""
         rate, self._bytes_seen = (self.bytes - self._bytes_seen) / _FLUSH_S, self.bytes
         disk = os.statvfs(self.path.parent)
         free = disk.f_bavail * disk.f_frsize
         if free >= rate * _NEARLY_FULL_S:
-            self._told = False
-        elif not self._told:
-            self._told = True
+            self._warned = False
+        elif not self._warned:
+            self._warned = True
             self._logger.warning(
                 "the disk is nearly full: %.1f MB free for %s, enough for %.0f s; then the recording stops",
                 free / 1e6,
@@ -190,7 +190,7 @@ class Recorder:
     def _fail(self, error: Exception) -> None:
         """End the recording; files on disk stay, with a summary if there is room for it."""
         reason = error.strerror if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
-        for half in self._halves:
-            half.give_up()
+        for queued in self._files:
+            queued.give_up()
         self.failure = str(reason)
         self._logger.error("the recording failed (%s); the bridge continues. %s", reason, self.summary())

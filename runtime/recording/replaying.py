@@ -115,7 +115,7 @@ class RosReplay(_Replay):
         self.endpoints: dict[str, Endpoint] = {}
         self.left_out: list[str] = []
         """Topics that were left out because they command the rover."""
-        self._remade: dict[int, str] = {}  # topics by the number of the payload in the recording
+        self._reconverted: dict[int, str] = {}  # topics by the number of the payload in the recording
         for topic, channel in self._channels.items():
             if channel.encoding == "cdr" and (topic in topics if topics else "number" in channel.metadata):
                 self._add(topic, channel, commands)
@@ -129,11 +129,11 @@ class RosReplay(_Replay):
         if handler is not None and definition_of(handler.message_type) == definition:
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
         elif "number" in channel.metadata:
-            self._remake(topic, int(channel.metadata["number"]))
+            self._reconvert(topic, int(channel.metadata["number"]))
         else:
             self.endpoints[topic] = Endpoint(message_type_from(channel.schema_name, definition), Qos())
 
-    def _remake(self, topic: str, number: int) -> None:
+    def _reconvert(self, topic: str, number: int) -> None:
         handler = self._handler(number)
         if handler is None:
             self.refused[f"{topic}: {self.adapter.refused.get(number, 'the table has no row with its number')}"] += 1
@@ -142,7 +142,7 @@ class RosReplay(_Replay):
                 f"{topic}: its message type has changed, and the recording has no datagrams to make the messages from"
             ] += 1
         else:
-            self._remade[number] = topic
+            self._reconverted[number] = topic
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
 
     def _handler(self, number: int) -> AnyHandler | None:
@@ -154,7 +154,7 @@ class RosReplay(_Replay):
     @property
     def notes(self) -> list[str]:
         """Notes on differences from the recording, for the user."""
-        made = sorted(self._remade.values())
+        made = sorted(self._reconverted.values())
         return [*super().notes, *([f"made again from the recorded datagrams: {', '.join(made)}"] if made else [])]
 
     def messages(self) -> Iterator[Timed]:
@@ -162,14 +162,14 @@ class RosReplay(_Replay):
         for recorded in self._recording.messages():
             topic = recorded.channel.topic
             if recorded.channel.encoding == "cdr":
-                if topic in self.endpoints and topic not in self._remade.values():
+                if topic in self.endpoints and topic not in self._reconverted.values():
                     yield Timed(recorded.time, topic, recorded.data)
-            elif self._remade and topic.startswith((RECEIVED, SENT)):
-                yield from self._made_anew(recorded)
+            elif self._reconverted and topic.startswith((RECEIVED, SENT)):
+                yield from self._convert_again(recorded)
 
-    def _made_anew(self, recorded: Recorded) -> Iterator[Timed]:
+    def _convert_again(self, recorded: Recorded) -> Iterator[Timed]:
         numbers = envelope.payload_numbers(envelope.restore(recorded.data))
-        topic = self._remade.get(numbers[-1]) if numbers else None
+        topic = self._reconverted.get(numbers[-1]) if numbers else None
         if topic is None:
             return
         try:

@@ -70,22 +70,22 @@ def construct(node: yaml.Node) -> Any:
         value = yaml.constructor.SafeConstructor().construct_document(node)
     # PyYAML's constructors look up, match and convert without catching the errors of these operations.
     except (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError) as error:
-        raise YamlTextError(f"{said(node)} is not a valid value", node.start_mark) from error
+        raise YamlTextError(f"{shown(node)} is not a valid value", node.start_mark) from error
     if isinstance(value, int) and abs(value) > _LARGEST:
-        raise YamlTextError(f"{said(node)} is too large", node.start_mark)
+        raise YamlTextError(f"{shown(node)} is too large", node.start_mark)
     return value
 
 
-def said(node: yaml.Node) -> str:
+def shown(node: yaml.Node) -> str:
     """Return a node as text for messages: as written, or its kind."""
     if isinstance(node, yaml.MappingNode):
         return "a mapping"
     if isinstance(node, yaml.SequenceNode):
         return f"a list of {len(node.value)}"
     text = str(node.value)
-    shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+    excerpt = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
     is_quoted = isinstance(node, yaml.ScalarNode) and node.style is not None
-    return repr(shown) if is_quoted else shown or "an empty value"
+    return repr(excerpt) if is_quoted else excerpt or "an empty value"
 
 
 def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
@@ -109,8 +109,8 @@ def _check_keys(mapping: yaml.MappingNode) -> None:
     keys: set[Any] = set()
     for key, _ in mapping.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise YamlTextError(f"a key is {said(key)}; it must be a name or a number", key.start_mark)
+            raise YamlTextError(f"a key is {shown(key)}; it must be a name or a number", key.start_mark)
         value = key.value if key.tag == _MERGE else construct(key)
         if value in keys:
-            raise YamlTextError(f"the key {said(key)} occurs twice in one mapping; keep one of them", key.start_mark)
+            raise YamlTextError(f"the key {shown(key)} occurs twice in one mapping; keep one of them", key.start_mark)
         keys.add(value)

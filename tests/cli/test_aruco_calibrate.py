@@ -57,9 +57,7 @@ def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys
     out = tmp_path / "camera.yml"
     assert main(["aruco", "calibrate", str(images), "--out", str(out)]) == 0
     said = capsys.readouterr().out
-    assert next(line for line in said.splitlines() if line.startswith("wall.png")).endswith(
-        "dropped: no board found"
-    )
+    assert next(line for line in said.splitlines() if line.startswith("wall.png")).endswith("dropped: no board found")
     assert f"wrote {out}" in said.replace("\n", " ")
     camera = read_parameters(out)
     assert camera.size == SIZE

@@ -236,7 +236,8 @@ def test_a_port_in_use_is_told(done: Start, peer: socket.socket) -> None:
     code, output, errors = done("run", "--middleware", "memory", "--ros-args", *arguments)
     assert (code, output) == (2, "")
     assert errors == (
-        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; stop that program or choose another port"
+        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; "
+        "stop that program or choose another port"
     )
 
 

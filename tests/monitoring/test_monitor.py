@@ -195,7 +195,7 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert top_screen.in_trouble(page)
+    assert top_screen.has_problems(page)
 
 
 def test_only_the_bridge_that_is_meant_makes_the_page() -> None:
@@ -287,8 +287,8 @@ def test_warnings_say_how_many_they_swallowed(records: tuple[logging.Logger, lis
     warnings.warn("malformed", "dropped: no PBEnvelope")
     for _ in range(3):
         warnings.warn("malformed", "dropped: another")
-    warnings.tell_rest()
-    warnings.tell_rest()
+    warnings.log_suppressed()
+    warnings.log_suppressed()
     assert [(record.getMessage(), record.facts["kept_back"]) for record in kept] == [  # type: ignore[attr-defined]
         ("dropped: no PBEnvelope", 0),
         ("dropped: no PBEnvelope (and 4 more like it)", 4),

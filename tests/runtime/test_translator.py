@@ -308,7 +308,7 @@ def test_what_is_sent_says_what_the_message_says(handler: AnyHandler, data: st.D
 def test_a_message_that_cannot_be_read_names_its_row(translator: Translator) -> None:
     """Bytes on a topic that are no such message are a `ConversionError` that names the row and the type."""
     handler = REGISTRY.by_name["drive_motor"]
-    with pytest.raises(ConversionError, match=r"^drive_motor: 6 bytes are too short for comms/msg/DrivingBoardMotorMessage"):
+    with pytest.raises(ConversionError, match=r"^drive_motor: 6 bytes are too short for comms/msg/Driving"):
         translator.send(handler, bytes.fromhex("00010000 0000"))
     with pytest.raises(ConversionError, match=r"^drive_motor: not plain CDR"):
         translator.send(handler, b"")

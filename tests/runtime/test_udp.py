@@ -259,7 +259,7 @@ def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socke
 def test_a_port_in_use_is_named(listener: socket.socket) -> None:
     """Who cannot have a port is told which one, and what to do."""
     port = listener.getsockname()[1]
-    with pytest.raises(SetupError, match=rf"UDP port {port} on 127\.0\.0\.1 is in use by another program; stop that program"):
+    with pytest.raises(SetupError, match=rf"UDP port {port} on 127\.0\.0\.1 is in use by another program; stop"):
         udp.bind("127.0.0.1", port, _BUFFER)
 
 

@@ -47,7 +47,7 @@ def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
         ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is not a mapping"),
         ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is not the number of a marker"),
         (_GATE.replace("21:", "20:"), r":6:7: the key 20 occurs twice"),
-        (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and the board has no default side"),
+        (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and the board"),
         (_GATE.replace("side: 0.1", "side: big"), r":3:11: board gate: side is big"),
         (_GATE.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
         (_GATE.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),

@@ -116,4 +116,5 @@ def test_frames_without_use_say_why() -> None:
     assert hands.hold(np.full((480, 640), 128, np.uint8)).reason == "no board found"
     image = frame((0, 20), MIDDLE, 0.45)
     assert hands.hold(image).taken
-    assert "the image has 320x240 pixels, but the other views have 640x480" in hands.hold(cv2.resize(image, (320, 240))).reason
+    reason = hands.hold(cv2.resize(image, (320, 240))).reason
+    assert "the image has 320x240 pixels, but the other views have 640x480" in reason

@@ -73,7 +73,7 @@ def test_a_video_has_the_stamps_that_are_in_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "contents", "expected"),
     [
-        ("empty", None, "contains no images \(known: .bmp"),
+        ("empty", None, r"contains no images \(known: .bmp"),
         ("film.mp4", b"no film", "cannot open the file as a video"),
         ("one.png", b"no image", ": cannot read the file as an image"),
     ],
@@ -161,5 +161,5 @@ def test_a_stream_that_stays_away_is_asked_for_less_and_less(webcam: Callable[[i
             time.sleep(0.01)
         closing = time.monotonic()
     assert time.monotonic() - closing < 0.5
-    assert [text.rpartition("not available; ")[2] for text in said[1:3]] == ["trying again in 1 s", "trying again in 2 s"]
+    assert [text.rpartition("trying again ")[2] for text in said[1:3]] == ["in 1 s", "in 2 s"]
     assert list(source) == []

@@ -68,7 +68,7 @@ class _Camera:
         for image in frames:
             for _ in range(2):
                 stamp = next(self._stamps)
-                self.live.look(image, stamp, f"frame {stamp}")
+                self.live.add_frame(image, stamp, f"frame {stamp}")
         return self.state()
 
     def state(self) -> dict[str, Any]:
@@ -114,7 +114,7 @@ def test_views_that_add_something_are_taken() -> None:
 def test_why_a_view_is_not_taken_is_shown() -> None:
     """In the words of the collection."""
     camera = _Camera()
-    camera.live.look(NEAR, 10**18, "a frame")
+    camera.live.add_frame(NEAR, 10**18, "a frame")
     assert camera.state()["note"] == "hold the board still"
     assert "no board found" in camera.show(np.full_like(NEAR, 128))["note"]
 
@@ -247,8 +247,8 @@ def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
 def test_the_picture_is_the_newest_with_its_corners() -> None:
     """A wide one is made smaller; who comes late sees the last, and waits for the next."""
     camera = _Camera()
-    camera.live.look(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
-    camera.live.look(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
+    camera.live.add_frame(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
+    camera.live.add_frame(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
     number, jpeg = camera.live.picture(0) or (0, b"")
     assert number == 2
     shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
@@ -258,7 +258,7 @@ def test_the_picture_is_the_newest_with_its_corners() -> None:
     late: list[int] = []
     waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
     waiting.start()
-    camera.live.look(NEAR, 3 * 10**18, "a frame")
+    camera.live.add_frame(NEAR, 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
 

@@ -39,7 +39,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Slopes:
+class Linearization:
     """Linearization of one view: residuals (2N,) and derivatives, multiplied by the square roots of the weights."""
 
     residuals: Floats
@@ -57,10 +57,10 @@ def adjust(
     Uses the Levenberg-Marquardt algorithm from `estimate` to the nearest minimum. It stops when the sum of squared
     residuals changes by less than the fraction `tolerance`.
     """
-    slopes = linearise(observations, estimate)
-    damping, cost = 1e-3, _cost(slopes)
+    views = linearise(observations, estimate)
+    damping, cost = 1e-3, _cost(views)
     for _ in range(_STEPS):
-        moved = _step(slopes, estimate, free, damping)
+        moved = _step(views, estimate, free, damping)
         moved_slopes = linearise(observations, moved) if moved else []
         moved_cost = _cost(moved_slopes) if moved else math.inf
         if moved is None or not moved_cost <= cost:  # true for NaN too
@@ -68,18 +68,18 @@ def adjust(
                 break
             damping *= 10
             continue
-        gain, cost, slopes, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
+        gain, cost, views, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
         damping = max(damping / 10, _LEAST_DAMPED)
         if gain <= tolerance * cost:
             break
     return estimate
 
 
-def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Slopes]:
+def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Linearization]:
     """Linearize all views at an estimate."""
     predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
-    pixels, slope = estimate.camera.distort_with_slope(rays)
+    pixels, slope = estimate.camera.distort_with_derivative(rays)
     roots = np.sqrt(np.concatenate([one.weights for one in observations]))[:, None]
     residuals = roots * (np.concatenate([one.pixels for one in observations]) - pixels)
     by_camera = roots[:, :, None] * by_parameters(estimate.camera, rays)
@@ -87,7 +87,7 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[S
     counted = roots[:, 0] > 0  # corners of weight 0 may be NaN
     ends = np.cumsum([len(one.weights) for one in observations])
     return [
-        Slopes(
+        Linearization(
             residuals[start:end][counted[start:end]].ravel(),
             by_camera[start:end][counted[start:end]].reshape(-1, by_camera.shape[2]),
             by_pose[start:end][counted[start:end]].reshape(-1, 6),
@@ -96,10 +96,10 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[S
     ]
 
 
-def information(slopes: Slopes) -> tuple[Floats, Floats]:
+def information(view: Linearization) -> tuple[Floats, Floats]:
     """Return a view's normal matrix (P, P) and right side (P,) for the camera, with its pose eliminated."""
-    free_of_pose = slopes.by_camera - slopes.by_pose @ np.linalg.lstsq(slopes.by_pose, slopes.by_camera, rcond=None)[0]
-    return free_of_pose.T @ free_of_pose, free_of_pose.T @ slopes.residuals
+    free_of_pose = view.by_camera - view.by_pose @ np.linalg.lstsq(view.by_pose, view.by_camera, rcond=None)[0]
+    return free_of_pose.T @ free_of_pose, free_of_pose.T @ view.residuals
 
 
 def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
@@ -120,16 +120,18 @@ def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
     return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
 
 
-def _cost(slopes: Sequence[Slopes]) -> float:
-    return float(sum(one.residuals @ one.residuals for one in slopes))
+def _cost(views: Sequence[Linearization]) -> float:
+    return float(sum(one.residuals @ one.residuals for one in views))
 
 
-def _step(slopes: Sequence[Slopes], estimate: Estimate, free: NDArray[np.bool_], damping: float) -> Estimate | None:
+def _step(
+    views: Sequence[Linearization], estimate: Estimate, free: NDArray[np.bool_], damping: float
+) -> Estimate | None:
     """Return the estimate after one damped step; None if it is not a possible camera."""
     count = int(free.sum())
     normal, right = np.zeros((count, count)), np.zeros(count)
     eliminated = []
-    for one in slopes:
+    for one in views:
         by_camera = one.by_camera[:, free]
         by_both = one.by_pose.T @ by_camera
         own = one.by_pose.T @ one.by_pose

@@ -16,7 +16,7 @@ from roverlink.vision.camera.camera_model import Floats
 
 OUTLIER = 3.5
 """Length of a residual, in standard deviations of a coordinate, above which a corner is left out."""
-STRANGE = 4.0
+BAD_VIEW_RATIO = 4.0
 """Ratio of a view's median residual to that of all views above which the view is left out."""
 HUBER = 1.345
 """Residual, in standard deviations, from which the cost is linear instead of quadratic (Huber, 1964)."""
@@ -25,7 +25,7 @@ _RAYLEIGH_MEDIAN = 1.1774
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Misses:
+class ResidualLengths:
     """Lengths of the residuals of all corners, for each view (N,)."""
 
     pixels: tuple[Floats, ...]
@@ -69,7 +69,7 @@ class Choice:
         return other is not None and all((here == there).all() for here, there in zip(self.masks, other.masks))
 
 
-def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> Misses:
+def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> ResidualLengths:
     """Return the lengths of the residuals at an estimate.
 
     Residuals that the image noise does not explain are treated as additional noise of all corners: an uneven board, or
@@ -82,25 +82,25 @@ def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> M
     known = float(np.median(np.concatenate([view.sigmas for view in views])))
     seen = float(np.nanmedian(np.concatenate(lengths))) / _RAYLEIGH_MEDIAN
     shared = max(seen**2 - known**2, 0.0)
-    return Misses(lengths, tuple(np.sqrt(view.sigmas**2 + shared) for view in views))
+    return ResidualLengths(lengths, tuple(np.sqrt(view.sigmas**2 + shared) for view in views))
 
 
-def choose(misses: Misses) -> Choice:
+def choose(misses: ResidualLengths) -> Choice:
     """Select the corners and views to use."""
     lengths = misses.lengths
-    reasons = _strange(misses)
+    reasons = _bad_views(misses)
     masks = [length < OUTLIER for length in lengths]  # false for NaN
     reasons = [reason or _emptied(mask) for reason, mask in zip(reasons, masks)]
     return Choice(tuple(mask & (not reason) for mask, reason in zip(masks, reasons)), tuple(reasons))
 
 
-def _strange(misses: Misses) -> list[str]:
+def _bad_views(misses: ResidualLengths) -> list[str]:
     """Return for each view the reason why it does not fit the others; empty if it does."""
     medians = [float(np.median(np.nan_to_num(one, nan=np.inf))) for one in misses.lengths]
     typical = float(np.median(medians))
     others = float(np.nanmedian(np.concatenate(misses.pixels)))
     return [
-        _off(float(np.nanmedian(pixels)), others) if median > STRANGE * typical else ""
+        _off(float(np.nanmedian(pixels)), others) if median > BAD_VIEW_RATIO * typical else ""
         for median, pixels in zip(medians, misses.pixels)
     ]
 

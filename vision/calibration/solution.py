@@ -133,5 +133,5 @@ class Calibration:
 def _by_turn(camera: CameraParameters, rays: Floats) -> Floats:
     """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) by a small rotation of the rays."""
     _, by_pose = predict(Pose(np.eye(3), np.zeros(3)), np.column_stack([rays, np.ones(len(rays))]))
-    derivative: Floats = camera.distort_with_slope(rays)[1] @ by_pose[:, :, 3:]
+    derivative: Floats = camera.distort_with_derivative(rays)[1] @ by_pose[:, :, 3:]
     return derivative

@@ -123,7 +123,7 @@ def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floa
     may differ from its model. This is the sandwich estimator of Huber (1967) and White (1980), with views as clusters
     and its correction for few clusters.
     """
-    said = [information(slopes) for slopes in linearise(observations, estimate)]
+    said = [information(linearizations) for linearizations in linearise(observations, estimate)]
     normal = np.sum([matrix for matrix, _ in said], axis=0)
     scale = 1 / np.sqrt(normal.diagonal())
     root = np.linalg.inv(np.linalg.cholesky(normal * scale[:, None] * scale)) * scale  # root.T @ root: normal's inverse

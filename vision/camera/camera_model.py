@@ -87,7 +87,7 @@ class CameraParameters:
             rays[~(np.abs(wanted - self._bend(rays)[0]).max(axis=-1) < _CONVERGED)] = np.nan
         return rays
 
-    def distort_with_slope(self, rays: Floats) -> tuple[Floats, Floats]:
+    def distort_with_derivative(self, rays: Floats) -> tuple[Floats, Floats]:
         """Return the pixels of rays, as `distort`, and their derivative (..., 2, 2) by the rays' coordinates."""
         bent, slope = self._bend(rays)
         return bent * self.focal + self.centre, slope * self.focal[:, None]

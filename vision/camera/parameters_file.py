@@ -175,7 +175,7 @@ class _Entries:
 def _whole(item: Item, what: str) -> int:
     number = item.value
     if isinstance(number, bool) or not isinstance(number, int) or number <= 0:
-        raise item.error(f"{what} is {item.said}; it must be a whole number above 0")
+        raise item.error(f"{what} is {item.shown}; it must be a whole number above 0")
     return number
 
 
@@ -186,5 +186,5 @@ def _number(item: Item) -> float:
     except ValueError:
         number = math.nan
     if not abs(number) <= LARGEST:  # true for NaN too
-        raise item.error(f"{item.name} is {item.said}; it must be a finite number, at most {LARGEST:g}")
+        raise item.error(f"{item.name} is {item.shown}; it must be a finite number, at most {LARGEST:g}")
     return number

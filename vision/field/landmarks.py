@@ -62,7 +62,7 @@ def read_landmarks(path: Path) -> Landmarks:
 def _frame(item: Item) -> str:
     frame = item.value
     if not isinstance(frame, str) or not frame:
-        raise item.error(f"the field's frame is {item.said}; it must be a name (in quotes if it looks like a number)")
+        raise item.error(f"the field's frame is {item.shown}; it must be a name (in quotes if it looks like a number)")
     return frame
 
 
@@ -89,6 +89,6 @@ def _sigma(item: Item) -> float:
     sigma = item.number
     if not 0 <= sigma < math.inf:  # true for NaN too
         raise item.error(
-            f"{item.name} is {item.said}; it must be a standard deviation: metres for position, degrees for rotation"
+            f"{item.name} is {item.shown}; it must be a standard deviation: metres for position, degrees for rotation"
         )
     return sigma

@@ -125,7 +125,7 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Vie
     """
     points, by_square = apply(homography, views.places / views.half - 1)
     rays = points * views.scale[:, None, None] + views.centre[:, :, None]
-    seen, slope = camera.distort_with_slope(rays.transpose(0, 2, 1))
+    seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
     seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / views.scale[:, None, None, None]
     modules_by_pixel = product(_inverse(by_square) * views.half, by_pixel)
     modules_a_pixel = np.sqrt((modules_by_pixel**2).sum(axis=2))

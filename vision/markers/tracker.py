@@ -19,7 +19,7 @@ from roverlink.vision.markers.detection import Detection, Detector, Image, Regio
 from roverlink.vision.markers.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from roverlink.vision.markers.flips import Flips
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
-from roverlink.vision.poses.pnp import Corners, Solution, doubted, solve, square_poses
+from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
 from roverlink.vision.poses.pose import Pose
 
 SCAN_EVERY = 6
@@ -227,7 +227,7 @@ class Tracker:
     def _sight(
         self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
     ) -> Sighting:
-        seen, solutions = doubted(seen, solutions[:2])
+        seen, solutions = with_model_error(seen, solutions[:2])
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf

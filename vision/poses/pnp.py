@@ -18,7 +18,7 @@ from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pose import Pose, predict_all, rotation_of
 
 STEPS = 30
-HOPELESS = 1000.0
+WORST_START = 1000.0
 """Ratio of a start's chi squared to that of the best start above which it is not refined.
 
 IPPE's solutions are nearly minima, so a start with a much worse fit stays worse.
@@ -191,7 +191,7 @@ def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
         )
         least = np.full(problem.owners.max() + 1, np.inf)
         np.fmin.at(least, problem.owners, places.chi2)
-        places = _refine(problem, places, places.chi2 < HOPELESS * (1 + least[problem.owners]))
+        places = _refine(problem, places, places.chi2 < WORST_START * (1 + least[problem.owners]))
         normal = places.normal()
         usable = _invertible(normal)
         covariance = np.linalg.inv(np.where(usable[:, None, None], normal, np.eye(6)))
@@ -237,7 +237,7 @@ def _invertible(matrices: Floats) -> NDArray[np.bool_]:
     return invertible
 
 
-def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
+def with_model_error(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
     """Enlarge the covariances if the best chi squared is larger than chance explains.
 
     In that case the camera's parameters, the marker's side or its flatness differ from the assumptions.

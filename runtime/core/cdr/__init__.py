@@ -23,7 +23,7 @@ from roverlink.runtime.core.cdr.template import Template
 from roverlink.runtime.core.cdr.template import template as template_of
 from roverlink.runtime.core.cdr.variable import variable_codec
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.messages import Message, once_a_type
+from roverlink.runtime.core.messages import Message, cached_by_type
 
 __all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "template", "type_name"]
 
@@ -67,7 +67,7 @@ def decode(message_type: type[M], data: bytes) -> M:
         raise ConversionError(f"a string of {message_type.__msgtype__} is not UTF-8") from error
 
 
-@once_a_type
+@cached_by_type
 def _codec(message_type: type[M], order: str) -> Codec[M]:
     leaves = leaves_of(message_type)
     return variable_codec(message_type, order) if leaves is None else fixed_codec(message_type, order, leaves)

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 
-class Newest(Generic[T]):
+class LatestValue(Generic[T]):
     """Latest value. A slow reader misses values; the producer never waits."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
 from roverlink.vision.calibration.collection import Collection, Offer
-from roverlink.vision.calibration.page.newest import Newest
+from roverlink.vision.calibration.page.latest_value import LatestValue
 from roverlink.vision.calibration.page.page_state import Taken, advice, collected
 from roverlink.vision.calibration.solution import Calibration, PoorViewsError
 from roverlink.vision.calibration.views import View
@@ -22,7 +22,7 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
-_PATIENCE_S = 5.0
+_TIMEOUT_S = 5.0
 """Longest time in seconds that a request for a new image or state waits."""
 _SHOWN, _THUMBNAIL = 960, 240
 """Widths of the live image and of thumbnails in pixels."""
@@ -33,7 +33,7 @@ _COMPLETE = "Coverage is complete: calibrate now. More views do no harm."
 
 
 class LiveCalibration:
-    """Collects views from frames and carries out the user's clicks: the `Desk` of a `PageServer`."""
+    """Collects views from frames and carries out the user's clicks: the `PageBackend` of a `PageServer`."""
 
     def __init__(
         self,
@@ -58,13 +58,13 @@ class LiveCalibration:
         self._asked = threading.Event()
         self.finished = threading.Event()
         """Set when the calibration has been saved."""
-        self._pictures: Newest[tuple[Image, Floats]] = Newest()
-        self._states: Newest[dict[str, Any]] = Newest()
-        self._tell()
+        self._pictures: LatestValue[tuple[Image, Floats]] = LatestValue()
+        self._states: LatestValue[dict[str, Any]] = LatestValue()
+        self._publish_state()
 
     # --- frames -----------------------------------------------------------------------------------------------------
 
-    def look(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
+    def add_frame(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
         """Examine a frame (H, W, 3); take it if it is useful, requested by a click, or `chosen` by the user.
 
         `name` is the name of its view.
@@ -80,7 +80,7 @@ class LiveCalibration:
                 self._taken += (Taken(self._number, offer.view, thumbnail),)
                 self._note = f"View {self._number} is taken: {offer.reason}"
                 self._number += 1
-            self._tell()
+            self._publish_state()
         self._pictures.put((image, offer.view.corners))
         return offer
 
@@ -88,18 +88,18 @@ class LiveCalibration:
         """Report that no more frames come."""
         with self._lock:
             self._more, self._note = False, f"{self._source} has ended; no more frames."
-            self._tell()
+            self._publish_state()
 
-    # --- the page: see `Desk` -----------------------------------------------------------------------------------------
+    # --- the page: see `PageBackend` ----------------------------------------------------------------------------------
 
     def state(self, after: int) -> dict[str, Any]:
         """Return the state that the page shows; wait some seconds for one newer than `after`."""
-        version, state = self._states.get(after, _PATIENCE_S) or self._states.now()
+        version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
         """Return the newest image with its corners marked; None if none newer than `after` comes in time."""
-        newest = self._pictures.get(after, _PATIENCE_S)
+        newest = self._pictures.get(after, _TIMEOUT_S)
         return newest and (newest[0], _jpeg(*newest[1], _SHOWN))
 
     def thumbnail(self, view: int) -> bytes | None:
@@ -125,7 +125,7 @@ class LiveCalibration:
                 self._start()
             else:
                 self._finish()
-            self._tell()
+            self._publish_state()
 
     # --- with the lock held -----------------------------------------------------------------------------------------
 
@@ -146,7 +146,7 @@ class LiveCalibration:
         self._saved = self._save(self._calibration)
         self.finished.set()
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         """Publish the new state to the browsers."""
         offered = {
             "take": self._more,
@@ -195,7 +195,7 @@ class LiveCalibration:
             with self._lock:
                 self._calibration = calibration or self._calibration
                 self._calibrating, self._refused = False, refused
-                self._tell()
+                self._publish_state()
 
 
 def _jpeg(image: Image, corners: Floats, width: int) -> bytes:

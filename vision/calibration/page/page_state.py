@@ -24,11 +24,11 @@ class Taken:
 
 def collected(collection: Collection, taken: Sequence[Taken], calibration: Calibration | None) -> dict[str, Any]:
     """Return views, coverage, missing views and the result."""
-    fates = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
+    fitted_views = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
     return {
         "coverage": _coverage(collection),
         "goals": list(_goals(collection)),
-        "views": [_view(one, fates.get(id(one.view)), calibrated=calibration is not None) for one in taken],
+        "views": [_view(one, fitted_views.get(id(one.view)), calibrated=calibration is not None) for one in taken],
         "result": calibration and _result(calibration, taken),
     }
 

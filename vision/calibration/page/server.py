@@ -1,4 +1,4 @@
-"""HTTP server of the calibration page: shows the state of a `Desk` and passes clicks to it.
+"""HTTP server of the calibration page: shows the state of a `PageBackend` and passes clicks to it.
 
 It keeps no state and no queue. Each request has its own thread, so a slow browser delays only itself.
 
@@ -28,7 +28,7 @@ from roverlink.runtime.net.http_server import HttpServer
 _CONNECTIONS = 24
 """Most connections at a time; a browser opens six."""
 _TIMEOUT_S = 20.0
-"""Time in seconds after which an idle connection is closed; longer than a `Desk` waits for news."""
+"""Time in seconds after which an idle connection is closed; longer than a `PageBackend` waits for news."""
 _EVERYWHERE = ("", "0.0.0.0")  # noqa: S104  # only on request (--page-address)
 _FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
@@ -42,7 +42,7 @@ _ADDRESSES = f"at http://{_NAME} or at an address of that computer"
 _VIEW = re.compile(r"/views/(\d{1,9})(/drop)?")
 
 
-class Desk(Protocol):
+class PageBackend(Protocol):
     """State and actions of the page. All methods may be called from any thread."""
 
     def state(self, after: int) -> dict[str, Any]:
@@ -77,11 +77,11 @@ class _Answer(NamedTuple):
 class PageServer(HttpServer):
     """Server of the page. A context manager."""
 
-    def __init__(self, address: str, port: int, desk: Desk) -> None:
+    def __init__(self, address: str, port: int, backend: PageBackend) -> None:
         """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
 
         class Handler(_Handler):
-            shown = desk
+            backend = backend
 
         super().__init__(address, port, "page", Handler, _Server)
         host = _NAME if address in _EVERYWHERE else address
@@ -115,7 +115,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    shown: Desk
+    backend: PageBackend
     protocol_version = "HTTP/1.1"
     timeout = _TIMEOUT_S
 
@@ -139,18 +139,18 @@ class _Handler(BaseHTTPRequestHandler):
                 HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY}
             )
         if address.path == "/state":
-            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.shown.state(int(after))).encode())
+            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.backend.state(int(after))).encode())
         if address.path == "/picture":
             return self._picture(int(after))
-        if address.path == "/report" and (text := self.shown.report()) is not None:
+        if address.path == "/report" and (text := self.backend.report()) is not None:
             return _Answer(HTTPStatus.OK, _TYPES[".html"], text.encode(), {"Content-Security-Policy": _REPORT_POLICY})
         match = _VIEW.fullmatch(address.path)
-        if match and not match[2] and (jpeg := self.shown.thumbnail(int(match[1]))) is not None:
+        if match and not match[2] and (jpeg := self.backend.thumbnail(int(match[1]))) is not None:
             return _Answer(HTTPStatus.OK, "image/jpeg", jpeg)
         return _Answer(HTTPStatus.NOT_FOUND, body=b"not found\n")
 
     def _picture(self, after: int) -> _Answer:
-        newest = self.shown.picture(after)
+        newest = self.backend.picture(after)
         if newest is None:
             return _Answer(HTTPStatus.NO_CONTENT)
         number, jpeg = newest
@@ -165,7 +165,7 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             return _Answer(HTTPStatus.NOT_FOUND, body=b"unknown action\n")
         try:
-            self.shown.act(action, view)
+            self.backend.act(action, view)
         except RoverlinkError as error:
             return _Answer(HTTPStatus.CONFLICT, body=str(error).encode())
         return _Answer(HTTPStatus.NO_CONTENT)
