@@ -49,6 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments.ros_args = ros
     if ros and not arguments.takes_ros_args:
         parser.error(f"{own[0]} does not take --ros-args")
+    # systemd and docker stop a program with SIGTERM.
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         code = int(arguments.run(arguments))

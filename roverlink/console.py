@@ -81,6 +81,7 @@ def table_file(given: Path | None) -> Path:
     """Return the given table or the nearest one; if there is none, the path in the current folder."""
     here = Path.cwd()
     near = (folder / TABLE for folder in (here, *here.parents))
+    # lexists: a dangling link named mapping.yaml is a mistake to report, not a reason to look further up.
     found = given or next((path for path in near if os.path.lexists(path)), here / TABLE)
     return Path(os.path.relpath(found))
 
@@ -171,5 +172,6 @@ def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Lo
     logger.handlers = [handler]
     level = level or "info"
     logger.setLevel({"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
+    # Handlers of the root logger would print each line a second time.
     logger.propagate = False
     return logger

@@ -126,6 +126,7 @@ def _holder(port: int) -> str:
         lines = (_PROC / "net" / "udp").read_text().splitlines()[1:]
     except OSError:
         return ""
+    # Ports are in hexadecimal, in host byte order.
     inodes = {fields[9] for line in lines if (fields := line.split())[1].endswith(f":{port:04X}")}
     for process in _PROC.glob("[0-9]*"):
         try:

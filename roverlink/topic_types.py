@@ -18,6 +18,7 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.middleware import NodeIdentity
 
+# YAML 1.1 treats these characters as line breaks, and folds them when it reads the text back.
 _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 

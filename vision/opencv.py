@@ -22,6 +22,7 @@ A user who wants to see these messages sets the variables.
 
 def _load() -> Any:
     for name, level in _QUIET.items():
+        # setdefault keeps a value that the user has set.
         os.environ.setdefault(name, level)
     try:
         module: Any = importlib.import_module("cv2")

@@ -75,6 +75,7 @@ def _stream(
     """Collect useful views until the coverage is complete, the source ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
+    # Ctrl-C is the normal end of a live collection, so it must not skip the calibration.
     with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
         for frame, name in _named(source):
             text.offered(collection.offer(frame.image, frame.stamp, name), collection)

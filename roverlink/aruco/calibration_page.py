@@ -35,6 +35,7 @@ def serve_page(
             say(f"anyone who can reach {address} sees the camera on this page and can press its buttons")
         feeding = frames.submit(feed, stop)
         try:
+            # Polls, so that an error of the frame thread is soon raised here.
             while not live.finished.wait(_POLL_S):
                 if feeding.done():
                     feeding.result()  # raises its error, if it has one

@@ -49,6 +49,7 @@ def open_source(
 
 def _asked(say: Callable[[str], None]) -> str:
     """Ask the user on the terminal; without a terminal, return camera 0."""
+    # Both: the question goes to standard error, because standard output may be a pipe for --json.
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         say(f"no source given; using camera {_CAMERA}")
         return _CAMERA

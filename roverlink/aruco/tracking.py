@@ -48,6 +48,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
         source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
         size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
+        # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
         log = stack.enter_context(TrackingLog(logger))
@@ -104,6 +105,7 @@ def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logg
             f"the camera parameters are for images of {was} pixels, but these have {width}x{height}; calibrate at this "
             "size, or use --rescale if the camera scales its images and does not crop them"
         )
+    # Scaling keeps the ratio of the focal lengths; cropping or stretching in one direction changes it.
     ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
     if abs(ratio - 1) > _SAME_SHAPE:
         raise SetupError(

@@ -62,6 +62,7 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show the bridge at work. Exit code 1 if a message was not bridged."""
+    # The demo's messages must not reach a real rover in the same network.
     isolate_ros()
     project = project_folder(arguments.project)
     registry = load_project(project)

@@ -45,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     registry = load_project(project_folder(arguments.project))
     message_type, published = topic_types.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability
+    # A deep queue, because printing is slower than a burst.
     qos = Qos(reliability, published.durability, depth=1000)
     arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0

@@ -44,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Generate, or check. Exit code 1 for findings and for files that are out of date."""
     table = table_file(arguments.table)
     try:
+        # Relative to the table: generated files name their templates and must not contain machine paths.
         folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
         compiled = compile_table(table, arguments.target, folders)
         changes = compare(table.resolve().parent, compiled.files, compiled.folders)

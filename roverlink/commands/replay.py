@@ -129,6 +129,7 @@ def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStac
         for topic, endpoint in replay.endpoints.items()
     }
     _wait_for_subscriber(publishers.values(), arguments.wait)
+    # Registered after the middleware, so it runs before the middleware closes.
     stack.callback(time.sleep, _FLUSH_S)
 
     def send(message: Timed) -> None:

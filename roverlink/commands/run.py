@@ -69,6 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     settings = parameters.read(registry, ros.parameters)
     with ExitStack() as stack:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
+        # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
@@ -90,7 +91,7 @@ def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, 
     Two machines with equal fingerprints use the same table and schema.
     """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
-    logger.info("%s bridges %d messages; listening on UDP port %d", node, messages, port)
+    logger.info("%s bridges %d messages on UDP port %d", node, messages, port)
     logger.info("fingerprint of table and schema: %s", fingerprint)
     if json_too:
         ready = {"node": node, "port": port, "messages": messages, "fingerprint": fingerprint}

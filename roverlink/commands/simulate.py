@@ -140,6 +140,7 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
             for now in _play(stream, arguments.seconds, senders, totals, world):
                 totals.commands += nodes.publish(now)
                 _watch_memory(host, now, totals)
+        # The last datagrams are still on their way; counters must agree only at rest.
         time.sleep(_SETTLE_S)
         totals.account = host.stop()
         _wait_for(arrivals, totals)

@@ -94,6 +94,7 @@ def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argpar
 def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
     """Return the next state that the bridge publishes; None if none comes in time."""
     deadline = time.monotonic() + seconds
+    # Other nodes publish on /diagnostics too, so a message may be from another node.
     while (left := deadline - time.monotonic()) > 0:
         try:
             data = arrived.get(timeout=left)

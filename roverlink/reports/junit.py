@@ -24,6 +24,7 @@ def write(linted: Linted) -> None:
 def _add(suite: ElementTree.Element, rule: Rule, findings: list[Diagnostic]) -> bool:
     """Add a rule to the suite; return true if it failed."""
     case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
+    # A hint does not fail the lint either.
     faults = [finding for finding in findings if finding.severity is not Severity.HINT]
     if faults:
         failure = ElementTree.SubElement(case, "failure", message=faults[0].message, type=faults[0].severity.value)

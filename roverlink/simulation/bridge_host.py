@@ -66,6 +66,7 @@ class BridgeProcess:
         self.pid = self._child.pid
         self._output = cast(IO[str], self._child.stdout)
         self._log = cast(IO[str], self._child.stderr)
+        # A thread has to read stderr, or the child would block when the pipe is full.
         threading.Thread(target=self._pass_on, daemon=True).start()
         ready = self._output.readline()
         if not ready:

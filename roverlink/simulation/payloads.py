@@ -72,6 +72,7 @@ def _is_chosen(field: Any, seconds: float) -> bool:
 
 def _value(field: Any, seconds: float) -> Any:
     phase = 2 * math.pi * seconds / _PERIOD_S + field.number
+    # The field number shifts the phase, so that fields of one message differ.
     swing = math.sin(phase)
     if field.enum_type is not None:
         values = field.enum_type.values

@@ -124,6 +124,7 @@ class RunTotals:
             yield f"{self.commands} messages were published, but {self.account['taken']} received by the bridge"
 
     def _memory_growth(self) -> Iterator[str]:
+        # The first quarter is warm-up: caches fill and pools grow.
         warm = self.memory[int(len(self.memory) * _WARMED_UP) :]
         if warm and warm[-1] - warm[0] > _MOST_GROWTH:
             yield f"the bridge's memory grew from {_mebibytes(warm[0])} to {_mebibytes(warm[-1])}"

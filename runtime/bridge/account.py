@@ -88,6 +88,7 @@ class Account:
         )
 
 
+# Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
     """Return the sums of an account (`Account.as_dict`) that disagree; an empty list if all agree.
 
@@ -98,7 +99,6 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
     sums = [
         ("datagrams received", account["received"], "published and dropped", account["published"] + dropped),
-        ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
         ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
     ]
     return [f"{one} {what}, but {other} {ends}" for what, one, ends, other in sums if one != other]
@@ -117,6 +117,7 @@ class ThrottledWarnings:
     def warn(self, subject: str, message: str) -> None:
         """Log a warning, or count it if one of the same subject was logged less than two seconds ago."""
         now = self._clock()
+        # Warnings come from several threads. Logging happens after the lock is released, since a log handler may block.
         with self._lock:
             if now < self._next.get(subject, now):
                 self._suppressed[subject] += 1

@@ -33,6 +33,7 @@ class Admission:
         return admitted
 
     def _translator(self, peers: frozenset[str]) -> Translator:
+        # Senders with the same peers share a translator, so there are at most as many as there are sets of peers.
         if peers not in self._translators:
             self._translators[peers] = Translator(self._registry, peers)
         return self._translators[peers]

@@ -180,11 +180,13 @@ class Bridge:
             self._admitted[translator](datagrams)
 
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
+        # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
         translation = translator.receive_all(fitting, extra_topics.now())
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation)
+        # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
@@ -236,6 +238,7 @@ class Bridge:
         def take(messages: Sequence[bytes]) -> None:
             try:
                 row.take(messages)
+            # It would end only the middleware's thread, and the bridge would run on without its topics.
             except BaseException as failure:
                 self._fail(failure)
                 raise

@@ -44,6 +44,7 @@ class Watchdog:
         Nothing changes if a stop was sent already.
         """
         with self._lock:
+            # While the topic is silent, the stop has been sent already and is repeated anyway.
             if not self._silent:
                 self._due = -math.inf
 

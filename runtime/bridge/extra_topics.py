@@ -29,6 +29,7 @@ class ExtraTopics:
 
     def publish(self, fed: Iterable[tuple[AnyFeed, Serialized]]) -> None:
         """Publish a batch, with one publish call per topic."""
+        # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
         for feed, (messages, misfits) in fed:
             for error in misfits.values():
                 self._missed(feed, 1, str(error))

@@ -34,6 +34,7 @@ class Forwarding:
 
     def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
         """Forward datagrams; ``names`` are their payloads, None for a refused one."""
+        # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
         for destination, rows in self._rows.items():
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
         for destination in self._to_all:

@@ -36,6 +36,7 @@ class Pacer(Generic[T]):
             if now < self._slot:
                 self._waiting = thing
                 return False
+            # From now and not from the last slot: after a pause, a burst must not catch up.
             self._waiting, self._slot = None, now + self._interval
             return True
 

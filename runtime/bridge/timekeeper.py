@@ -41,6 +41,7 @@ class Timekeeper:
         """Name the thread; ``fail`` is called with the error if the thread dies."""
         self._tasks, self._fail = tasks, fail
         self._wake, self._woken = socket.socketpair()
+        # `wake` must never block its caller.
         self._wake.setblocking(False)
         self._stopping = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)

@@ -116,6 +116,7 @@ class OutboundRow:
                 self._account.refused[self._name] += 1
                 self._warnings.warn(self._name, f"not sent: {error}")
         sent = self._send(datagrams)
+        # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
             self._account.sent[self._name] += sent
             if self._guard:

@@ -52,6 +52,7 @@ class PacedInboundRow(InboundRow):
             self._account.dropped[Reason.SUPERSEDED.value] += superseded
             if passes:
                 super().take(messages[-1:])
+        # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
         if not passes:
             self.wake()
 

@@ -40,6 +40,7 @@ def unpacked(payload: Any, type: type[P], place: str) -> P:
 def packed(message: ProtoMessage) -> Any:
     """Pack a message into an Any. Serialization is deterministic: equal messages give equal bytes."""
     payload = Any()
+    # Without it, map entries come in random order, and recordings of equal messages would differ.
     payload.Pack(message, deterministic=True)
     return payload
 

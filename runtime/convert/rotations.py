@@ -38,6 +38,7 @@ def angles(rotation: Quaternion) -> tuple[float, float, float]:
     message in some ROS libraries, every angle is 0.
     """
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
+    # The formulas divide by the squared length instead of normalizing first, which avoids a square root.
     square = x * x + y * y + z * z + w * w
     if not square:
         return 0.0, 0.0, 0.0

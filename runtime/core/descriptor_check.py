@@ -32,6 +32,7 @@ def check_descriptors(messages: Mapping[str, tuple[str, ...]], enums: Mapping[st
     `RegistryError` that lists every difference.
     """
     pool = descriptor_pool.Default()
+    # All differences are listed, since one of them alone rarely shows which copy of the protos was loaded.
     differences = [
         *_differences(messages, lambda name: describe(pool.FindMessageTypeByName(name))),
         *_differences(enums, lambda name: describe_enum(pool.FindEnumTypeByName(name))),

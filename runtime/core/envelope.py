@@ -21,6 +21,7 @@ def restore(datagram: bytes) -> bytes:
     come back unchanged or extended; parsing them fails afterwards.
     """
     end = 0
+    # Only lengths are followed, nothing is parsed: the schema of the payload plays no role.
     for field in fields(datagram):
         end = field.end
     if end > len(datagram):

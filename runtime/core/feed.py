@@ -44,6 +44,7 @@ class Feed(Handler[P, M]):
         """Serialize the message of a payload. Raises `ConversionError` that names row, topic and field."""
         try:
             return self.pack(payload, stamp)
+        # The fast path gives no field name. Repeat on the slow path, which does; this happens only for errors.
         except MISFITS:
             pass
         try:

@@ -170,5 +170,6 @@ class Handler(ABC, Generic[P, M]):
 
     def _named(self, error: Exception) -> ConversionError:
         """Prefix an error with the row's name, as part of the field's path if it has one."""
+        # "imu_info.accel_x: ..." for a field, "imu_info: ..." for an error of the whole message.
         names_field = isinstance(error, ConversionError) and error.field
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")

@@ -122,6 +122,7 @@ def cached_by_type(function: Callable[P, R]) -> Callable[P, R]:
 
     mypy does not accept a message class as hashable, so the typed `cache` would reject the calls.
     """
+    # Message classes are few and live as long as the process, so an unbounded cache is safe.
     remembered: Callable[..., R] = cache(function)
     return remembered
 
@@ -132,6 +133,7 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
 
     Raises `TypeError` if an annotation is not a ROS type.
     """
+    # `from __future__ import annotations` makes them strings; get_type_hints evaluates them in the class's module.
     hints = get_type_hints(message_type, include_extras=True)
     return tuple(
         Field(name, type_of(hint))

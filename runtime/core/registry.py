@@ -93,6 +93,7 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
     try:
         registry = importlib.import_module(f"{package}.registry").REGISTRY
         check: Callable[[], None] = importlib.import_module(f"{package}.checks").check
+    # VersionError: the protobuf runtime is older than the one that generated the modules. TypeError: descriptors clash.
     except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
         if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
             where = project if project is not None else "the import path"
@@ -117,6 +118,8 @@ def _put_first(project: Path, package: str) -> None:
     for name in itertools.accumulate(package.split("."), "{}.{}".format):
         folder /= name.rpartition(".")[2]
         loaded = [Path(path).resolve() for path in getattr(sys.modules.get(name), "__path__", [folder])]
+        # Python keeps modules by name. A second project with the same package name would silently get the first one's
+        # code.
         if folder not in loaded:
             what = "generated code" if name == package else f"package {name}"
             where = ", ".join(map(str, loaded))

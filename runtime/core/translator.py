@@ -154,6 +154,7 @@ class Translator:
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         if not numbers:
             return DatagramError(Reason.EMPTY, f"the {self._name} has no payload ({len(datagram)} bytes)")
+        # With several members on the wire, the last one wins (protobuf encoding, "Last One Wins").
         number = numbers[-1]
         retired = self._registry.retired.get(number)
         explained = f"{number} (retired: {retired})" if retired else str(number)
@@ -167,6 +168,7 @@ class Translator:
             return DatagramError(
                 Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name}); the table does not bridge it"
             )
+        # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:
             speakers = ", ".join(sorted(self._peers or ()))
             return DatagramError(

@@ -36,6 +36,7 @@ def fields(data: bytes) -> Iterator[Field]:
     that were stripped.
     """
     position = 0
+    # A zero byte cannot start a field, so it ends the envelope: the rest is padding.
     while position < len(data) and data[position]:
         tag, position = varint(data, position)
         number, wire_type = tag >> 3, tag & 7
@@ -63,6 +64,7 @@ def varint(data: bytes, position: int) -> tuple[int, int]:
     """Return the varint at a position and the position after it; bytes after the data count as stripped zeros."""
     value = 0
     for index in range(_MAX_VARINT):
+        # Stripped zeros at the end count as present: the last byte of a varint may have been one of them.
         byte = data[position + index] if position + index < len(data) else 0
         value |= (byte & 0x7F) << (7 * index)
         if not byte & 0x80:

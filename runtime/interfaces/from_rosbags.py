@@ -52,6 +52,7 @@ def _store() -> Typestore:
         raise SetupError(
             "standard ROS 2 types need the rosbags package; install it with `pip install 'roverlink[standard]'`"
         ) from error
+    # Some standard messages differ between distributions, and with them their type hashes.
     distribution = os.environ.get("ROS_DISTRO", "humble").upper()
     return get_typestore(getattr(Stores, f"ROS2_{distribution}", Stores.ROS2_HUMBLE))
 

@@ -22,6 +22,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
+    # Imports are inside the branches: rclpy and Cyclone DDS are optional and slow to import.
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
 

@@ -76,11 +76,13 @@ class RawWriter:
         accepted = 0
         whole = [sample + _PADDING[len(sample) % _WORD] for sample in samples]
         for code in map(ddspy_write, repeat(self._reference), whole):
+            # max_blocking_time is 0 (`dds_qos`), so a full queue of a reliable writer returns at once with a timeout.
             if code == DDSException.DDS_RETCODE_TIMEOUT:
                 break
             if code < 0:
                 raise MiddlewareError(f"Cyclone DDS cannot write on {self._topic}: {DDSException(code)}")
             accepted += 1
+        # One packet and one wake-up of the subscriber for the whole batch, see "Batching" above.
         _flush(self._reference)
         return accepted
 

@@ -124,8 +124,10 @@ class DdsMiddleware:
         if not self._open:
             return
         self._open = False
+        # The guard condition wakes the taking thread, which else waits without a limit.
         self._stopped.set(True)
         self._thread.join()
+        # One deadline for all writers together: leaving must not take longer with more topics.
         deadline = time.monotonic() + _LEAVE_S
         for writer in self._writers:
             writer.wait_for_acknowledgement(max(0.0, deadline - time.monotonic()))
@@ -167,6 +169,8 @@ def _domain_id() -> int:
 
 def _configure(domain_id: int) -> None:
     """Restrict the domain to this host if ROS 2's environment asks for it and CYCLONEDDS_URI is not set."""
+    # A user's own configuration has priority. ROS_LOCALHOST_ONLY is the variable up to Humble, the range is from Iron
+    # on.
     users_own = os.environ.get("CYCLONEDDS_URI", "")
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
     local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach == "LOCALHOST"

@@ -26,6 +26,7 @@ from roverlink.runtime.middleware.protocol import NodeIdentity
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
 _GUID_BYTES = 16
 _LONG_GID_BYTES = 24
+# Transient local, so that nodes and tools that start later get it too.
 _QOS = Qos(durability="transient_local", depth=1)
 
 

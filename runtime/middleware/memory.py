@@ -29,6 +29,7 @@ class MemoryPublisher:
 
     def publish(self, messages: Sequence[bytes], /) -> int:
         """Pass the messages to each subscriber."""
+        # A copy: a callback may subscribe or unsubscribe.
         for callback in tuple(self._callbacks):
             callback(messages)
         return len(messages)

@@ -51,6 +51,7 @@ class FoxgloveServer:
         wanted, log, now = channel.has_sinks, channel.log, time.time_ns
 
         def tap(messages: Sequence[bytes]) -> None:
+            # Checked for each batch, since viewers come and go.
             if wanted():
                 for message in messages:
                     log(message, now())

@@ -56,6 +56,7 @@ class LatencyProbe:
             start = now()
             handle(batch)
             took = now() - start
+            # No lock: only the receiving thread writes, and a reader may see a count that is one batch old.
             counts[bisect_left(BOUNDS_S, took)] += len(batch)
             self._sum_s += took * len(batch)
 

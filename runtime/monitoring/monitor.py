@@ -100,6 +100,7 @@ class Monitor:
         lost = account.dropped.total() + account.refused.total() + account.unsent.total()
         lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
         self._samples.append(_Sample(now, crossed, dropped, account.received, lost))
+        # Keep one sample older than the window, so that rates cover the whole window.
         while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
             self._samples.popleft()
 
@@ -173,6 +174,7 @@ def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[
     if age is None or age > silence:
         since = "no message yet" if age is None else f"silent for {age:.1f} s"
         return Level.STALE, f"{since}; {expected:g}/s expected"
+    # Below 1.5 Hz the window of two seconds holds too few messages to judge a rate; only silence counts then.
     if rate < _LOW * expected and expected * WINDOW_S >= _SILENT_PERIODS:
         return Level.WARN, f"{rate:.1f}/s; {expected:g}/s expected"
     return Level.OK, ""

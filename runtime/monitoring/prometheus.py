@@ -29,6 +29,7 @@ Samples = list[tuple[Mapping[str, Any], float]]
 
 def text_of(state: State) -> str:
     """Return all metrics of a state in the Prometheus text format."""
+    # A new registry for each scrape: the global one would add metrics of this process, and two bridges would clash.
     registry = CollectorRegistry()
     registry.register(_StateCollector(state))
     return generate_latest(registry).decode()

@@ -49,6 +49,7 @@ class Destination:
     def send_all(self, datagrams: Sequence[bytes]) -> list[OSError]:
         """Send datagrams in order; return the errors of those that the network refused."""
         refusals: list[OSError] = []
+        # UDP_SEGMENT cuts into datagrams of one size, so only neighbours of equal size can go together, in order.
         for size, run in groupby(datagrams, len):
             same_size = list(run)
             if len(same_size) > 1 and self._send_as_one(same_size, size):
@@ -70,6 +71,7 @@ class Destination:
 
     def _send_as_one(self, same_size: list[bytes], size: int) -> bool:
         """Send datagrams of one size with one system call. Return false if it failed; then none of them was sent."""
+        # A segment size of 0 would mean "no segmentation", and empty datagrams would become one.
         if not self._can_segment or size == 0:
             return False
         try:

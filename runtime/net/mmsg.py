@@ -71,6 +71,7 @@ class BatchReader:
         if count >= 0:
             return count
         code = ctypes.get_errno()
+        # Nothing has arrived, or a signal came first: both mean that there is nothing to read now.
         if code in (errno.EAGAIN, errno.EINTR):
             return 0
         raise OSError(code, os.strerror(code))

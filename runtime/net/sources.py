@@ -45,6 +45,7 @@ class _Source:
         """Take one token; return false if the bucket is empty."""
         if self.rate == math.inf:
             return True
+        # Token bucket: tokens flow in at `rate`, and at most `burst` are kept.
         self.allowance = min(self.burst, self.allowance + (now - self.at) * self.rate)
         self.at = now
         if self.allowance < 1:
@@ -94,6 +95,7 @@ class SourceGate:
         rate = max(rates, default=math.inf)  # an address of several peers gets the highest of their rates
         burst = max(_SMALLEST_BURST, rate * _BURST_S)
         source = self._known[address] = _Source(frozenset(peers), rate, burst, burst, now)
+        # The least recently used address goes: `move_to_end` above keeps the order of use.
         if len(self._known) > _REMEMBERED:
             self._known.popitem(last=False)
         return source

@@ -71,6 +71,7 @@ def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str
 
 
 def _size_receive_buffer(sock: socket.socket, size: int) -> None:
+    # Before bind(), so that no datagram arrives while the buffer is still small.
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
     if sys.platform == "linux" and receive_buffer(sock) < size:
         # SO_RCVBUFFORCE exceeds net.core.rmem_max but needs CAP_NET_ADMIN. Others get a warning about the difference.
@@ -195,6 +196,7 @@ class Receiver(Generic[T]):
         poll.register(self._woken, select.POLLIN)
         try:
             while not self._stopping:
+                # Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
                 poll.poll()
                 self._handle_burst()
             self._drain()
@@ -206,6 +208,7 @@ class Receiver(Generic[T]):
         more = True
         while more and not self._stopping:
             datagrams = self._read()
+            # Fewer than the slots: the socket was empty. Poll again instead of a read that returns nothing.
             more = len(datagrams) == _SLOTS
             self._handle_in_batches(datagrams)
 

@@ -56,6 +56,7 @@ class Adapter:
         Raises `DatagramError` for a payload whose number means another payload today.
         """
         numbers = envelope.payload_numbers(envelope.restore(datagram))
+        # The last member of the oneof wins, as in `Translator`.
         if not numbers or numbers[-1] in self._same or numbers[-1] not in self._recorded.DESCRIPTOR.fields_by_number:
             return datagram  # not understood in the recording either: keep the bytes
         if numbers[-1] in self.refused:
@@ -122,6 +123,7 @@ def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset
 
 def _copy_by_name(then: Any, now: Any) -> None:
     """Copy fields by name as far as the values fit today's types."""
+    # An empty message is still present: a payload without fields selects its oneof member.
     now.SetInParent()
     for field, value in then.ListFields():
         target = now.DESCRIPTOR.fields_by_name.get(field.name)

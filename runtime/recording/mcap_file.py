@@ -107,6 +107,7 @@ class McapFile:
         """Messages on disk, by channel."""
         self._compression = "" if compression == "none" else compression
         self._zstd = zstandard.ZstdCompressor(_ZSTD_LEVEL)
+        # Exclusive creation never overwrites a recording. Unbuffered, because chunks are large already.
         self._file = path.open("xb", buffering=0)
         self._schemas: dict[tuple[str, bytes], records.Schema] = {}
         self._channels: list[records.Channel] = []
@@ -146,6 +147,7 @@ class McapFile:
         """Write the chunk and wait until the disk has stored it. Raises `OSError`."""
         if self._chunk.size:
             self._write_chunk()
+            # fdatasync and not fsync: the file's times need not reach the disk, its size and data do (fsync(2)).
             os.fdatasync(self._file.fileno())
 
     def finish(self) -> None:
@@ -172,6 +174,7 @@ class McapFile:
             while rest:
                 rest = rest[self._file.write(rest) :]
         except OSError:
+            # A record that was written in part would make the rest of the file unreadable.
             self._file.truncate(self.size)
             self._file.seek(self.size)
             raise

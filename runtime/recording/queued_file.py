@@ -64,6 +64,7 @@ class QueuedFile:
         number, waiting, now = channel.id, self.waiting, time.time_ns
 
         def tap(messages: Sequence[bytes]) -> None:
+            # Checked once for each batch, so the queue may exceed the limit by one batch.
             if len(waiting) >= self.limit:
                 self.lost[number] += len(messages)
                 return
@@ -75,6 +76,7 @@ class QueuedFile:
 
     def take(self) -> None:
         """Write the waiting messages to the file, and begin the next part if this one is large enough."""
+        # Only as many as wait now: a fast producer must not keep this loop going forever.
         entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
         if not entries:
             return

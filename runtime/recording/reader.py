@@ -119,6 +119,7 @@ class RecordingFile:
                 found.append(self._message(body, contents))
             else:
                 self._note(opcode, body, contents)
+        # Two threads fill a chunk, so its messages are only nearly in order.
         return sorted(found, key=itemgetter(0))
 
     def _plain(self, chunk: records.Chunk) -> bytes:
@@ -188,6 +189,7 @@ def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator
         file.seek(0)  # these are the bytes of a chunk, which have no magic
     while len(head := file.read(_RECORD.size)) == _RECORD.size:
         opcode, length = _RECORD.unpack(head)
+        # The closing magic, or a record cut short by a kill.
         if head[:8] == mcap_file.MAGIC or length > size - file.tell():
             return
         if opcode in skip:

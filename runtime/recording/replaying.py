@@ -121,6 +121,7 @@ class RosReplay(_Replay):
                 self._add(topic, channel, commands)
 
     def _add(self, topic: str, channel: Channel, commands: bool) -> None:
+        # Safety: replaying a drive command would move the rover, so it needs an explicit option.
         if channel.metadata.get("direction", "").startswith("ros_to_") and not commands:
             self.left_out.append(topic)
             return

@@ -23,6 +23,7 @@ def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
 def _add(file: Any, files: dict[str, descriptor_pb2.FileDescriptorProto]) -> None:
     if file.name in files:
         return
+    # Imports first: a DescriptorPool accepts a file only after the files that it imports.
     for imported in file.dependencies:
         _add(imported, files)
     files[file.name] = descriptor_pb2.FileDescriptorProto()

@@ -77,6 +77,7 @@ def write_parquet(rows: Iterator[Row], path: Path) -> int:
         ) from error
     written, writer = 0, None
     try:
+        # range first: zip would otherwise take a row from the iterator and drop it at the end of a batch.
         while batch := [row for _, row in zip(range(_BATCH), rows)]:
             table = pyarrow.Table.from_pylist(batch, schema=writer.schema if writer else None)
             writer = writer or pyarrow.parquet.ParquetWriter(path, table.schema)

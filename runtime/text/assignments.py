@@ -69,6 +69,7 @@ def _nested(descriptor: Any, name: str, path: str) -> Any:
 
 def _field_value(field: Any, value: Any, path: str) -> Any:
     """Return the value in the form that the payload's class accepts."""
+    # A path has no way to write a map's keys.
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
         raise ConversionError("it is a map, which cannot be assigned here", path)
     if not field.is_repeated:

@@ -76,6 +76,7 @@ def _from_value(field_type: FieldType, value: Any, path: str) -> Any:
             value = _float(value)
         if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
             raise ConversionError(f"{value!r} is not a valid {field_type.name}", path)
+        # YAML reads 1 as an int; `struct` would accept it, but equal messages should have equal values.
         return float(value) if field_type.format in "fd" else value
     if isinstance(field_type, Text):
         if not isinstance(value, str):

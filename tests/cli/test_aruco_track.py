@@ -112,7 +112,7 @@ def test_a_landmark_that_was_moved_is_named(field: Field, tmp_path: Path, capsys
     assert main(field.words("--json", "--landmarks", moved)) == 0
     told = capsys.readouterr()
     assert all(json.loads(line)["camera"]["rejected"] == [9] for line in told.out.splitlines())
-    assert told.err.count("9 is not where the landmarks say, and is left out") == 1
+    assert told.err.count("9 is not at the position in the landmarks file") == 1
 
 
 def test_a_film_is_saved_without_ros(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -146,7 +146,7 @@ def test_another_image_size_is_refused_or_scaled(
     assert "for images of 640x480 pixels, but these have 480x360; calibrate at this size" in capsys.readouterr().err
     assert main([*words, "--rescale"]) == 0
     told = capsys.readouterr()
-    assert "are scaled from images of 640x480 pixels to 480x360" in told.err
+    assert "were scaled from images of 640x480 pixels to 480x360" in told.err
     assert field.off(0, json.loads(told.out)["camera"]["position"]) < 0.02
 
 
@@ -209,7 +209,7 @@ def test_landmarks_have_to_be_what_can_be_seen(
     wall = tmp_path / "wall.yaml"
     wall.write_text("landmarks: {wall: {position: [0, 0, 0], rpy: [0, 0, 0]}}")
     assert main(field.words("--json", "--landmarks", wall)) == 2
-    assert "there is no board 'wall'" in capsys.readouterr().err
+    assert "landmark 'wall' is not a known board" in capsys.readouterr().err
 
 
 def test_a_board_is_one_landmark(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -50,16 +50,16 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     code, output, errors = done("demo", "--seconds", 3, "--middleware", middleware)
     assert code == 0, output
     # where the processor is shared with many, commands come late, which the bridge has to say
-    assert [line for line in errors.splitlines() if not line.endswith("told to stop")] == []
+    assert [line for line in errors.splitlines() if not line.endswith("sends the stop to the peer")] == []
     summary = re.search(r"21 of 21 messages were bridged, (\d+) times in all; (\d+) datagrams were forwarded", output)
     assert summary
     assert int(summary[1]) >= 21
     assert int(summary[2]) >= 12
-    account = re.search(r"the bridge says: received (\d+), published (\d+), sent (\d+), forwarded (\d+)", output)
+    account = re.search(r"counters of the bridge: received (\d+), published (\d+), sent (\d+), forwarded (\d+)", output)
     assert account
     assert int(account[1]) == int(account[2]) > 0
-    assert "did not cross" not in output
-    seen = re.search(r"found itself on the field in (\d+) frames by 4 landmarks, never more than (\d+) mm", output)
+    assert "not bridged" not in output
+    seen = re.search(r"located itself in (\d+) frames with 4 landmarks; largest error (\d+) mm", output)
     if importlib.util.find_spec("cv2"):
         assert seen
         assert int(seen[1]) > 0
@@ -76,7 +76,7 @@ def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixtur
     assert main(["demo", "--seconds", "0", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
     assert "0 of 21 messages were bridged" in output
-    missing = output.partition("did not cross: ")[2].replace("\n", " ")
+    missing = output.partition("not bridged: ")[2].replace("\n", " ")
     assert [name.strip() for name in missing.split(",")] == [handler.route.name for handler in REGISTRY.handlers]
 
 
@@ -96,7 +96,7 @@ def test_a_single_message_that_does_not_cross_is_exit_code_1(
     assert main(["demo", "--seconds", "1", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
     assert "20 of 21 messages were bridged" in output
-    assert "did not cross: gps_info" in output
+    assert "not bridged: gps_info" in output
 
 
 # --- its parts --------------------------------------------------------------------------------------------------

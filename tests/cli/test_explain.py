@@ -96,7 +96,7 @@ def test_rules_need_no_table(tmp_path: Path, done: Start) -> None:
     """A rule is explained anywhere; a row, where there is none, is not."""
     assert done("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
     code, _, errors = done("explain", "imu_info", folder=tmp_path)
-    assert (code, "no mapping.yaml" in errors) == (2, True)
+    assert (code, "mapping.yaml does not exist" in errors) == (2, True)
 
 
 def test_what_no_number_can_be_is_told(project: Path, done: Start) -> None:

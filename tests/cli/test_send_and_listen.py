@@ -171,8 +171,8 @@ def test_what_is_no_payload_is_a_line_as_well(start: Start) -> None:
     _send(port, b"\xff" * 5, bytes.fromhex("ca01"), b"", bytes.fromhex("6a"), bytes.fromhex("6a00") + bytes(9))
     assert program.end() == 0
     lines = [json.loads(line) for line in program.output]
-    assert lines[0]["error"].startswith("no PBEnvelope in 5 bytes")
-    assert (lines[1]["error"], lines[1]["bytes"]) == ("no known payload among [25]", 2)
+    assert lines[0]["error"].startswith("not a valid PBEnvelope: 5 bytes")
+    assert (lines[1]["error"], lines[1]["bytes"]) == ("unknown payload numbers [25]", 2)
     assert (lines[2]["error"], lines[2]["bytes"]) == ("empty", 0)
     assert [line["name"] for line in lines[3:]] == ["imu_info", "imu_info"]
 

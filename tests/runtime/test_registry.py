@@ -187,9 +187,18 @@ def test_descriptors_that_agree_pass() -> None:
             (*_WHOLE[:2], "3 numbers fixed64", _WHOLE[3]),
             ["the generated code has '3 numbers fixed64'", "the loaded module has '3 numbers repeated fixed64'"],
         ),
-        ((*_WHOLE[:3], "8 later sint32"), ["the generated code has '8 later sint32'", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], "9 after sint32"), ["the generated code has '9 after sint32'", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], "9 later int32"), ["the generated code has '9 later int32'", "'9 later sint32' is loaded"]),
+        (
+            (*_WHOLE[:3], "8 later sint32"),
+            ["the generated code has '8 later sint32'", "the loaded module has '9 later sint32'"],
+        ),
+        (
+            (*_WHOLE[:3], "9 after sint32"),
+            ["the generated code has '9 after sint32'", "the loaded module has '9 later sint32'"],
+        ),
+        (
+            (*_WHOLE[:3], "9 later int32"),
+            ["the generated code has '9 later int32'", "the loaded module has '9 later sint32'"],
+        ),
     ],
     ids=["one more", "one less", "not repeated", "other number", "other name", "other encoding"],
 )

@@ -56,6 +56,7 @@ class CharucoBoard:
                 f"{self.dictionary} has only {there} markers, but {self.columns}x{self.rows} squares need {needed}"
             )
         board = cv2.aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, bits)
+        # OpenCV 4.6 changed the pattern of boards with an even number of rows.
         board.setLegacyPattern(self.legacy)
         object.__setattr__(self, "_opencv", board)
 

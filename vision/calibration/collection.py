@@ -117,6 +117,7 @@ class Collection:
         return ""
 
     def _traits(self, view: View) -> Traits:
+        # Before the first view is taken there is no camera yet; a rough one is good enough to judge tilt and distance.
         camera = self._camera or rough_camera([view], self.board)
         pose, _ = rough_pose(view, self.board, camera)
         return traits(view, pose, camera.project(pose.apply(self.board.outline)))

@@ -79,6 +79,7 @@ def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> R
         np.linalg.norm(residuals(view, board, estimate.camera, pose), axis=1)
         for view, pose in zip(views, estimate.poses)
     )
+    # Medians, because outliers are not yet removed here.
     known = float(np.median(np.concatenate([view.sigmas for view in views])))
     seen = float(np.nanmedian(np.concatenate(lengths))) / _RAYLEIGH_MEDIAN
     shared = max(seen**2 - known**2, 0.0)

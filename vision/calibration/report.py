@@ -72,6 +72,7 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        # A misspelt name in a template must fail, not print an empty cell.
         undefined=StrictUndefined,
     )
     coverage, size = _coverage(calibration, board), calibration.views[0].view.size

@@ -69,6 +69,7 @@ def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Esti
     before: Choice | None = None
     for _ in range(_ROUNDS):
         choice = choose(measure(views, board, estimate))
+        # Selecting and adjusting can alternate between two selections; `_ROUNDS` limits that.
         if choice.same(before):
             break
         check_count(len(choice.kept), len(views))
@@ -126,6 +127,7 @@ def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floa
     said = [information(linearizations) for linearizations in linearise(observations, estimate)]
     normal = np.sum([matrix for matrix, _ in said], axis=0)
     scale = 1 / np.sqrt(normal.diagonal())
+    # Scaled to a unit diagonal first: pixels and distortion coefficients differ by many orders of magnitude.
     root = np.linalg.inv(np.linalg.cholesky(normal * scale[:, None] * scale)) * scale  # root.T @ root: normal's inverse
     sides = np.stack([root @ side for _, side in said])
     disagreement = sides.T @ sides * len(said) / max(len(said) - len(normal), 1)

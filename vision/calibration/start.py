@@ -31,6 +31,7 @@ def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) 
 def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = False) -> CameraParameters:
     """Return the ideal camera of `FOCALS` that fits the views best; for a single view, the one of `GUESS`."""
     size = views[0].size
+    # With one view, a longer focal length and a larger distance look the same.
     if len(views) < 2:  # one view fits nearly any focal length
         return ideal_camera(GUESS * size[0], size, fisheye=fisheye)
     some = views[:: -(-len(views) // _SOME)]

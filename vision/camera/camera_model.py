@@ -78,6 +78,7 @@ class CameraParameters:
             miss = wanted - bent
             if np.abs(miss).max(initial=0) < _CONVERGED:
                 break
+            # Cramer's rule for all 2x2 systems at once.
             determinant = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
             step_x = slope[..., 1, 1] * miss[..., 0] - slope[..., 0, 1] * miss[..., 1]
             step_y = slope[..., 0, 0] * miss[..., 1] - slope[..., 1, 0] * miss[..., 0]

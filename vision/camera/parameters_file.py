@@ -87,6 +87,7 @@ def write_parameters(path: Path, camera: CameraParameters, facts: Mapping[str, F
         entries["image_width"], entries["image_height"] = camera.size
     entries["camera_matrix"] = camera.matrix
     entries["distortion_model"] = model_name(camera)
+    # OpenCV and ROS both expect coefficients; five zeros mean no distortion.
     none = np.zeros(max(_MODELS[PLUMB_BOB]))
     entries["distortion_coefficients"] = (camera.distortion if camera.distortion.size else none).reshape(1, -1)
     entries |= facts or {}

@@ -58,6 +58,7 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
         for one in known
         for solution in one.sighting.solutions
     ]
+    # Best start first: usually it explains all landmarks, and the loop ends after it.
     starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
     best: tuple[float, Pose, list[_Known]] | None = None
     for start in starts[:_TRIED]:
@@ -151,6 +152,7 @@ def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
         if not np.isfinite(chi2) or not np.linalg.cond(normal) < _SINGULAR:
             return None
         change = np.linalg.solve(normal, right)
+        # Line search: far from the solution a full Gauss-Newton step can overshoot.
         for part in (1.0, 0.5, 0.25, 0.1):
             moved = pose.moved(part * change)
             trial = _normal(used, moved)

@@ -88,6 +88,7 @@ class LiveSource:
         there, image = self._capture.retrieve()
         if not there:
             return False
+        # Some cameras deliver grey images; the rest of the program expects BGR.
         if image.ndim == 2:
             image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         with self._news:

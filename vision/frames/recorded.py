@@ -60,6 +60,7 @@ class VideoFile(_Recorded):
         self._capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
         if not self._capture.isOpened():
             raise SetupError(f"{path}: cannot open the file as a video")
+        # OpenCV would else rotate frames by the file's metadata.
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         total = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0) or None
         super().__init__(str(path), rate_of(self._capture), total)

@@ -33,6 +33,7 @@ class Film:
         if not path.resolve().parent.is_dir():
             raise SetupError(f"{path}: the folder does not exist")
         self._path, self._rate = path, rate
+        # The suffix stays at the end, because OpenCV chooses the container by it.
         self._part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
         self._writer: Any = None
         self._size = (0, 0)

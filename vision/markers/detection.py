@@ -111,5 +111,6 @@ def _parameters(windows: tuple[int, int, int], longest: int) -> Any:
     parameters.adaptiveThreshWinSizeMax = windows[1]
     parameters.adaptiveThreshWinSizeStep = windows[2]
     parameters.perspectiveRemovePixelPerCell = CELL
+    # OpenCV wants the perimeter relative to the longer side of the image.
     parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
     return parameters

@@ -168,6 +168,7 @@ def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome
     level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
     residuals = pixels.grey - (level[:, None] @ light)[:, 0]
     contrast = level[:, 3, None] + (level[:, None, 4:] @ square)[:, 0]
+    # Variable projection: brightness is solved linearly first, then all unknowns take one step together.
     design[:, :9] *= contrast[:, None]
     weights = _weights(residuals, pixels.real)
     weighted = design * weights[:, None]

@@ -31,6 +31,7 @@ class Flips:
         """Return the index of the true pose among at most two solutions, best first; `stamp` is in nanoseconds."""
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
+        # Relative to the best solution, so that noise common to both cancels.
         misfits = [old + min(one.chi2 - solutions[0].chi2, LARGEST) for one, (_, old) in zip(solutions, before)]
         least = min(misfits)
         self._followed = [(one.pose, misfit - least) for one, misfit in zip(solutions, misfits)]

@@ -109,6 +109,7 @@ class Tracker:
         Raises `SetupError` if the image's size is not that of the camera's calibration.
         """
         grey = self._grey(image)
+        # A looped recording or a changed clock: predictions across the jump would be wrong.
         if stamp < self._stamp:
             self.reset()
         self._stamp = stamp

@@ -195,6 +195,7 @@ def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
         normal = places.normal()
         usable = _invertible(normal)
         covariance = np.linalg.inv(np.where(usable[:, None, None], normal, np.eye(6)))
+    # A nearly singular matrix can have an inverse with negative variances.
     usable &= covariance.diagonal(axis1=1, axis2=2).min(axis=1) > 0
     covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
     error = np.sqrt((places.missed**2).sum(axis=2).mean(axis=1))

@@ -26,6 +26,7 @@ def to_png(sheet: Sheet, dpi: float) -> bytes:
         raise SetupError(f"the image would have {width}x{height} pixels; write a PDF, or use fewer than {dpi:g} DPI")
     image = np.full((height, width), 255, np.uint8)
     for one in sheet.rectangles:
+        # Round the edges, not the widths, so that neighbours share an edge without gaps.
         left, right = round(one.left * scale), round((one.left + one.width) * scale)
         top, bottom = round(one.top * scale), round((one.top + one.height) * scale)
         image[top:bottom, left:right] = 0

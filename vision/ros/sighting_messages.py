@@ -104,6 +104,7 @@ def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.Co
 
 
 def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
+    # False sorts before True: the chosen pose comes first.
     ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
     results = [
         vision_msgs.ObjectHypothesisWithPose(

@@ -28,6 +28,7 @@ def parts(payload: Payload, field: str) -> tuple[int, int]:
             f"{seconds} seconds and {nanoseconds} nanoseconds have different signs, which protobuf does not allow",
             field,
         )
+    # Borrow a second, since ROS 2 stores nanoseconds as uint32.
     if nanoseconds < 0:
         seconds, nanoseconds = seconds - 1, nanoseconds + NANOSECONDS
     check_time(seconds, nanoseconds, field)

@@ -20,6 +20,7 @@ from roverlink.runtime.core.errors import ConversionError
 def text_of(read: Callable[[Any], object], payload: Struct | Value | ListValue, field: str) -> str:
     """Write a payload as JSON with sorted keys. Raises `ConversionError` if JSON cannot hold a value."""
     try:
+        # Keys are sorted: a protobuf map has no order, and equal payloads must give equal messages.
         return json.dumps(read(payload), ensure_ascii=False, sort_keys=True, allow_nan=False)
     except ValueError as error:
         raise ConversionError(f"cannot be JSON: {error}", field) from error

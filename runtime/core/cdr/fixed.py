@@ -49,6 +49,7 @@ def layout(primitives: list[Primitive]) -> str:
     """
     position, parts = 0, []
     for primitive in primitives:
+        # XTypes 1.3, 7.4.1: alignment is that of the primitive, counted from the start of the body.
         padding = -position % primitive.size
         parts.append(f"{padding}x" if padding else "")
         parts.append(primitive.format)
@@ -85,6 +86,7 @@ def fixed_codec(message_type: type[M], order: str, leaves: list[Leaf]) -> Codec[
         return packer.pack(LITTLE_ENDIAN, *values)
 
     def decode_fixed(data: bytes) -> M:
+        # unpack_from ignores bytes after the end, which padding may add.
         values = iter(packer.unpack_from(data))
         next(values)
         message: M = build(values)

@@ -31,6 +31,7 @@ def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionErr
             found = _value_misfit(field_type.element, element, f"{path}[{index}]")
             if found is not None:
                 return found
+    # `struct` reports only that some value of the whole format failed. Writing them one by one finds the field.
     try:
         part_of(field_type, "<").write(bytearray(), value)
     except UNWRITABLE as error:

@@ -68,6 +68,7 @@ class _Walk:
                 position = stretch.end
 
     def _value(self, type: FieldType, value: Any, position: int, path: str) -> Iterator[_Stretch]:
+        # A path varies with everything below it: the whole vector for `angular_velocity`.
         varies = any(path == other or path.startswith(f"{other}.") for other in self._varying)
         if isinstance(type, Primitive):
             start = position + -position % type.size

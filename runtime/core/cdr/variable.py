@@ -42,6 +42,7 @@ class _Reader:
         return values
 
     def take(self, count: int) -> bytes:
+        # A corrupt length must not allocate gigabytes: check it against the data that is left.
         if count > len(self.body) - self.position:
             raise struct.error(f"{count} bytes wanted, {len(self.body) - self.position} left")
         taken = bytes(self.body[self.position : self.position + count])
@@ -113,6 +114,7 @@ def part_of(field_type: FieldType, order: str) -> Part:
     return _message_part(field_type, order)
 
 
+# Positions count from the end of the header, and a body starts empty, so its length is the position.
 def _write_aligned(body: bytearray, alignment: int, data: bytes) -> None:
     body += b"\0" * (-len(body) % alignment)
     body += data
@@ -140,6 +142,7 @@ def _text_part(text: Text, order: str) -> Part:
 
     def read(reader: _Reader) -> str:
         size: int = count.read(reader)
+        # The count includes the NUL. An empty string is a count of 1 and the NUL.
         return reader.take(size)[:-1].decode()
 
     return Part(write, read)

@@ -81,7 +81,7 @@ class PageServer(HttpServer):
         """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
 
         class Handler(_Handler):
-            backend = backend
+            page = backend
 
         super().__init__(address, port, "page", Handler, _Server)
         host = _NAME if address in _EVERYWHERE else address
@@ -115,7 +115,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    backend: PageBackend
+    page: PageBackend
     protocol_version = "HTTP/1.1"
     timeout = _TIMEOUT_S
 
@@ -139,18 +139,18 @@ class _Handler(BaseHTTPRequestHandler):
                 HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY}
             )
         if address.path == "/state":
-            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.backend.state(int(after))).encode())
+            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.page.state(int(after))).encode())
         if address.path == "/picture":
             return self._picture(int(after))
-        if address.path == "/report" and (text := self.backend.report()) is not None:
+        if address.path == "/report" and (text := self.page.report()) is not None:
             return _Answer(HTTPStatus.OK, _TYPES[".html"], text.encode(), {"Content-Security-Policy": _REPORT_POLICY})
         match = _VIEW.fullmatch(address.path)
-        if match and not match[2] and (jpeg := self.backend.thumbnail(int(match[1]))) is not None:
+        if match and not match[2] and (jpeg := self.page.thumbnail(int(match[1]))) is not None:
             return _Answer(HTTPStatus.OK, "image/jpeg", jpeg)
         return _Answer(HTTPStatus.NOT_FOUND, body=b"not found\n")
 
     def _picture(self, after: int) -> _Answer:
-        newest = self.backend.picture(after)
+        newest = self.page.picture(after)
         if newest is None:
             return _Answer(HTTPStatus.NO_CONTENT)
         number, jpeg = newest
@@ -165,7 +165,7 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             return _Answer(HTTPStatus.NOT_FOUND, body=b"unknown action\n")
         try:
-            self.backend.act(action, view)
+            self.page.act(action, view)
         except RoverlinkError as error:
             return _Answer(HTTPStatus.CONFLICT, body=str(error).encode())
         return _Answer(HTTPStatus.NO_CONTENT)
