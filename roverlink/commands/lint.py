@@ -43,7 +43,7 @@ def add(commands: Subparsers) -> None:
         type=Path,
         const=True,
         metavar="REPO",
-        help="check every state in git's history, on all branches; REPO is a tree without mapping.yaml",
+        help="check every state in git's history, on all branches; name REPO for a tree without mapping.yaml",
     )
     parser.add_argument(
         "--branches", action="store_true", help="find numbers that two open branches use for different payloads"

@@ -35,7 +35,7 @@ def add(commands: Subparsers) -> None:
         "--record",
         type=Path,
         metavar="FILE",
-        help="record the run to FILE (such as run.mcap), or in this folder to a file named by the time",
+        help="record the run to FILE, such as run.mcap; in a folder, the file is named by the time",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)

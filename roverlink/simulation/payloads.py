@@ -43,7 +43,7 @@ def payload_at(payload_type: type[P], seconds: float) -> P:
 
 
 def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
-    """Fill a payload; ``inside`` are the types around it, which it does not contain again (recursive messages)."""
+    """Fill a payload; fields of the types ``inside``, which contain it, stay empty, so that recursion ends."""
     inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
         message = field.message_type

@@ -82,7 +82,7 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
     """Import the generated registry and check that it matches the loaded descriptors.
 
     ``project`` is the folder of the table; without it, the package comes from the import path. ``package`` is the
-    import name of the generated package, the table's key ``python``.
+    import name of the generated package (key ``python.package`` of the table).
 
     Raises `RegistryError` if there is no generated code, if it does not import, if a package of the same name from
     another project is loaded (two projects in one process need two names), or if a loaded descriptor differs from the

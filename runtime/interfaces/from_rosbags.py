@@ -81,5 +81,5 @@ def _annotation(definition: Any) -> Any:
 
 def _text(base: str, bound: int) -> Any:
     if base == "wstring":
-        raise SetupError("wide strings (wstring) are not supported")
+        raise SetupError("the message type has a wide string (wstring), which is not supported")
     return Annotated[str, Bound(bound)] if bound else str

@@ -176,7 +176,8 @@ def test_a_number_that_is_another_thing_today_is_not_replayed(tmp_path: Path) ->
     recording = _record(tmp_path / "run.mcap", older, older(motor_temperature={}).SerializeToString())
     replay = BoardReplay(recording, REGISTRY)
     assert list(replay.messages()) == []
-    reason = "number 13 was motor_temperature (SensorBoardPHInfo) in the recording and is imu_info (SensorBoardIMUInfo) today"
+    was, now = "motor_temperature (SensorBoardPHInfo)", "imu_info (SensorBoardIMUInfo)"
+    reason = f"number 13 was {was} in the recording and is {now} today"
     assert replay.refused == {reason: 1}
 
 
