@@ -98,7 +98,7 @@ private:
     made += '"';
   }
 
-  /// Write the shortest digits that give the same double: from 1e-4 to 1e16 like 0.001, outside like 1e-05 (Python's repr).
+  /// Write the shortest digits that give the same double: from 1e-4 to 1e16 like 0.001, outside like 1e-05 (as Python).
   void write_number(double number)
   {
     if (!std::isfinite(number)) {

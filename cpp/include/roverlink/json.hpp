@@ -14,7 +14,7 @@ namespace roverlink
 // versions. The C++ and the Python bridge publish the same bytes: keys are sorted, and every double keeps its bits.
 //
 // JSON is read by protobuf. Text that the Python bridge accepts means the same here, with two exceptions: up to version
-// 21 objects can be nested only 33 deep (Python: 49), and from version 22 on the integer -0 keeps its sign. In addition,
+// 21 objects can be nested only 33 deep (Python: 49), and from version 22 on the integer -0 keeps its sign. Besides,
 // protobuf accepts text that the Python bridge refuses: integers that no double holds exactly, which it rounds, and,
 // depending on its version, text that is not quite JSON, such as [1,] and 'a' and {a: 1}.
 //

@@ -54,8 +54,8 @@ Quaternion quaternion(const Angles & angles, const char * field);
 
 /// Convert a quaternion to angles.
 ///
-/// At a pitch of 90 degrees up or down, only the sum or difference of roll and yaw is defined: all of it is returned as yaw. The quaternion can
-/// have any length; for length 0, all angles are 0.
+/// At a pitch of 90 degrees up or down, only the sum or difference of roll and yaw is defined: all of it is returned as
+/// yaw. The quaternion can have any length; for length 0, all angles are 0.
 Angles angles(const Quaternion & rotation);
 
 }  // namespace roverlink
