@@ -62,10 +62,10 @@ def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
     """Return a view of every image, since the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
-    with progress(source.name) as told:
+    with progress(source.name) as report_progress:
         for frame, name in _named(source):
             views.append(detector.find(frame.image, name, frame.stamp))
-            told(len(views), len(source.paths))
+            report_progress(len(views), len(source.paths))
     return views
 
 
@@ -76,11 +76,11 @@ def _stream(
     collection = Collection(board, arguments.views)
     text.begins(collection)
     # Ctrl-C is the normal end of a live collection, so it must not skip the calibration.
-    with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
+    with progress(source.name) as report_progress, contextlib.suppress(KeyboardInterrupt):
         for frame, name in _named(source):
             text.offered(collection.offer(frame.image, frame.stamp, name), collection)
             if source.total:
-                told(frame.number + 1, source.total)
+                report_progress(frame.number + 1, source.total)
             if collection.complete:
                 break
     return collection.views

@@ -139,5 +139,5 @@ def _outputs(
             except NoProjectError as error:  # tracking works without a bridge
                 logger.warning("the rover's position is not sent to the basestation: %s", error)
                 return
-            tell = position_publisher(middleware, registry, ros.topic, logger.warning)
-            yield lambda view: tell(view.place.pose.translation) if view.place else None
+            publish_position = position_publisher(middleware, registry, ros.topic, logger.warning)
+            yield lambda view: publish_position(view.place.pose.translation) if view.place else None

@@ -80,15 +80,15 @@ def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argpar
     if arguments.json:
         while True:
             print(json.dumps(page), flush=True)
-            while (news := _next_page(arrived, arguments.node, _QUIET_S)) is None:
+            while (next_page := _next_page(arrived, arguments.node, _QUIET_S)) is None:
                 pass
-            page = news
-    heard = time.monotonic()
+            page = next_page
+    updated = time.monotonic()
     with Live(console=Console(), screen=True, auto_refresh=False) as live:
         while True:
-            live.update(top_screen.render(page, quiet=time.monotonic() - heard > _QUIET_S), refresh=True)
-            if (news := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
-                page, heard = news, time.monotonic()
+            live.update(top_screen.render(page, quiet=time.monotonic() - updated > _QUIET_S), refresh=True)
+            if (next_page := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
+                page, updated = next_page, time.monotonic()
 
 
 def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:

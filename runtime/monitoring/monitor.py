@@ -166,8 +166,8 @@ class Monitor:
 def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
     """Return the level of a row and the reason."""
     if fresh:
-        told = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
-        return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {told}"
+        drops = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
+        return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {drops}"
     if expected is None:
         return Level.OK, "" if age is not None else "no message yet"
     silence = max(_SILENT_PERIODS / expected, WINDOW_S)
