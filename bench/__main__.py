@@ -1,4 +1,4 @@
-"""The command line of the bench: python -m bench."""
+"""Command line of the benchmarks: python -m bench."""
 
 import argparse
 import sys
@@ -14,7 +14,7 @@ from bench.lab import Lab, prepare
 from bench.report import draw, print_results, write_json
 from bench.result import SectionResult
 
-# A section is added by a module with such a function, and a line here.
+# To add a section, write a module with such a function and add a line here.
 SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
     "watching": watching.measure,
@@ -25,29 +25,33 @@ SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
 }
 
 SECONDS, QUICK_SECONDS, SHORTEST_SECONDS = 1.0, 0.3, 0.1
-PLAIN_WIDTH = 120  # columns, where the output is not a terminal
+PLAIN_WIDTH = 120  # columns, if the output is not a terminal
 EXAMPLE = "example: python -m bench --quick --only cpp roverlink --json result.json"
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench",
-        description="Measure the bridge beside the ways one would otherwise build it.",
+        description="Measure the bridge and compare it with other ways to build one.",
         epilog=EXAMPLE,
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything that was measured to FILE")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")
     parser.add_argument(
         "--out",
         type=Path,
         default=Path("build/bench"),
         metavar="DIR",
-        help="folder of the picture, the built programs and the logs (%(default)s)",
+        help="folder for the chart, the built programs and the logs (default: %(default)s)",
     )
-    parser.add_argument("--proto", type=Path, default=ROOT / "proto", metavar="DIR", help="the .proto tree")
     parser.add_argument(
-        "--seconds", type=float, help=f"length of a measuring point ({SECONDS:g}; quick {QUICK_SECONDS:g})"
+        "--proto", type=Path, default=ROOT / "proto", metavar="DIR", help="the .proto tree (default: %(default)s)"
     )
-    parser.add_argument("--quick", action="store_true", help="fewer rates and settings, short points: a first look")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        help=f"length of a measurement in seconds (default: {SECONDS:g}, or {QUICK_SECONDS:g} with --quick)",
+    )
+    parser.add_argument("--quick", action="store_true", help="use fewer rates and settings, and short measurements")
     parser.add_argument(
         "--only",
         nargs="+",
@@ -60,9 +64,9 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     if options.seconds is None:
         options.seconds = QUICK_SECONDS if options.quick else SECONDS
     if options.seconds < SHORTEST_SECONDS:
-        parser.error(f"--seconds {options.seconds:g}: a point takes at least {SHORTEST_SECONDS:g} s")
+        parser.error(f"--seconds {options.seconds:g} is too short; use at least {SHORTEST_SECONDS:g}")
     if options.json and not options.json.resolve().parent.is_dir():
-        parser.error(f"--json {options.json}: there is no such folder")
+        parser.error(f"--json {options.json}: the folder does not exist")
     return options
 
 
@@ -88,7 +92,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def main(words: Sequence[str]) -> int:
-    """Run the bench; 2 where it cannot run."""
+    """Run the benchmarks. Returns 2 if they cannot run."""
     try:
         _run(_arguments(words))
     except (BenchError, OSError) as error:

@@ -1,4 +1,4 @@
-"""The section `bridging`: datagrams to a DDS topic and back, by every contestant, at rising rates and in a flood."""
+"""Section `bridging`: datagrams to a DDS topic and back, by every contestant, at rising rates and at full load."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
@@ -22,18 +22,18 @@ QUICK_SETTINGS = ("full", "alone", "outbound")
 RATES = (1_000, 2_000, 5_000, 10_000, 15_000, 20_000, 30_000, 40_000, 60_000, 80_000, 100_000, 150_000, 200_000)
 QUICK_RATES = (1_000, 5_000, 20_000, 30_000, 60_000)
 LATENCY_RATE = 1_000
-CPU_RATES: tuple[float | None, ...] = (1_000, 20_000, None)  # measured even where much is lost
-LATENCY_FACTOR = 2.0  # how much longer the point that measures latency takes: a p99 needs many datagrams
-LOSSES_TO_STOP = 2  # after so many lossy rates in a row, only a flood says more
+CPU_RATES: tuple[float | None, ...] = (1_000, 20_000, None)  # measured even if much is lost
+LATENCY_FACTOR = 2.0  # the latency measurement is longer by this, since a p99 needs many datagrams
+LOSSES_TO_STOP = 2  # lossy rates in a row after which higher rates are skipped
 REFERENCES = ("cpp", "handwritten")
 
 NOTES = (
     (
-        "No loss up to: the highest rate tried at which everything came out, and in time; a rate that loses is tried"
-        " twice. floor, cpp and handwritten leave the socket buffer at the system's default."
+        "No loss up to: the highest rate tried at which everything came out in time; a rate with losses is tried twice."
+        " floor, cpp and handwritten keep the system's default socket buffer."
     ),
     (
-        "CPU: user and system time of the whole process, for a datagram that came out. Latency: from send() to the"
+        "CPU: user and system time of the whole process per datagram that came out. Latency: from send() to the"
         " subscriber's callback (floor: to recv; DDS -> UDP: from write() to the hardware's recv)."
     ),
     "vs: rate and CPU in a flood, as multiples of that contestant's in the same setting.",
@@ -41,7 +41,7 @@ NOTES = (
 
 
 def measure(lab: Lab) -> SectionResult:
-    """Measure every setting, and put the points together."""
+    """Measure every setting and collect the results."""
     settings = [setting for setting in SETTINGS if not lab.quick or setting.name in QUICK_SETTINGS]
     points = [point for setting in settings for point in _measure_setting(lab, setting)]
     groups = [Group(setting.heading, rows) for setting in settings if (rows := _rows(points, setting))]
@@ -58,7 +58,7 @@ def _measure_setting(lab: Lab, setting: Setting) -> Iterator[Point]:
         return
     with open_rig(lab, setting) as rig:
         losses = dict.fromkeys((contestant.name for contestant in contestants), 0)
-        # Rate by rate, not contestant by contestant: what else the machine does then hits all of them alike.
+        # Rate by rate, not contestant by contestant: other load on the machine then affects all contestants alike.
         for rate in (*(QUICK_RATES if lab.quick else RATES), None):
             for contestant in contestants:
                 if losses[contestant.name] >= LOSSES_TO_STOP and rate not in CPU_RATES:
@@ -79,7 +79,7 @@ def _measure_point(rig: Rig, contestant: Contestant, rate: float | None) -> Poin
 
 def _progress(setting: Setting, point: Point) -> str:
     load = "flood" if point.rate is None else f"{point.rate:,.0f}/s"
-    kept = "all of it" if point.lossless or point.rate is None else "all of it, late"
+    kept = "no loss" if point.lossless or point.rate is None else "no loss, but late"
     lost = f"{point.lost / point.sent:.1%} lost" if point.lost else kept
     done = f"{point.delivered_per_second:,.0f}/s, {lost}, {point.cpu_us:.1f} us"
     return f"{setting.name:>10} {load:>9} {point.contestant:<11} {done}"

@@ -1,6 +1,6 @@
-"""The programs that are measured.
+"""Contestants: the programs that are measured.
 
-All are child processes that listen on a UDP port and, on SIGINT, stop and print their counts as one line of JSON.
+All are child processes that listen on a UDP port. On SIGINT they stop and print their counts as one line of JSON.
 """
 
 import importlib.util
@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True, slots=True)
 class Ports:
-    """The UDP ports of one rig, all on loopback: the bridge's, the basestation's (A) and the hardware's (B)."""
+    """UDP ports of one rig, all on loopback: those of the bridge, the basestation (A) and the hardware (B)."""
 
     listen: int
     a: int
@@ -32,9 +32,10 @@ class Ports:
 
 @dataclass(frozen=True, slots=True)
 class Contestant:
-    """One way to do the work. `command` takes the ports and whether every datagram goes raw to A and B too.
+    """One way to build the bridge.
 
-    `count` is the JSON key of what it handled of the datagrams it received; the floor only receives.
+    `command` takes the ports, and whether each datagram is forwarded raw to A and B. `count` is the JSON key of the
+    number of handled datagrams; the floor only receives.
     """
 
     name: str
@@ -45,20 +46,20 @@ class Contestant:
 
     @property
     def bridges(self) -> bool:
-        """Whether anything comes out at the other end."""
+        """True if the program publishes what it receives."""
         return self.count != "received"
 
     def handled(self, counts: Mapping[str, Any]) -> int:
-        """How many datagrams it received and handled, by its own count."""
+        """Return the number of received datagrams that the program has handled, by its own count."""
         handled = counts.get(self.count)
         if not isinstance(handled, int):
-            raise BenchError(f"{self.name} printed no count {self.count!r}: {dict(counts)}")
+            raise BenchError(f"{self.name} did not print the count {self.count!r}: {dict(counts)}")
         return handled
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What contestants are made from: the C++ programs, where they are built; the .proto tree; the bench's folder."""
+    """Inputs of the contestants: the C++ programs if they are built, the .proto tree, and the output folder."""
 
     programs: Programs | None
     proto: Path
@@ -66,7 +67,7 @@ class Site:
 
     @property
     def python_protos(self) -> Path:
-        """The folder of the protos' Python modules."""
+        """Folder of the protos' Python modules."""
         return self.out / "python"
 
 
@@ -81,7 +82,7 @@ def _floor(_site: Site) -> Contestant:
 
 def _cpp(site: Site) -> Contestant:
     if site.programs is None:
-        raise BenchError("its program is not built")
+        raise BenchError("its C++ program is not built")
     reference = str(site.programs.reference)
 
     def command(ports: Ports, forwards: bool) -> Sequence[str]:
@@ -105,7 +106,7 @@ def _handwritten(site: Site) -> Contestant:
 def _roverlink(site: Site) -> Contestant:
     script = Path(sys.executable).with_name("roverlink")
     if not script.exists():
-        raise BenchError(f"no {script}; `make bench` installs it")
+        raise BenchError(f"{script} does not exist; `make bench` installs it")
     project = site.out / "same-work"
     _compile_for_same_work(script, site.proto, project)
 
@@ -134,9 +135,9 @@ def _roverlink(site: Site) -> Contestant:
 
 
 def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
-    """Compile our table once more into a project of its own, as far as the others do its work.
+    """Compile our table into a separate project, restricted to the work that the other contestants do.
 
-    That is a topic a row, and raw forwards where the setting asks for them and not where the table does.
+    That is one topic for each row, and raw forwards only if the setting asks for them.
     """
     table = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
     for row in table["messages"]:
@@ -149,10 +150,10 @@ def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
     command = (str(script), "generate", "--table", str(mapping))
     result = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
     if result.returncode != 0:
-        raise BenchError(f"roverlink generate --table {mapping} fails:\n{result.stderr or result.stdout}")
+        raise BenchError(f"roverlink generate --table {mapping} failed:\n{result.stderr or result.stdout}")
 
 
-# In the order in which the report shows them.
+# in the order of the report
 FINDERS: dict[str, Callable[[Site], Contestant]] = {
     "floor": _floor,
     "cpp": _cpp,
@@ -162,11 +163,11 @@ FINDERS: dict[str, Callable[[Site], Contestant]] = {
 
 
 def find_contestants(names: Iterable[str], site: Site) -> tuple[list[Contestant], list[str]]:
-    """Those of the named contestants that can run here, and why the others cannot."""
+    """Return the contestants that can run here, and the reasons why the others cannot."""
     found, notes = [], []
     for name in names:
         try:
             found.append(FINDERS[name](site))
         except BenchError as error:
-            notes.append(f"{name} left out: {error}")
+            notes.append(f"{name} is left out: {error}")
     return found, notes

@@ -1,8 +1,8 @@
-"""The section `conversion`: what it costs to turn a payload into a serialized ROS 2 message, by kind of field.
+"""Section `conversion`: the cost of converting a payload to a serialized ROS 2 message, by kind of field.
 
-A table with a message of sixteen fields of each kind is compiled, and its handlers are timed on ready payloads.
-The base is a row of sixteen floats that stay as they are; each kind is shown beside it, and a standard message beside
-a message of the table's own with as many fields.
+A table with one message of sixteen fields of each kind is compiled, and its handlers are timed on existing payloads.
+Each kind is compared with a row of sixteen floats; a standard message is compared with a message of the table with as
+many fields.
 """
 
 import json
@@ -22,7 +22,7 @@ from bench.result import Group, SectionResult, Table
 COUNT = 16
 ROUNDS, QUICK_ROUNDS = 60, 15
 LIMIT = 2.0
-"""A standard message may cost so many times a message of our own with as many fields."""
+"""Highest cost of a standard message, as a multiple of our own message with as many fields."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,25 +35,25 @@ class Cost:
 
 
 def measure(lab: Lab) -> SectionResult:
-    """Time every kind."""
+    """Time every kind of field."""
     project = _project(lab.site.out / "conversion")
     found = _timed(project, QUICK_ROUNDS if lab.quick else ROUNDS)
     base = found["kind_0"]
     kinds = [Cost(kind, found[f"kind_{index}"], base) for index, kind in enumerate(_KINDS)]
     standard = [Cost(name, found[topic], found[own]) for name, topic, own in _STANDARD]
     for cost in standard:
-        lab.say(f"conversion {cost.kind}: {cost.whole:.2f} us, {cost.whole / cost.base:.2f} of a row of our own")
+        lab.say(f"conversion {cost.kind}: {cost.whole:.2f} us, {cost.whole / cost.base:.2f} times our own message")
     tables = [
         Table(
             "Payload to CDR, by kind of field",
-            (f"{COUNT} fields", "us a message", "ns a field", "beside floats"),
+            (f"{COUNT} fields", "us per message", "ns per field", "vs floats"),
             [Group("", [_row(cost, COUNT) for cost in kinds])],
         ),
         Table(
             "Standard messages",
-            ("", "us a message", "us of our own", "ratio"),
+            ("", "us per message", "us of our own", "ratio"),
             [Group("", [_beside(cost) for cost in standard])],
-            [f"Beside a message of the table's own with as many fields; the limit is {LIMIT:g}."],
+            [f"Compared with a message of the table with as many fields; the limit is {LIMIT:g}."],
         ),
     ]
     return SectionResult(tables, data={"kinds": [*map(asdict, kinds)], "standard": [*map(asdict, standard)]})
@@ -75,7 +75,7 @@ def _timed(project: Path, rounds: int) -> dict[str, float]:
         command, capture_output=True, text=True, check=False, env=environment
     )
     if done.returncode:
-        raise BenchError(f"the conversions of {project} do not run:\n{done.stderr}")
+        raise BenchError(f"the conversions of {project} failed:\n{done.stderr}")
     found: dict[str, float] = json.loads(done.stdout)
     return found
 
@@ -133,13 +133,13 @@ _FEEDS = {
     ),
 }
 _STANDARD = (
-    ("Accel: six numbers as they are", "accel", "six"),
+    ("Accel: six numbers unchanged", "accel", "six"),
     ("Accel: six numbers in other units", "accel_units", "six"),
-    ("AccelStamped: and a header", "accel_stamped", "six"),
+    ("AccelStamped: with a header", "accel_stamped", "six"),
     ("Imu: header, six numbers, 31 constants", "imu", "six"),
-    ("Imu: the stamp from a field", "imu_stamped", "six"),
-    ("Imu beside a row of 37 doubles", "imu", "thirty_seven"),
-    ("Quaternion: four numbers as they are", "quaternion", "six"),
+    ("Imu: stamp from a field", "imu_stamped", "six"),
+    ("Imu vs a row of 37 doubles", "imu", "thirty_seven"),
+    ("Quaternion: four numbers unchanged", "quaternion", "six"),
     ("Pose: a quaternion from angles", "orientation", "seven"),
     ("NavSatStatus: an enum by its table", "status", "one_enum"),
 )
@@ -187,7 +187,7 @@ def _project(project: Path) -> Path:
     command = (sys.executable, "-m", "roverlink", "generate", "--table", str(project / "mapping.yaml"))
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
     if done.returncode:
-        raise BenchError(f"roverlink generate fails in {project}:\n{done.stderr}")
+        raise BenchError(f"roverlink generate failed in {project}:\n{done.stderr}")
     return project
 
 

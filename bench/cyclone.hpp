@@ -1,5 +1,5 @@
-// What the C++ programs of the bench share: Cyclone DDS set up as a ROS 2 node would, and the stamp that
-// measures latency.
+// Common parts of the C++ programs of the benchmarks: Cyclone DDS set up like a ROS 2 node, and the stamp for the
+// latency.
 #pragma once
 
 #include <dds/dds.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 
-// Ends the program with a message where a call to the system or to DDS failed (both say so by a negative number).
+// Ends the program with a message if a call to the system or to DDS failed; both return a negative number then.
 template <typename Result>
 Result checked(Result result, const char* what) {
   if (result < 0) {
@@ -19,13 +19,13 @@ Result checked(Result result, const char* what) {
   return result;
 }
 
-// A participant in the domain that ROS_DOMAIN_ID names, as rcl does it; CYCLONEDDS_URI keeps it on loopback.
+// A participant in the domain ROS_DOMAIN_ID, as rcl creates it; CYCLONEDDS_URI restricts it to loopback.
 inline dds_entity_t ros_participant() {
   const char* domain = std::getenv("ROS_DOMAIN_ID");
   return checked(dds_create_participant(domain ? std::atoi(domain) : 0, nullptr, nullptr), "dds_create_participant");
 }
 
-// rclcpp's default QoS: reliable, volatile, the last `depth` samples; depth 0 keeps all of them. XCDR1 is the only
+// rclcpp's default QoS: reliable, volatile, keep last `depth` samples; depth 0 means keep all. XCDR1 is the only
 // encoding that ROS 2 reads.
 inline dds_qos_t* ros_qos(int32_t depth) {
   dds_qos_t* qos = dds_create_qos();
@@ -44,8 +44,8 @@ inline int64_t monotonic_ns() {
   return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
 }
 
-// A moment as two floats, which hold 20 bits each exactly: nanoseconds, modulo 18 minutes. Counted from 1, since a
-// proto3 field that is 0 is left out of the datagram, and a stamp is read at a fixed place.
+// A time as two floats, each of which holds 20 bits exactly: nanoseconds modulo 18 minutes. Both count from 1, because
+// a proto3 field with the value 0 is left out of the datagram, while the stamp is read at a fixed offset.
 struct Stamp {
   static constexpr int64_t half = 1 << 20;
   float high, low;

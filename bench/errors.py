@@ -1,5 +1,5 @@
-"""What ends the bench with a message instead of a traceback."""
+"""Error type of the benchmarks: it ends them with a message instead of a traceback."""
 
 
 class BenchError(Exception):
-    """The bench, or one of the programs it measures, cannot run; the text says why and what to do."""
+    """The benchmarks, or a program that they measure, cannot run; the text says why and what to do."""

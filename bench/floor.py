@@ -1,4 +1,4 @@
-"""The contestant `floor`: receive and count, nothing else. No bridge in Python can be cheaper than this."""
+"""Contestant `floor`: receive and count only. No bridge in Python can be cheaper."""
 
 import argparse
 import json
@@ -8,12 +8,12 @@ import time
 
 from bench.stamp import FLOAT, age_ns, ages_us
 
-AGED = 3000  # of so many datagrams the age is measured, too: of all at 1 kHz, of next to none in a flood
+AGED = 3000  # datagrams whose age is measured: all at 1 kHz, almost none of a flood
 
 
 def main() -> None:
     """Receive until SIGINT, then print the count."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent may have set it to be ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the parent may have set it to be ignored
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("listen_port", type=int)
     parser.add_argument("high_offset", type=int)

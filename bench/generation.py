@@ -1,4 +1,4 @@
-"""The section `generation`: `roverlink generate` as a whole process, for our table and for tables of rising size."""
+"""Section `generation`: `roverlink generate` as a whole process, for our table and for tables of rising size."""
 
 import shutil
 import subprocess
@@ -21,7 +21,7 @@ SCALARS = ("float", "double", "int32", "uint32", "int64", "bool", "string", "byt
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """One table: how many messages, and the seconds of the first run and of one that changes nothing."""
+    """Times of one table: number of messages, and seconds of the first run and of a run without changes."""
 
     table: str
     messages: int
@@ -38,8 +38,10 @@ def measure(lab: Lab) -> SectionResult:
         [timing.table, f"{timing.first:.2f}", f"{timing.unchanged:.2f}", f"{1000 * timing.first / timing.messages:.1f}"]
         for timing in timings
     ]
-    columns = ("", "first run, s", "unchanged run, s", "ms a message")
-    notes = [f"Whole processes. Synthetic messages have {FIELDS} fields; linear means: the last column stays."]
+    columns = ("", "first run, s", "unchanged run, s", "ms per message")
+    notes = [
+        f"Whole processes. Synthetic messages have {FIELDS} fields. If the last column stays constant, time is linear."
+    ]
     return SectionResult(
         tables=[Table("Compiling a table", columns, [Group("", rows)], notes)],
         charts=[_chart(timings[1:])],
@@ -53,7 +55,7 @@ def _chart(timings: list[Timing]) -> Chart:
         Curve("first run", sizes, [timing.first for timing in timings]),
         Curve("unchanged", sizes, [timing.unchanged for timing in timings]),
     ]
-    return Chart(f"Compiling a table of messages of {FIELDS} fields", "messages", "s", curves)
+    return Chart(f"Compiling a table (messages of {FIELDS} fields)", "messages", "s", curves)
 
 
 def _synthetic(lab: Lab) -> Iterator[Timing]:
@@ -73,12 +75,12 @@ def _generate(project: Path) -> float:
     start = time.perf_counter()
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
     if done.returncode:
-        raise BenchError(f"roverlink generate fails in {project}:\n{done.stderr}")
+        raise BenchError(f"roverlink generate failed in {project}:\n{done.stderr}")
     return time.perf_counter() - start
 
 
 def own_project(project: Path) -> Path:
-    """A copy of our own table, protos and ledger in a folder of its own."""
+    """Copy our own table, protos and ledger to a folder."""
     shutil.rmtree(project, ignore_errors=True)
     shutil.copytree(ROOT / "proto", project / "proto")
     for name in ("mapping.yaml", "mapping.lock"):

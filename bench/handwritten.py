@@ -1,7 +1,7 @@
-"""The contestant `handwritten`: the bridge as a user would write it in Python, with the libraries as they come.
+"""Contestant `handwritten`: the bridge as a user would write it in Python with the usual libraries.
 
-UDP -> DDS: receive, parse, ask which payload it is, copy field by field into Cyclone DDS's own message class, write.
-DDS -> UDP: take, copy field by field into the protobuf message, serialize, send. Two messages, no framework.
+UDP -> DDS: receive, parse, find the payload, copy field by field into Cyclone DDS's message class, write. DDS -> UDP:
+take, copy field by field into the protobuf message, serialize, send. Two messages, no framework.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-# The bench compiles the protos when it runs, so a type checker cannot see this class.
+# The protos are compiled when the benchmark runs, so a type checker cannot see this class.
 PBEnvelope: Any = importlib.import_module("components.common.envelope_pb2").PBEnvelope
 
 ROS_DEFAULTS = Qos(
@@ -74,7 +74,7 @@ class DrivingBoardMotorMessage(IdlStruct, typename="comms::msg::dds_::DrivingBoa
 
 @dataclass
 class Counts:
-    """What crossed; printed as JSON when the bridge stops."""
+    """Counts of bridged messages, printed as JSON when the bridge stops."""
 
     received: int = 0
     published: int = 0
@@ -83,7 +83,7 @@ class Counts:
 
 
 def imu_message(imu: Any) -> ImuSensorInformation:
-    """The ROS message for a SensorBoardIMUInfo."""
+    """Convert a SensorBoardIMUInfo to its ROS message."""
     return ImuSensorInformation(
         accel_x=imu.accel_x,
         accel_y=imu.accel_y,
@@ -101,7 +101,7 @@ def imu_message(imu: Any) -> ImuSensorInformation:
 
 
 def motor_datagram(message: DrivingBoardMotorMessage) -> bytes:
-    """The envelope for a drive command."""
+    """Return the envelope of a drive command."""
     envelope = PBEnvelope()
     envelope.drive_motor.distance_to_go = message.distance_to_go
     envelope.drive_motor.turning_radius = message.turning_radius
@@ -141,12 +141,12 @@ def send(
 
 def main() -> None:
     """Run until SIGINT, then print the counts."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a parent may have set it to be ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the parent may have set it to be ignored
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("listen_port", type=int)
     parser.add_argument("a_port", type=int)
     parser.add_argument("b_port", type=int)
-    parser.add_argument("--forward", action="store_true", help="send every datagram raw to both ports too")
+    parser.add_argument("--forward", action="store_true", help="also send every datagram raw to both ports")
     options = parser.parse_args()
     basestation, hardware = ("127.0.0.1", options.a_port), ("127.0.0.1", options.b_port)
 

@@ -1,4 +1,4 @@
-"""The section `history`: `roverlink lint --history` as a whole process, over histories of rising length."""
+"""Section `history`: `roverlink lint --history` as a whole process, over histories of rising length."""
 
 import os
 import resource
@@ -16,14 +16,14 @@ from bench.result import Chart, Curve, Group, SectionResult, Table
 SIZES = (100, 1_000, 2_000, 10_000)
 QUICK_SIZES = (100, 1_000)
 MEMBERS = 40
-"""Members of the envelope; from commit to commit, one goes and another comes."""
+"""Members of the envelope; each commit removes one and adds another."""
 _FIRST = 1_770_000_000  # 2026-02-02
 _ENVELOPE = "components/common/envelope.proto"
 
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """One history: how many commits, and the seconds of CPU of the first scan, and of one after it."""
+    """Times of one history: number of commits, and CPU seconds of the first scan and of a second one."""
 
     commits: int
     cold: float
@@ -31,7 +31,7 @@ class Timing:
 
 
 def measure(lab: Lab) -> SectionResult:
-    """Time histories in which three commits of four change the envelope, without a cache and with one."""
+    """Time histories in which three of four commits change the envelope, with and without a cache."""
     timings = []
     for commits in QUICK_SIZES if lab.quick else SIZES:
         folder = lab.site.out / "history" / str(commits)
@@ -45,11 +45,11 @@ def measure(lab: Lab) -> SectionResult:
     ]
     notes = [
         "CPU time of whole processes, git's included; cold is the first run, without a cache.",
-        f"Three commits of four change the envelope, which has {MEMBERS} members; no two states of it are the same.",
+        f"Three of four commits change the envelope, which has {MEMBERS} members; all its states differ.",
     ]
     sizes = [one.commits for one in timings]
     curves = [Curve("cold", sizes, [one.cold for one in timings]), Curve("warm", sizes, [one.warm for one in timings])]
-    columns = ("commits", "cold, s", "warm, s", "cold, ms a commit")
+    columns = ("commits", "cold, s", "warm, s", "cold, ms per commit")
     return SectionResult(
         tables=[Table("Linting a history", columns, [Group("", rows)], notes)],
         charts=[Chart("Linting a history", "commits", "s", curves)],
@@ -58,7 +58,7 @@ def measure(lab: Lab) -> SectionResult:
 
 
 def _scan(repository: Path, cache: Path) -> float:
-    """Lint a history; return the seconds of CPU."""
+    """Lint a history; return the CPU seconds."""
     command = [sys.executable, "-m", "roverlink", "lint", "--history", str(repository), "--message", "PBEnvelope"]
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache.resolve())}
     before = _cpu_of_children()
@@ -66,7 +66,7 @@ def _scan(repository: Path, cache: Path) -> float:
         command, capture_output=True, text=True, check=False, env=environment
     )
     if done.returncode != 1:
-        raise BenchError(f"{' '.join(command)} finds nothing, or cannot run:\n{done.stdout[-500:]}{done.stderr}")
+        raise BenchError(f"{' '.join(command)} found nothing or could not run:\n{done.stdout[-500:]}{done.stderr}")
     return _cpu_of_children() - before
 
 
@@ -76,14 +76,14 @@ def _cpu_of_children() -> float:
 
 
 def _repository(folder: Path, commits: int) -> Path:
-    """A bare history, made by git fast-import."""
+    """Make a repository with git fast-import."""
     folder.mkdir(parents=True, exist_ok=True)
     stream = "\n".join([*_stream(commits), "done\n"]).encode()
     for arguments in (["init", "--quiet"], ["fast-import", "--quiet", "--force"]):
         command = ["git", "-C", str(folder), *arguments]
         done = subprocess.run(command, input=stream, capture_output=True, check=False)  # noqa: S603  # git, no shell
         if done.returncode:
-            raise BenchError(f"git {arguments[0]} fails:\n{done.stderr.decode()}")
+            raise BenchError(f"git {arguments[0]} failed:\n{done.stderr.decode()}")
     return folder
 
 
@@ -96,7 +96,7 @@ def _stream(commits: int) -> Iterator[str]:
 
 
 def _envelope(index: int) -> str:
-    """The envelope of one commit: a window of payloads that moves on by one, over numbers that come round again."""
+    """Return the envelope of one commit: a window of payloads that moves by one, over repeating numbers."""
     numbers = range(index, index + MEMBERS)
     members = (
         f"    Payload{k % (3 * MEMBERS)} payload_{k % (3 * MEMBERS)} = {k % (2 * MEMBERS) + 1};" for k in numbers

@@ -1,4 +1,4 @@
-"""What every section of the bench works with: programs, contestants, environment, and how long to measure."""
+"""Environment of all sections: programs, contestants, environment variables, and length of measurements."""
 
 import importlib.util
 import os
@@ -13,7 +13,7 @@ from bench.native import Programs, build, missing_packages
 from bench.process import Child
 from bench.wire import compile_python, envelope_closure
 
-# The loopback interface, and the peer without which nothing is discovered there: loopback has no multicast.
+# Loopback has no multicast, so discovery needs an explicit peer.
 CYCLONEDDS_ON_LOOPBACK = (
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces></General>"
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address='localhost'/></Peers></Discovery>"
@@ -23,7 +23,10 @@ CYCLONEDDS_ON_LOOPBACK = (
 
 @dataclass(frozen=True, slots=True)
 class Lab:
-    """`seconds` is the length of a measuring point; `notes` say what is missing; `say` reports progress."""
+    """Environment of a run.
+
+    `seconds` is the length of a measurement, `notes` name missing parts, and `say` reports progress.
+    """
 
     site: Site
     seconds: float
@@ -38,7 +41,7 @@ class Lab:
         return Child(contestant.name, command, {**self.environment, **contestant.environment}, self.site.out)
 
     def tool(self, name: str, *arguments: object) -> Child:
-        """Start `load` or `observe`: the C++ one, or the Python one where it is not built."""
+        """Start `load` or `observe`: the C++ program, or the Python one if that is not built."""
         program = getattr(self.site.programs, name) if self.site.programs else None
         command = [str(program)] if program else [sys.executable, "-m", f"bench.{name}"]
         environment = {**self.environment, "PYTHONPATH": f"{ROOT}:{self.site.python_protos}"}
@@ -48,7 +51,7 @@ class Lab:
 def prepare(
     *, proto: Path, out: Path, seconds: float, quick: bool, only: Sequence[str], say: Callable[[str], None]
 ) -> Lab:
-    """Build what can be built and find who can take part. `only` names contestants; none means all."""
+    """Build the programs and find the contestants that can run. `only` names contestants; empty means all."""
     out.mkdir(parents=True, exist_ok=True)
     protos = envelope_closure(proto)
     programs, notes = _programs(protos, proto, out, say)
@@ -58,7 +61,7 @@ def prepare(
     contestants, left_out = find_contestants(only or FINDERS, site)
     notes += left_out
     if not contestants:
-        raise BenchError("\n".join(["there is nobody to measure", *notes]))
+        raise BenchError("\n".join(["no contestant can run", *notes]))
     return Lab(
         site=site,
         seconds=seconds,
@@ -71,8 +74,9 @@ def prepare(
 
 
 def _environment() -> dict[str, str]:
-    # A domain of our own: no robot on the network listens to it, and two benches at once rarely share it. Numbers
-    # above 100 would put DDS's ports among those that the system hands out.
+    # A domain of our own: no robot on the network listens to it, and two benchmarks at once rarely share it. The ports
+    # of
+    # domains above 100 are in the range of ephemeral ports.
     return {**os.environ, "CYCLONEDDS_URI": CYCLONEDDS_ON_LOOPBACK, "ROS_DOMAIN_ID": str(20 + os.getpid() % 80)}
 
 
@@ -81,10 +85,10 @@ def _programs(
 ) -> tuple[Programs | None, list[str]]:
     if missing := missing_packages():
         return None, [
-            f"load and observers are in Python, slower; for those in C++: apt-get install {' '.join(missing)}"
+            f"load and observer are the slower Python ones; for those in C++: apt-get install {' '.join(missing)}"
         ]
     say("building the C++ programs")
     try:
         return build(protos, root, out / "native"), []
     except BenchError as error:
-        return None, [f"load and observers are in Python, slower: {error}"]
+        return None, [f"load and observer are the slower Python ones: {error}"]

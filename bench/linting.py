@@ -1,4 +1,4 @@
-"""The section `linting`: `roverlink lint` as a whole process, beside `buf breaking` on the same change."""
+"""Section `linting`: `roverlink lint` as a whole process, compared with `buf breaking` on the same change."""
 
 import json
 import shutil
@@ -16,15 +16,15 @@ from bench.lab import Lab
 from bench.result import Group, SectionResult, Table
 
 RUNS, QUICK_RUNS = 15, 5
-# One change that both find: a field of the IMU's message is given another type.
+# A change that both find: a field of the IMU's message gets another type.
 _CHANGED_FILE, _BEFORE, _AFTER = "components/sensor_board/imu_sensor.proto", "float accel_x", "double accel_x"
 _BUF_CONFIG = json.dumps({"version": "v2", "breaking": {"use": ["FILE", "WIRE_JSON", "WIRE"]}})
-_FINDINGS = (1, 100)  # exit codes of ours and of buf's
+_FINDINGS = (1, 100)  # exit codes for findings: roverlink's and buf's
 
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """One command: the seconds of its whole process, the shortest and the middle one."""
+    """Times of one command as a whole process: the shortest and the median in seconds."""
 
     command: str
     shortest: float
@@ -32,7 +32,7 @@ class Timing:
 
 
 def measure(lab: Lab) -> SectionResult:
-    """Time the lint of our own table, alone and against a state in which one field was another."""
+    """Time the lint of our own table, alone and against a state in which one field had another type."""
     folder = lab.site.out / "linting"
     project, before = own_project(folder / "project"), own_project(folder / "before")
     changed = project / "proto" / _CHANGED_FILE
@@ -42,12 +42,12 @@ def measure(lab: Lab) -> SectionResult:
         "roverlink lint": lint,
         "roverlink lint --against": [*lint, "--against", str(before)],
     }
-    notes = ["Whole processes over the 21 messages, with one field of another type than in the other state."]
+    notes = ["Whole processes over 21 messages; one field has another type than in the baseline."]
     if buf := _buf():
         against = ["--against", str(before / "proto"), "--config", _BUF_CONFIG, "--against-config", '{"version": "v2"}']
         commands["buf breaking"] = [buf, "breaking", str(project / "proto"), *against]
     else:
-        notes.append("Without buf: pip install buf-bin.")
+        notes.append("buf is not installed (pip install buf-bin).")
     timings = [_timing(lab, name, command) for name, command in commands.items()]
     rows = [[timing.command, f"{timing.shortest:.2f}", f"{timing.median:.2f}"] for timing in timings]
     return SectionResult(
@@ -57,7 +57,7 @@ def measure(lab: Lab) -> SectionResult:
 
 
 def _buf() -> str | None:
-    """The buf of this environment, else the one on the PATH."""
+    """Return the buf of this environment, or else the one on the PATH."""
     return shutil.which("buf", path=str(Path(sys.executable).parent)) or shutil.which("buf")
 
 
@@ -72,5 +72,5 @@ def _seconds(command: Sequence[str]) -> float:
     start = time.perf_counter()
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # ours, and buf
     if done.returncode not in _FINDINGS:
-        raise BenchError(f"{' '.join(command)} finds nothing, or cannot run:\n{done.stdout}{done.stderr}")
+        raise BenchError(f"{' '.join(command)} found nothing or could not run:\n{done.stdout}{done.stderr}")
     return time.perf_counter() - start

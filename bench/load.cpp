@@ -1,10 +1,10 @@
-// Offers load: datagrams to a UDP port, or samples on the topic rt/drive_motor.
+// Generates load: datagrams to a UDP port, or samples on the topic rt/drive_motor.
 //
 //   load udp PORT DATAGRAM_HEX HIGH_OFFSET LOW_OFFSET
 //   load dds
 //
-// Each line "RATE SECONDS" on stdin offers RATE a second (0: as many as possible) for so long, then prints what was
-// sent, as JSON. Every datagram and sample carries the moment at which it was sent (Stamp).
+// Each line "RATE SECONDS" on stdin sends RATE per second (0: as many as possible) for SECONDS, then prints the number
+// sent as JSON. Every datagram and sample carries its time of sending (Stamp).
 #include "cyclone.hpp"
 #include "messages.h"
 
@@ -24,7 +24,7 @@
 
 using Send = std::function<void(int count)>;
 constexpr int batch = 64;
-constexpr int64_t burst_ns = 1'000'000;  // a paced load sends what is due once a millisecond
+constexpr int64_t burst_ns = 1'000'000;  // interval of a paced load, which sends all that is due
 
 std::vector<uint8_t> bytes_of(const std::string& hex) {
   std::vector<uint8_t> bytes;
@@ -32,8 +32,8 @@ std::vector<uint8_t> bytes_of(const std::string& hex) {
   return bytes;
 }
 
-// Copies of one datagram, which the kernel cuts from one message (udp(7), UDP_SEGMENT): a single core can offer several
-// 100,000 a second, and takes little from the bridge that it shares the machine with.
+// Copies of one datagram, which the kernel cuts from one large message (udp(7), UDP_SEGMENT). A single core can send
+// several 100,000 per second that way, and takes little CPU from the bridge on the same machine.
 class Datagrams {
  public:
   Datagrams(int port, const std::vector<uint8_t>& datagram, int high_offset, int low_offset)
@@ -88,15 +88,17 @@ int64_t flood(const Send& send, int64_t end) {
   return sent;
 }
 
-// A board keeps its pace whatever the bridge's computer does, so the load asks for real-time priority while it is
-// paced; where that is not permitted, it goes without. A flood takes no more than its share of the processor.
+// A board keeps its pace whatever the bridge's computer does. So a paced load asks for real-time priority, and
+// continues
+// without it if it is not permitted. A flood gets no more than its share of the processor.
 void prefer_this_thread(bool paced) {
   sched_param priority{};
   priority.sched_priority = paced ? 1 : 0;
   sched_setscheduler(0, paced ? SCHED_FIFO : SCHED_OTHER, &priority);
 }
 
-// Late, it shifts its schedule instead of catching up by a burst, which would overflow a buffer that its pace does not.
+// If it is late, it shifts its schedule instead of sending a burst, which would overflow a buffer that the rate does
+// not.
 int64_t pace(const Send& send, double rate, int64_t start, int64_t end) {
   int64_t sent = 0, next = start;
   for (int64_t tick = 1; tick <= (end - start) / burst_ns; ++tick) {
@@ -133,5 +135,5 @@ int main(int count, char** words) {
     const double lasted = (monotonic_ns() - start) / 1e9;
     std::cout << "{\"sent\": " << sent << ", \"seconds\": " << lasted << "}" << std::endl;
   }
-  if (arguments[0] == "dds") dds_delete(DDS_CYCLONEDDS_HANDLE);  // so that readers forget this writer now
+  if (arguments[0] == "dds") dds_delete(DDS_CYCLONEDDS_HANDLE);  // readers then forget this writer immediately
 }

@@ -1,6 +1,7 @@
-"""Offers load as load.cpp does, with the same arguments and lines, where that cannot be built.
+"""Load generator in Python, for machines without the C++ one: same arguments and lines as load.cpp.
 
-python -m bench.load udp PORT DATAGRAM_HEX HIGH_OFFSET LOW_OFFSET | dds
+python -m bench.load udp PORT DATAGRAM_HEX HIGH_OFFSET LOW_OFFSET
+dds
 """
 
 import json
@@ -15,11 +16,11 @@ from bench.stamp import FLOAT, stamp
 
 Send = Callable[[], None]
 
-BURST_NS = 1_000_000  # a paced load sends what is due once a millisecond
+BURST_NS = 1_000_000  # interval of a paced load, which sends all that is due
 
 
 def datagrams(port: int, datagram: bytearray, high_offset: int, low_offset: int) -> Send:
-    """Sends the datagram with the moment written into it."""
+    """Return a function that sends the datagram with the current time in it."""
     udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     udp.connect(("127.0.0.1", port))
 
@@ -33,7 +34,7 @@ def datagrams(port: int, datagram: bytearray, high_offset: int, low_offset: int)
 
 
 def samples() -> Send:
-    """Writes a sample on rt/drive_motor that is nothing but the moment."""
+    """Return a function that writes a sample with the current time on rt/drive_motor."""
     from cyclonedds.domain import DomainParticipant
     from cyclonedds.pub import DataWriter
     from cyclonedds.topic import Topic
@@ -43,7 +44,7 @@ def samples() -> Send:
     def serialize(self: DrivingBoardMotorMessage, **_: object) -> bytes:
         return struct.pack("<4s2f", b"\0\1\0\0", self.distance_to_go, self.turning_radius)
 
-    # The class stays what it is for matching; only its encoder, too slow for a load, is replaced in this process.
+    # The class must stay for matching; only its encoder, which is too slow, is replaced in this process.
     DrivingBoardMotorMessage.serialize = serialize  # type: ignore[assignment,method-assign]
     participant = DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID", "0")))
     topic = Topic(participant, "rt/drive_motor", DrivingBoardMotorMessage)
@@ -52,7 +53,7 @@ def samples() -> Send:
 
 
 def flood(send: Send, end_ns: int) -> int:
-    """Send as fast as possible; return how many."""
+    """Send as fast as possible; return the number sent."""
     sent = 0
     while time.monotonic_ns() < end_ns:
         send()
@@ -61,9 +62,10 @@ def flood(send: Send, end_ns: int) -> int:
 
 
 def pace(send: Send, rate: float, start_ns: int, end_ns: int) -> int:
-    """Send `rate` a second, what is due once a millisecond; return how many.
+    """Send `rate` per second, in bursts every millisecond; return the number sent.
 
-    Late, it shifts its schedule instead of catching up by a burst: that would overflow a buffer that its pace does not.
+    If it is late, it shifts its schedule instead of sending a large burst, which would overflow a buffer that the rate
+    does not.
     """
     sent, following = 0, start_ns
     for tick in range(1, (end_ns - start_ns) // BURST_NS + 1):

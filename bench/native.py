@@ -1,4 +1,4 @@
-"""Builds the bench's C++ programs with what Debian or Ubuntu installs."""
+"""Build of the C++ programs, with packages of Debian or Ubuntu."""
 
 import hashlib
 import os
@@ -20,7 +20,7 @@ LIBRARIES = {"protobuf": "libprotobuf-dev", "CycloneDDS": "cyclonedds-dev"}
 
 @dataclass(frozen=True, slots=True)
 class Programs:
-    """Where the built programs are."""
+    """Paths of the built programs."""
 
     reference: Path
     load: Path
@@ -28,7 +28,7 @@ class Programs:
 
 
 def missing_packages() -> list[str]:
-    """The apt packages without which nothing can be built."""
+    """Return the apt packages that are missing for the build."""
     missing = [package for tool, package in TOOLS.items() if shutil.which(tool) is None]
     if "pkg-config" in missing:
         return missing + list(LIBRARIES.values())
@@ -36,7 +36,7 @@ def missing_packages() -> list[str]:
 
 
 def build(protos: Sequence[str], root: Path, out: Path) -> Programs:
-    """Build the programs into `out`, unless they are there already, made from the same sources."""
+    """Build the programs into `out`, unless they exist already, made from the same sources."""
     programs = Programs(reference=out / "reference", load=out / "load", observe=out / "observe")
     ours = sorted(source for source in HERE.iterdir() if source.suffix in {".cpp", ".hpp", ".idl"})
     sources = [*ours, *(root / proto for proto in protos)]
@@ -81,8 +81,8 @@ def _fingerprint(sources: Iterable[Path]) -> str:
 
 
 def _run(*command: str) -> str:
-    """The command's complaint, or "" where it succeeded."""
-    # Locale C keeps a compiler's message readable for whoever gets the report.
+    """Return the error text of a command, or "" if it succeeded."""
+    # Locale C: the compiler's messages are in English.
     environment = {**os.environ, "LC_ALL": "C"}
     result = subprocess.run(  # noqa: S603  # compilers, by name
         command, capture_output=True, text=True, env=environment, check=False
@@ -92,4 +92,4 @@ def _run(*command: str) -> str:
 
 def _check(*command: str) -> None:
     if complaint := _run(*command):
-        raise BenchError(f"the C++ programs do not build: {complaint.splitlines()[0]}")
+        raise BenchError(f"cannot build the C++ programs: {complaint.splitlines()[0]}")

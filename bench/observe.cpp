@@ -1,9 +1,9 @@
-// Watches what arrives: samples on the topic rt/imu_data, or datagrams at a UDP port.
+// Observes arrivals: samples on the topic rt/imu_data, or datagrams at a UDP port.
 //
 //   observe dds
 //   observe udp PORT HIGH_OFFSET LOW_OFFSET
 //
-// Each line on stdin prints, as JSON, how many arrived since the line before and how old they were on arrival.
+// Each line on stdin prints as JSON how many have arrived since the line before, and their ages on arrival.
 #include "cyclone.hpp"
 #include "messages.h"
 
@@ -28,7 +28,7 @@ class Arrivals {
 
   std::vector<int64_t> take() {
     std::vector<int64_t> ages;
-    ages.reserve(1 << 20);  // so that the vector that now fills up never moves in the middle of a measurement
+    ages.reserve(1 << 20);  // avoids reallocation during a measurement
     const std::lock_guard<std::mutex> lock(mutex_);
     ages.swap(ages_ns_);
     return ages;
@@ -55,7 +55,7 @@ void on_data_available(dds_entity_t reader, void*) {
   }
 }
 
-// A listener, since it runs in the thread that received the sample: the cheapest subscriber there is.
+// A listener, because it runs on the thread that received the sample: the cheapest subscriber possible.
 void watch_dds() {
   const dds_entity_t participant = ros_participant();
   const dds_entity_t topic = checked(
@@ -112,6 +112,6 @@ int main(int count, char** words) {
     }
     std::cout << "}" << std::endl;
   }
-  if (arguments[0] == "dds") dds_delete(DDS_CYCLONEDDS_HANDLE);  // so that writers forget this reader now
-  std::_Exit(0);  // the thread that watches UDP has nothing to clean up
+  if (arguments[0] == "dds") dds_delete(DDS_CYCLONEDDS_HANDLE);  // writers then forget this reader immediately
+  std::_Exit(0);  // the UDP thread needs no clean-up
 }

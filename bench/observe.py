@@ -1,6 +1,7 @@
-"""Watches what arrives as observe.cpp does, with the same arguments and lines, where that cannot be built.
+"""Observer in Python, for machines without the C++ one: same arguments and lines as observe.cpp.
 
-python -m bench.observe dds | udp PORT HIGH_OFFSET LOW_OFFSET
+python -m bench.observe dds
+udp PORT HIGH_OFFSET LOW_OFFSET
 """
 
 import json
@@ -19,7 +20,7 @@ STAMP_IN_IMU = struct.Struct("<16x2f")  # after the CDR header and accel_x, y, z
 
 
 def watch_udp(ages: list[int], port: int, high_offset: int, low_offset: int) -> None:
-    """Add the age of every stamped datagram, for ever, in a thread of its own."""
+    """Record the age of every stamped datagram, forever, on a separate thread."""
     udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
     udp.bind(("127.0.0.1", port))
@@ -37,7 +38,7 @@ def watch_udp(ages: list[int], port: int, high_offset: int, low_offset: int) -> 
 
 
 def watch_dds(ages: list[int]) -> object:
-    """Add the age of every sample on rt/imu_data, in Cyclone's thread, as long as the returned reader lives."""
+    """Record the age of every sample on rt/imu_data, on Cyclone's thread, while the returned reader exists."""
     from cyclonedds.core import Listener, Policy, Qos
     from cyclonedds.domain import DomainParticipant
     from cyclonedds.sub import DataReader
@@ -53,7 +54,7 @@ def watch_dds(ages: list[int]) -> object:
     def take_all(reader: "DataReader[ImuSensorInformation]") -> None:
         reader.take(N=1000)
 
-    # The class stays what it is for matching; only its decoder, too slow to watch, is replaced in this process.
+    # The class must stay for matching; only its decoder, which is too slow, is replaced in this process.
     ImuSensorInformation.deserialize = deserialize  # type: ignore[assignment,method-assign]
     participant = DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID", "0")))
     topic = Topic(participant, "rt/imu_data", ImuSensorInformation)

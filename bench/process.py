@@ -1,4 +1,4 @@
-"""Child processes: bridges that are measured, and the tools that offer load and watch what arrives."""
+"""Child processes: measured bridges, and the tools that generate load and observe arrivals."""
 
 import ctypes
 import json
@@ -17,19 +17,19 @@ START_SECONDS = 20.0
 STOP_SECONDS = 10.0
 END_SECONDS = 2.0
 QUIET_SECONDS = 0.02
-QUIET_SHARE = 0.05  # of one core: DDS threads wake up now and then even when nothing is to be done
+QUIET_SHARE = 0.05  # of one core: DDS threads wake up now and then even without work
 
 
 def cpu_clock(pid: int) -> int:
-    """The system's clock of the CPU time that a process has used, of all its threads, in user and kernel mode."""
+    """Return the system's clock of a process's CPU time: all threads, user and kernel mode."""
     clock = ctypes.c_int()
     if ctypes.CDLL(None).clock_getcpuclockid(pid, ctypes.byref(clock)) != 0:
-        raise BenchError(f"no CPU clock for process {pid}")
+        raise BenchError(f"the system has no CPU clock for process {pid}")
     return clock.value
 
 
 class Child:
-    """A running program; its stderr goes to a log file. Leaving the context ends what still runs."""
+    """Running program whose stderr goes to a log file. A context manager; on exit the program ends."""
 
     def __init__(self, name: str, command: Sequence[str], environment: Mapping[str, str], logs: Path) -> None:
         self.name = name
@@ -45,7 +45,7 @@ class Child:
                     text=True,
                 )
             except OSError as error:
-                raise BenchError(f"{name} cannot be started: {error}") from error
+                raise BenchError(f"cannot start {name}: {error}") from error
         self._clock = cpu_clock(self._process.pid)
 
     def __enter__(self) -> "Child":
@@ -55,17 +55,17 @@ class Child:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         try:
-            self._process.communicate(timeout=END_SECONDS)  # closes stdin, by which a tool ends
+            self._process.communicate(timeout=END_SECONDS)  # closes stdin, which ends a tool
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.communicate()
 
     def cpu_seconds(self) -> float:
-        """CPU time used so far."""
+        """Return the CPU time used so far."""
         return time.clock_gettime(self._clock)
 
     def ask(self, line: str) -> dict[str, Any]:
-        """Send a tool one line and wait for its answer, a line of JSON."""
+        """Send a line to a tool and wait for its answer, one line of JSON."""
         questions, answers = cast(IO[str], self._process.stdin), cast(IO[str], self._process.stdout)  # both are pipes
         try:
             questions.write(line + "\n")
@@ -75,7 +75,7 @@ class Child:
         return self._parse(answers.readline())
 
     def stop(self) -> dict[str, Any]:
-        """Interrupt a bridge and return the counts that it prints last."""
+        """Interrupt a bridge and return the counts in its last line."""
         self._process.send_signal(signal.SIGINT)
         try:
             output, _ = self._process.communicate(timeout=STOP_SECONDS)
@@ -85,12 +85,12 @@ class Child:
         return self._parse(lines[-1] if lines else "")
 
     def check_running(self) -> None:
-        """Raise where the program has ended by itself."""
+        """Raise `BenchError` if the program has ended."""
         if self._process.poll() is not None:
             raise self.failure(f"ended early with status {self._process.returncode}")
 
     def failure(self, what: str) -> BenchError:
-        """An error about this program, with the end of what it logged."""
+        """Return an error about this program, with the end of its log."""
         tail = self._log.read_text(encoding="utf-8", errors="replace").splitlines()[-5:]
         return BenchError("\n  ".join([f"{self.name} {what} (log: {self._log})", *tail]))
 
@@ -104,14 +104,14 @@ class Child:
 
 @dataclass(frozen=True, slots=True)
 class UdpSocket:
-    """The kernel's view of a bound UDP socket: bytes that wait to be read, and datagrams dropped since it was bound."""
+    """State of a bound UDP socket in the kernel: bytes waiting, and datagrams dropped since it was bound."""
 
     queued: int
     drops: int
 
 
 def udp_socket(port: int) -> UdpSocket | None:
-    """The socket bound to this port, or None."""
+    """Return the state of the socket bound to this port, or None."""
     for table in ("/proc/net/udp", "/proc/net/udp6"):
         for line in Path(table).read_text(encoding="ascii").splitlines()[1:]:
             columns = line.split()
@@ -121,7 +121,7 @@ def udp_socket(port: int) -> UdpSocket | None:
 
 
 def wait_until_bound(child: Child, port: int) -> None:
-    """Wait until a bridge listens. The kernel says so, so that no bridge needs to announce it in a certain way."""
+    """Wait until a bridge listens. The kernel's table tells, so a bridge need not announce it."""
     deadline = time.monotonic() + START_SECONDS
     while udp_socket(port) is None:
         child.check_running()
@@ -131,7 +131,7 @@ def wait_until_bound(child: Child, port: int) -> None:
 
 
 def wait_until_quiet(children: Iterable[Child], port: int) -> float:
-    """Wait until nothing waits at the port and the programs rest; return the moment (monotonic) they came to rest."""
+    """Wait until no data waits at the port and the programs are idle; return the time (monotonic) of idleness."""
     watched = tuple(children)
     deadline = time.monotonic() + STOP_SECONDS
     while True:

@@ -1,6 +1,6 @@
-// The contestant `cpp`: the bridge as one would write it by hand in C++ for these two messages, without ROS's layers.
-// recvfrom, ParseFromArray, dds_write; and dds_take, SerializeToArray, sendto for the way back. Its socket buffer is
-// the system's default, as in the node that it stands for.
+// Contestant `cpp`: the bridge as one would write it by hand in C++ for these two messages, without ROS's layers:
+// recvfrom, ParseFromArray, dds_write; and dds_take, SerializeToArray, sendto in the other direction. Its socket buffer
+// has the system's default size, like that of the node that it stands for.
 //
 //   reference LISTEN_PORT A_PORT B_PORT FORWARD     (FORWARD 1: every datagram also goes raw to A and B)
 #include "components/common/envelope.pb.h"
@@ -19,7 +19,7 @@
 
 struct Counts {
   int64_t received = 0, published = 0, forwarded = 0, malformed = 0;
-  std::atomic<int64_t> sent{0};  // counted in Cyclone's thread
+  std::atomic<int64_t> sent{0};  // counted on Cyclone's thread
 };
 
 Counts counts;
@@ -40,7 +40,7 @@ bool send_raw(int socket, const void* bytes, size_t size, const sockaddr_in& to)
 int bound_socket(int port) {
   const int bridge = checked(socket(AF_INET, SOCK_DGRAM, 0), "socket");
   const sockaddr_in at = loopback(port);
-  const timeval patience{0, 100'000};  // how long a SIGINT that comes just before recvfrom may go unnoticed
+  const timeval patience{0, 100'000};  // limits the delay of a SIGINT that comes just before recvfrom
   checked(setsockopt(bridge, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), "setsockopt");
   checked(bind(bridge, reinterpret_cast<const sockaddr*>(&at), sizeof at), "bind");
   return bridge;
@@ -65,7 +65,7 @@ comms_msg_dds__ImuSensorInformation_ to_ros(const SensorBoardIMUInfo& imu) {
           static_cast<uint8_t>(imu.error_code())};
 }
 
-// DDS -> UDP: runs in Cyclone's receiving thread.
+// DDS -> UDP: runs on Cyclone's receiving thread.
 struct Outbound {
   int socket;
   sockaddr_in hardware;
@@ -95,7 +95,7 @@ void bridge(int socket, dds_entity_t writer, const sockaddr_in& basestation, con
   PBEnvelope envelope;
   while (!stopping) {
     const ssize_t size = recvfrom(socket, datagram, sizeof datagram, 0, nullptr, nullptr);
-    if (size < 0) continue;  // the time-out, or the signal
+    if (size < 0) continue;  // timeout or signal
     ++counts.received;
     if (forward) {
       counts.forwarded += send_raw(socket, datagram, size, basestation);
@@ -118,7 +118,7 @@ int main(int count, char** arguments) {
   const sockaddr_in basestation = loopback(std::stoi(arguments[2])), hardware = loopback(std::stoi(arguments[3]));
   const int socket = bound_socket(std::stoi(arguments[1]));
 
-  // Cyclone's threads inherit the blocked signal, so that it interrupts the receiving loop and nothing else.
+  // Cyclone's threads inherit the blocked signal, so that it interrupts only the receiving loop.
   sigset_t interrupt;
   sigemptyset(&interrupt);
   sigaddset(&interrupt, SIGINT);
@@ -138,7 +138,7 @@ int main(int count, char** arguments) {
   sigprocmask(SIG_UNBLOCK, &interrupt, nullptr);
 
   bridge(socket, writer, basestation, hardware, std::stoi(arguments[4]) != 0);
-  dds_delete(participant);  // so that the others forget it now, not when its lease ends
+  dds_delete(participant);  // others then forget it immediately, not when its lease ends
   std::cout << "{\"received\": " << counts.received << ", \"published\": " << counts.published
             << ", \"forwarded\": " << counts.forwarded << ", \"sent\": " << counts.sent
             << ", \"dropped\": {\"malformed\": " << counts.malformed << "}}" << std::endl;

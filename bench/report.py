@@ -1,4 +1,4 @@
-"""Shows results: tables on a terminal, charts in a picture, everything as JSON."""
+"""Output of results: tables on a terminal, charts in a PNG, everything as JSON."""
 
 import json
 import os
@@ -30,7 +30,7 @@ DEFAULT_BUFFER = Path("/proc/sys/net/core/rmem_default")
 
 
 def machine() -> dict[str, Any]:
-    """What the numbers depend on: they compare within one run, hardly across machines."""
+    """Return facts about the machine. Numbers can be compared within a run, but hardly across machines."""
     return {
         "cores": len(os.sched_getaffinity(0)),
         "processor": platform.processor() or platform.machine(),
@@ -42,7 +42,7 @@ def machine() -> dict[str, Any]:
 
 
 def print_results(results: Mapping[str, SectionResult], notes: Sequence[str], console: Console) -> None:
-    """Print every table, and what was missing."""
+    """Print every table, and the notes about missing parts."""
     facts = machine()
     packages = ", ".join(f"{name} {found}" for name, found in facts["packages"].items())
     console.print(f"{facts['cores']} cores, {facts['system']}, Python {facts['python']}, {packages}", highlight=False)
@@ -54,22 +54,22 @@ def print_results(results: Mapping[str, SectionResult], notes: Sequence[str], co
 
 
 def write_json(path: Path, results: Mapping[str, SectionResult], notes: Sequence[str]) -> None:
-    """Write machine, notes and every section's data."""
+    """Write machine, notes and the data of all sections."""
     sections = {name: result.data for name, result in results.items()}
     report = {"machine": machine(), "notes": list(notes), "sections": sections}
     path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 
 
 def draw(path: Path, results: Mapping[str, SectionResult]) -> str:
-    """Draw all charts into one PNG; the answer says where it is, or why there is none."""
+    """Draw all charts into one PNG; return a message with its path, or with the reason why there is none."""
     charts = [chart for result in results.values() for chart in result.charts if chart.curves]
     if not charts:
-        return "no picture: there are no curves"
-    try:  # only here: importing it takes a second
+        return "no charts: nothing to draw"
+    try:  # imported here: the import takes a second
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
-        return "no picture: matplotlib is not installed; `make bench` installs it"
+        return "no charts: matplotlib is not installed; `make bench` installs it"
 
     rows = -(-len(charts) // PICTURE_COLUMNS)
     width, height = PANEL_INCHES
@@ -78,7 +78,7 @@ def draw(path: Path, results: Mapping[str, SectionResult]) -> str:
     for place, chart in enumerate(charts, 1):
         _draw_chart(figure.add_subplot(rows, PICTURE_COLUMNS, place), chart)
     figure.savefig(path, dpi=110)
-    return f"picture: {path}"
+    return f"charts: {path}"
 
 
 def _draw_chart(axes: Any, chart: Chart) -> None:
@@ -86,7 +86,7 @@ def _draw_chart(axes: Any, chart: Chart) -> None:
         axes.plot(curve.x, curve.y, marker=".", label=curve.name, color=COLOURS.get(curve.name))
     if chart.diagonal:
         ends = [min(min(curve.x) for curve in chart.curves), max(max(curve.x) for curve in chart.curves)]
-        axes.plot(ends, ends, linestyle=":", color="black", linewidth=0.8, label="all of it")
+        axes.plot(ends, ends, linestyle=":", color="black", linewidth=0.8, label="no loss")
     axes.set(title=chart.title, xlabel=chart.x_label, ylabel=chart.y_label, xscale="log", yscale="log")
     axes.grid(visible=True, which="major", alpha=0.3)
     axes.legend(fontsize="small")
@@ -107,7 +107,7 @@ def _print_table(table: Table, console: Console) -> None:
 
 
 def _width(table: Table, place: int) -> int:
-    """How wide a column must be so that the groups, each printed as a grid of its own, stand in line."""
+    """Return the width of a column over all groups, so that their separate grids align."""
     cells = [*table.columns[place].splitlines(), *(row[place] for group in table.groups for row in group.rows)]
     return max(len(cell) for cell in cells)
 

@@ -1,4 +1,4 @@
-"""What a section of the bench hands back: tables to print, charts to draw, data for `--json`."""
+"""Result of a section: tables to print, charts to draw, and data for `--json`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Rows of a table under a heading of their own."""
+    """Rows of a table with their own heading."""
 
     heading: str
     rows: Sequence[Sequence[str]]
@@ -15,7 +15,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of ready-made texts; the first column names the row."""
+    """Table of texts; the first column names the row."""
 
     title: str
     columns: Sequence[str]
@@ -25,7 +25,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One line of a chart; equal names get equal colours in every chart."""
+    """Line of a chart; equal names have equal colours in all charts."""
 
     name: str
     x: Sequence[float]
@@ -34,7 +34,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves over logarithmic axes. `diagonal` draws y = x, where y cannot do better."""
+    """Curves on logarithmic axes. `diagonal` draws y = x, the best possible result."""
 
     title: str
     x_label: str
@@ -45,7 +45,7 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class SectionResult:
-    """One section of the report; `data` is whatever JSON can hold."""
+    """One section of the report; `data` is JSON data."""
 
     tables: Sequence[Table]
     charts: Sequence[Chart] = ()

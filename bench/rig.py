@@ -1,4 +1,4 @@
-"""One measuring point: a bridge, load on one side of it, an observer or sinks on the other."""
+"""One measurement: a bridge, load on one side of it, an observer or sinks on the other."""
 
 import socket
 import time
@@ -20,7 +20,10 @@ PACE_KEPT = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A way to run the bridge. `observed`: somebody subscribes to what it publishes; outbound always is."""
+    """Way to run the bridge.
+
+    `observed` adds a subscriber to the published topic; the outbound direction is always observed.
+    """
 
     name: str
     heading: str
@@ -31,7 +34,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Offered:
-    """The load's answer: how many it sent, and how long that took."""
+    """Answer of the load: the number sent, and the time it took."""
 
     sent: int
     seconds: float
@@ -39,7 +42,10 @@ class Offered:
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """What one contestant did with one load. `rate` is what was asked of the load, per second; None is a flood."""
+    """Result of one contestant with one load.
+
+    `rate` is the requested load per second; None means a flood.
+    """
 
     setting: str
     contestant: str
@@ -47,48 +53,48 @@ class Point:
     sent: int
     sending_seconds: float
     delivered: int
-    seconds: float  # from the first datagram until everything had come to rest
+    seconds: float  # from the first datagram until all programs were idle
     cpu_seconds: float
-    kernel_drops: int  # at the bridge's socket, whose buffer was full
+    kernel_drops: int  # at the bridge's socket, because its buffer was full
     p50_us: float | None
     p99_us: float | None
 
     @property
     def offered_per_second(self) -> float:
-        """What the load really offered."""
+        """Rate that the load really sent."""
         return self.sent / self.sending_seconds
 
     @property
     def delivered_per_second(self) -> float:
-        """What came out at the other end."""
+        """Rate that came out at the other end."""
         return self.delivered / self.seconds
 
     @property
     def cpu_us(self) -> float:
-        """CPU time for a datagram that came out, of the bridge's whole process, kernel included."""
+        """CPU time of the bridge's process per datagram that came out, in microseconds, kernel included."""
         return self.cpu_seconds / self.delivered * 1e6 if self.delivered else float("nan")
 
     @property
     def lost(self) -> int:
-        """How many did not come out."""
+        """Number of datagrams that did not come out."""
         return self.sent - self.delivered
 
     @property
     def kept_up(self) -> bool:
-        """Whether load and bridge kept the pace: what a bridge puts off until the load has ended, it cannot carry."""
+        """True if load and bridge kept the pace; a bridge that finishes long after the load cannot sustain it."""
         behind = self.seconds - self.sending_seconds
         on_pace = self.rate is not None and self.offered_per_second >= self.rate * PACE_KEPT
         return on_pace and behind <= (1 - PACE_KEPT) * self.sending_seconds + QUIET_SECONDS
 
     @property
     def lossless(self) -> bool:
-        """Whether all came out, at the pace at which it came in."""
+        """True if everything came out at the pace at which it came in."""
         return self.lost == 0 and self.kept_up
 
 
 @dataclass(frozen=True, slots=True)
 class Rig:
-    """The surroundings of a bridge in one setting; bridges come and go in it."""
+    """Environment of a bridge in one setting, used for many bridges in turn."""
 
     lab: Lab
     setting: Setting
@@ -97,7 +103,7 @@ class Rig:
     observer: Child | None
 
     def measure(self, contestant: Contestant, rate: float | None, seconds: float) -> Point:
-        """Start the bridge, warm it up, offer the load, and wait until everything has come to rest."""
+        """Start the bridge, warm it up, send the load, and wait until everything is idle."""
         command = contestant.command(self.ports, self.setting.forwards)
         with self.lab.start(contestant, command) as child:
             wait_until_bound(child, self.ports.listen)
@@ -131,7 +137,7 @@ class Rig:
         return wait_until_quiet([child, self.observer] if self.observer else [child], self.ports.listen)
 
     def _warm_up(self, child: Child) -> int:
-        """Send until the way through is open (DDS needs a moment to match) and the code warm; return how many."""
+        """Send until datagrams pass (DDS needs time to match) and the code is warm; return the number sent."""
         sent, deadline = 0, time.monotonic() + MATCH_SECONDS
         while self.observer:
             sent += self._offer(WARM_UP_RATE, 0.02).sent
@@ -139,7 +145,7 @@ class Rig:
                 break
             child.check_running()
             if time.monotonic() > deadline:
-                raise child.failure(f"let nothing through within {MATCH_SECONDS:g} s")
+                raise child.failure(f"did not pass on any message within {MATCH_SECONDS:g} s")
         sent += self._offer(WARM_UP_RATE, WARM_UP_SECONDS).sent
         self._rest(child)
         if self.observer:
@@ -168,9 +174,9 @@ def open_rig(lab: Lab, setting: Setting) -> Iterator[Rig]:
 
 
 def _sink() -> socket.socket:
-    """A bound socket that nobody reads, with the smallest buffer: it stands for another computer.
+    """Return a bound socket that nobody reads, with the smallest buffer: it stands for another computer.
 
-    A port on which nobody listens would answer every datagram with an ICMP error, and that costs.
+    Without a socket on the port, each datagram would cause an ICMP error, which costs time.
     """
     sink = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sink.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 0)

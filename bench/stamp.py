@@ -1,7 +1,7 @@
-"""The moment of sending, as every datagram and sample of the bench carries it: two floats, exact for 20 bits each.
+"""Time of sending, as every datagram and sample of the benchmarks carries it: two floats of 20 exact bits each.
 
-The same as `Stamp` in cyclone.hpp. Counted from 1, since a proto3 field that is 0 is left out of the datagram, and a
-stamp is read at a fixed place.
+It equals `Stamp` in cyclone.hpp. Both floats count from 1, because a proto3 field with the value 0 is left out of the
+datagram, while the stamp is read at a fixed offset.
 """
 
 import struct
@@ -12,18 +12,18 @@ MASK = (1 << BITS) - 1
 
 
 def stamp(ns: int) -> tuple[float, float]:
-    """The high and the low part of a time in nanoseconds, modulo 18 minutes."""
+    """Return the high and the low part of a time in nanoseconds, modulo 18 minutes."""
     return float((ns >> BITS & MASK) + 1), float((ns & MASK) + 1)
 
 
 def age_ns(high: float, low: float, now_ns: int) -> int:
-    """How long ago the stamped moment was, in nanoseconds."""
+    """Return the age of a stamp in nanoseconds."""
     then = (int(high) - 1 << BITS) + int(low) - 1
     return (now_ns - then) & ((1 << 2 * BITS) - 1)
 
 
 def ages_us(ages_ns: list[int]) -> dict[str, float]:
-    """The median and the 99th percentile in microseconds, by the names they have in the tools' answers."""
+    """Return the median and the 99th percentile in microseconds, by their names in the tools' answers."""
     if not ages_ns:
         return {}
     ordered = sorted(ages_ns)

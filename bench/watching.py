@@ -1,4 +1,4 @@
-"""The section `watching`: what recording, diagnostics and Foxglove cost on the bridge's own thread."""
+"""Section `watching`: CPU cost of recording, diagnostics and Foxglove on the bridge's own thread."""
 
 import logging
 import tempfile
@@ -19,19 +19,19 @@ from roverlink.runtime.monitoring.histogram import LatencyProbe
 
 MESSAGES, QUICK_MESSAGES = 1_000_000, 100_000
 BATCH = 8
-RATE = 20_000  # messages a second; what a rover has is far less, what a disk keeps up with far more
+RATE = 20_000  # messages a second; far more than a rover has, far less than a disk can store
 PAUSE_EVERY = 50  # batches
 
 Take = Callable[[list[bytes]], object]
 
 NOTE = (
-    f"CPU time of the calling thread for a message, handed over in batches of {BATCH} at {RATE:,} a second. Off, each"
-    " of them is not there at all: the bridge calls what it always calls."
+    f"CPU time of the calling thread per message, in batches of {BATCH} at {RATE:,} a second. If a feature is off, its"
+    " cost is zero: it is not in the call chain."
 )
 
 
 def measure(lab: Lab) -> SectionResult:
-    """Hand a million messages to each."""
+    """Pass a million messages to each."""
     count = QUICK_MESSAGES if lab.quick else MESSAGES
     rows, data = [], []
     for name, opened in (
@@ -44,17 +44,19 @@ def measure(lab: Lab) -> SectionResult:
                 own = _cost(take, count)
             found = {"watcher": name, "us": own, **facts()}
         except (SetupError, BenchError) as error:
-            lab.say(f"{name} left out: {error}")
+            lab.say(f"{name} is left out: {error}")
             continue
         lab.say(f"{name:>20} {own:.2f} us")
         rows.append([name, f"{own:.2f}", str(found.get("lost", "-"))])
         data.append(found)
-    table = Table("Watching a bridge", ("", "us a message", "lost"), [Group(f"{count:,} messages each", rows)], [NOTE])
+    table = Table(
+        "Watching a bridge", ("", "us per message", "lost"), [Group(f"{count:,} messages each", rows)], [NOTE]
+    )
     return SectionResult(tables=[table], charts=[], data={"costs": data})
 
 
 def _cost(take: Take, count: int) -> float:
-    """CPU microseconds of this thread for a message, without those of the loop around it."""
+    """Return the CPU microseconds of this thread per message, without those of the loop around it."""
     batch = [imu_datagram()] * BATCH
     return max(0.0, _timed(take, batch, count) - _timed(lambda _: None, batch, count // 10))
 

@@ -1,4 +1,4 @@
-"""What the bench sends: its datagrams, byte by byte, so that no contestant's library takes part; and the protos."""
+"""Datagrams of the benchmarks, built byte by byte without any contestant's library; and the protos."""
 
 import re
 import struct
@@ -17,7 +17,7 @@ IMU_FLOATS = tuple(range(1, 10))
 
 @dataclass(frozen=True, slots=True)
 class StampPlace:
-    """Where in a datagram the two floats of the stamp stand."""
+    """Offsets of the stamp's two floats in a datagram."""
 
     high: int
     low: int
@@ -28,14 +28,14 @@ MOTOR_STAMP = StampPlace(high=3, low=8)  # distance_to_go, turning_radius
 
 
 def imu_datagram() -> bytes:
-    """An envelope with a SensorBoardIMUInfo: 9 floats, is_calibrated and state; 51 bytes."""
+    """Return an envelope with a SensorBoardIMUInfo: 9 floats, is_calibrated and state; 51 bytes."""
     floats = b"".join(struct.pack("<Bf", number << 3 | FIXED32, 0.5 + number) for number in IMU_FLOATS)
     payload = floats + bytes((13 << 3, 1, 14 << 3, 1))
     return bytes((IMU_NUMBER << 3 | LENGTH_DELIMITED, len(payload))) + payload
 
 
 def envelope_closure(root: Path) -> list[str]:
-    """The envelope's proto and everything that it imports, relative to the proto root, sorted."""
+    """Return the envelope's proto and all its imports, relative to the proto root, sorted."""
     found: set[str] = set()
     open_files = [ENVELOPE]
     while open_files:
@@ -53,8 +53,8 @@ def envelope_closure(root: Path) -> list[str]:
 
 def compile_python(protos: list[str], root: Path, out: Path) -> None:
     """Write the protos' Python modules, for the hand-written bridge."""
-    from grpc_tools import protoc  # only here: the bench also runs, without that contestant, where it is missing
+    from grpc_tools import protoc  # imported here: without it, the benchmarks run without that contestant
 
     out.mkdir(parents=True, exist_ok=True)
     if protoc.main(["protoc", f"-I{root}", f"--python_out={out}", *protos]) != 0:
-        raise BenchError(f"the protos below {root} do not compile")
+        raise BenchError(f"cannot compile the protos below {root}")

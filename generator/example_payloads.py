@@ -1,4 +1,4 @@
-"""Plausible payloads, made from nothing but their descriptors: for examples, for the demo, and for simulated boards."""
+"""Plausible payloads made from descriptors alone, for examples, for the demo and for simulated boards."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ _SIGNALS = {
     "gyro": (0.0, 0.3),
     "mag": (0.0, 40.0),
 }
-"""Middle and swing of what a field measures, by a word of its name; of any other number they are 0 and 10."""
+"""Mean and amplitude of a signal, by a word in the field's name; other numbers have 0 and 10."""
 _GRAVITY = -9.81
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
-    """A payload whose numbers swing, whose flags toggle and whose enums step through their values."""
+    """Return a payload: its numbers oscillate, its flags toggle, its enums step through their values."""
     payload = payload_type()
     _fill(payload, seconds, frozenset())
     return payload
 
 
 def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
-    """Fill a payload that stands inside messages of some types; it holds none of these once more."""
+    """Fill a payload; fields of the types ``inside``, which contain it, stay empty, so that recursion ends."""
     inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
         message = field.message_type
         if message is not None and (message.GetOptions().map_entry or message.full_name in (*inside, _ANY)):
-            continue  # an empty map, list or Any is as plausible as any other
+            continue  # left empty
         if not _is_chosen(field, seconds):
             continue
         if message is not None and not field.is_repeated:
@@ -67,13 +67,14 @@ def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None
 
 
 def _is_chosen(field: Any, seconds: float) -> bool:
-    """Whether it is a field's turn: the members of a oneof take turns."""
+    """Return true if a field is set at this time; the members of a oneof take turns."""
     members = field.containing_oneof.fields if field.containing_oneof else [field]
     return bool(members[int(seconds) % len(members)].number == field.number)
 
 
 def _value(field: Any, seconds: float) -> Any:
     phase = 2 * math.pi * seconds / _PERIOD_S + field.number
+    # The field number shifts the phase, so that fields of one message differ.
     swing = math.sin(phase)
     if field.enum_type is not None:
         values = field.enum_type.values
@@ -92,7 +93,7 @@ def _value(field: Any, seconds: float) -> Any:
 
 
 def _signal(name: str) -> tuple[float, float] | None:
-    """Middle and swing of a field, where its name says what it measures."""
+    """Return mean and amplitude for a field's name; None if the name has no known word."""
     if name == "accel_z":
         return _GRAVITY, 0.4
     return next((_SIGNALS[word] for word in name.split("_") if word in _SIGNALS), None)

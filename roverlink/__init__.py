@@ -1,1 +1,1 @@
-"""The command line: the one place that puts the generator and the runtime together."""
+"""Command line: the only package that combines generator, runtime and vision."""

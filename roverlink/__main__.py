@@ -1,4 +1,4 @@
-"""``roverlink``: from mapping.yaml to a running bridge."""
+"""Entry point of ``roverlink``: parse the command line and run the command."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from roverlink.console import OK, UNABLE, complain
+from roverlink.console import OK, UNABLE, print_error
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.ros_arguments import ros_args
 
@@ -38,62 +38,63 @@ COMMANDS = (
     "aruco",
     "demo",
 )
-"""In the order of the help."""
+"""Commands in the order of the help."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command. Returns 0 where all is well, 1 for findings or failed checks, 2 where it cannot run."""
+    """Run a command. Returns 0 for success, 1 for findings or failed checks, 2 if the command cannot run."""
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
     parser = _parser(own)
     arguments = parser.parse_args(own)
     arguments.ros_args = ros
     if ros and not arguments.takes_ros_args:
-        parser.error(f"{own[0]} takes no --ros-args")
+        parser.error(f"{own[0]} does not take --ros-args")
+    # systemd and docker stop a program with SIGTERM.
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         code = int(arguments.run(arguments))
-        sys.stdout.flush()  # here, where a reader that has gone is no error
+        sys.stdout.flush()  # here, so that a closed pipe is handled below
     except RoverlinkError as error:
-        complain(str(error))
+        print_error(str(error))
         return UNABLE
     except KeyboardInterrupt:
         return OK
     except BrokenPipeError:
-        # Whoever read our output has had enough; what Python still holds of it must not complain at exit.
+        # The reader of our output has closed the pipe (`| head`). Python flushes stdout at exit, which must not fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
     return code
 
 
 def _interrupt(*_: object) -> None:
-    """End on SIGTERM as on SIGINT: whatever is open is closed, a bridge of the demo's among it."""
+    """Treat SIGTERM like SIGINT, so that context managers close everything, such as the demo's bridge process."""
     raise KeyboardInterrupt
 
 
 class _Version(argparse.Action):
-    """Prints the version, which is looked up only here: that is slow."""
+    """Prints the version; it is looked up only on demand, because the look-up is slow."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from roverlink.installed_packages import installed_version
 
-        print(f"roverlink {installed_version('roverlink') or '(not installed, but run from its files)'}")
+        print(f"roverlink {installed_version('roverlink') or '(not installed; running from its source files)'}")
         parser.exit()
 
 
 class _AnyOrderParser(argparse.ArgumentParser):
-    """Takes options among the positional arguments too, as `ros2 topic pub` does."""
+    """Parser that accepts options between positional arguments, as `ros2 topic pub` does."""
 
     _in_any_order = True
 
     def add_subparsers(self, **options: Any) -> Any:
-        """Have subcommands, whose own parsers take their options in any order."""
+        """Add subcommands; only their parsers accept options in any order."""
         self._in_any_order = False
         return super().add_subparsers(**options)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         if not self._in_any_order:
             return super().parse_known_args(args, namespace)
-        self._in_any_order = False  # it calls this method for what is left when the options are out
+        self._in_any_order = False  # parse_known_intermixed_args calls this method again for the remaining arguments
         try:
             return self.parse_known_intermixed_args(args, namespace)
         finally:
@@ -101,10 +102,10 @@ class _AnyOrderParser(argparse.ArgumentParser):
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser; of the commands, only the one that is called is loaded, since the generator is slow to import."""
+    """Return the parser. It imports only the command that is called, because importing the generator is slow."""
     parser = argparse.ArgumentParser(
         prog="roverlink",
-        description="One table from protobuf over UDP to ROS 2 topics.",
+        description="Bridge protobuf datagrams over UDP and ROS 2 topics, by the table mapping.yaml.",
         epilog="example: roverlink generate && roverlink run",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")

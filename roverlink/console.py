@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, where the project is, how to complain."""
+"""Basics of all commands: exit codes, the project's folder, option types, messages, loggers."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ Subparsers = Any  # argparse names its type only in private
 
 
 class NoProjectError(SetupError):
-    """A command that needs a project runs outside of one."""
+    """A command was started outside a project."""
 
 
-def complain(message: str) -> None:
-    """Say on standard error why a command cannot run."""
+def print_error(message: str) -> None:
+    """Print the reason why a command cannot run, on standard error."""
     print(f"roverlink: {message}", file=sys.stderr)
 
 
-def note(message: str) -> None:
-    """Say on standard error what is worth knowing while a command runs."""
+def print_note(message: str) -> None:
+    """Print a message for the user on standard error while a command runs."""
     print(message, file=sys.stderr, flush=True)
 
 
 def counted(count: int, what: str) -> str:
-    """How many of something there are, in words: ``1 row``, ``2 rows``."""
+    """Return a number with its noun: ``1 row``, ``2 rows``."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
-    """A subcommand with its help and an example."""
+    """Create a subcommand; its help ends with the example."""
     parser: argparse.ArgumentParser = commands.add_parser(
         name,
         help=help,
@@ -58,58 +58,59 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
 
 
 def add_project(parser: argparse.ArgumentParser) -> None:
-    """The option that says where the generated code is."""
+    """Add the option for the folder of the generated code."""
     parser.add_argument(
         "--project",
         type=Path,
         metavar="DIR",
-        help="folder of mapping.yaml and generated/ (default: this folder or the nearest above it that has them)",
+        help="folder with mapping.yaml and generated/ (default: this folder or the nearest one above it)",
     )
 
 
 def add_table(parser: argparse.ArgumentParser) -> None:
-    """The option that says which table."""
+    """Add the option for the table."""
     parser.add_argument(
         "--table",
         type=Path,
         metavar="FILE",
-        help=f"the table (default: {TABLE} in this folder or in the nearest above it that has one)",
+        help=f"the table (default: {TABLE} in this folder or the nearest one above it)",
     )
 
 
 def table_file(given: Path | None) -> Path:
-    """The table: what was given, else the nearest; where there is none, the one that this folder should have."""
+    """Return the given table or the nearest one; if there is none, the path in the current folder."""
     here = Path.cwd()
     near = (folder / TABLE for folder in (here, *here.parents))
+    # lexists: a dangling link named mapping.yaml is a mistake to report, not a reason to look further up.
     found = given or next((path for path in near if os.path.lexists(path)), here / TABLE)
     return Path(os.path.relpath(found))
 
 
 def port(text: str) -> int:
-    """A UDP port on the command line; 0 takes a free one."""
-    return _number(text, int, lambda number: 0 <= number < 65_536, "a UDP port, 0 to 65535")
+    """Parse a port number; 0 means any free port."""
+    return _number(text, int, lambda number: 0 <= number < 65_536, "a port number from 0 to 65535")
 
 
 def count(text: str) -> int:
-    """How many, on the command line."""
+    """Parse a number above 0."""
     return _number(text, int, lambda number: number > 0, "a whole number above 0")
 
 
 def rate(text: str) -> float:
-    """How many a second, on the command line; less than one a year is none."""
+    """Parse a frequency in hertz; less than once a year is refused."""
     return _number(
-        text, float, lambda number: 1 / _A_YEAR_S < number < math.inf, "a number above 0, one a year at least"
+        text, float, lambda number: 1 / _A_YEAR_S < number < math.inf, "a frequency above 0 (at least once a year)"
     )
 
 
 def seconds(text: str) -> float:
-    """A time on the command line, of a year at most: the system's clocks end somewhere."""
-    return _number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a number of seconds")
+    """Parse a duration in seconds, at most a year, since larger values overflow the system's clocks."""
+    return _number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a duration in seconds (0 to one year)")
 
 
 def megabytes(text: str) -> int:
-    """A size in megabytes on the command line, as bytes."""
-    return int(1e6 * _number(text, float, lambda number: 0 < number < math.inf, "a number of megabytes"))
+    """Parse a size in megabytes; return bytes."""
+    return int(1e6 * _number(text, float, lambda number: 0 < number < math.inf, "a size in megabytes"))
 
 
 def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what: str) -> N:
@@ -120,7 +121,7 @@ def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what
 
 
 def project_folder(given: Path | None) -> Path:
-    """Return the folder of the generated code: what was given, else the nearest. Raises `NoProjectError`."""
+    """Return the given folder, or the nearest one with a project. Raises `NoProjectError`."""
     if given is not None:
         return given
     here = Path.cwd()
@@ -128,22 +129,22 @@ def project_folder(given: Path | None) -> Path:
         if os.path.lexists(folder / TABLE) or (folder / "generated" / "registry.py").is_file():
             return folder
     raise NoProjectError(
-        f"there is no {TABLE} in {here} or a folder above it; `roverlink init` starts a project here, "
-        "and --project DIR names one elsewhere"
+        f"no {TABLE} in {here} or a folder above it; start a project here with `roverlink init`, "
+        "or name its folder with --project DIR"
     )
 
 
-def keep_to_ourselves() -> None:
-    """Stay on this host, and out of the ROS 2 domain of anyone else on it.
+def isolate_ros() -> None:
+    """Restrict ROS 2 to this host, in a domain that others on this host are unlikely to use.
 
-    The ports of a domain above 100 are among those that Linux hands out to anybody.
+    The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
     os.environ["ROS_LOCALHOST_ONLY"] = "1"
     os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
 
 
 class _RosFormatter(logging.Formatter):
-    """``[INFO] [1700000000.123456] [udp_forwarder]: text``, as ROS 2 nodes log."""
+    """Formats records as ROS 2 nodes do: ``[INFO] [1700000000.123456] [udp_forwarder]: text``."""
 
     def format(self, record: logging.LogRecord) -> str:
         level = {"WARNING": "WARN", "CRITICAL": "FATAL"}.get(record.levelname, record.levelname)
@@ -151,7 +152,7 @@ class _RosFormatter(logging.Formatter):
 
 
 class _JsonFormatter(logging.Formatter):
-    """One JSON object a line: time, level, logger and message, and whatever facts the record has."""
+    """Formats records as one JSON object per line: time, level, logger, message, and the record's ``facts``."""
 
     def format(self, record: logging.LogRecord) -> str:
         facts: dict[str, Any] = getattr(record, "facts", {})
@@ -160,16 +161,17 @@ class _JsonFormatter(logging.Formatter):
 
 
 LOG_FORMATS = {"ros": _RosFormatter, "json": _JsonFormatter}
-"""How records are written, by the name of the format."""
+"""Formatters of log records, by the name of the format."""
 
 
 def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Logger:
-    """A logger to standard error with ROS 2's levels; without a level, one that says nothing."""
+    """Return a logger to standard error with the levels of ROS 2; with level None it prints nothing."""
     handler = logging.StreamHandler() if level else logging.NullHandler()
     handler.setFormatter(LOG_FORMATS[format]())
     logger = logging.getLogger(name)
     logger.handlers = [handler]
     level = level or "info"
     logger.setLevel({"warn": logging.WARNING, "fatal": logging.CRITICAL}.get(level, level.upper()))
+    # Handlers of the root logger would print each line a second time.
     logger.propagate = False
     return logger

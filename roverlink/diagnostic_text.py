@@ -1,4 +1,4 @@
-"""Diagnostics as people read them: place, message, source line with a caret, other places, help."""
+"""Diagnostics as text for people: place, message, source line with a caret, other places, help."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ _TAB = "    "
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Sources:
-    """The files that diagnostics name."""
+    """Source files of diagnostics."""
 
     folder: Path
-    """The folder from which they are named."""
+    """Folder to which the paths in diagnostics are relative."""
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    """Files whose text is not the one on disk."""
+    """Files whose text differs from the one on disk."""
     commit_of: Callable[[Span], Commit | None] = lambda _: None
-    """The commit from which a line is; None where it is not committed, or not known."""
+    """Function that returns the commit of a line; None if it is not committed or not known."""
     _read: dict[str, list[str]] = dataclasses.field(default_factory=dict)
 
     def from_here(self, span: Span) -> Span:
-        """Name a place from the current folder; one whose file is not on disk stays as it is."""
+        """Return a place relative to the current folder; a file that does not exist keeps its path."""
         path = self.folder / span.file
         return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
 
-    def told(self, span: Span, what: str) -> str:
-        """Say what another place has to do with a diagnostic, and the commit its line came with, where known."""
+    def with_commit(self, span: Span, what: str) -> str:
+        """Return the text of another place, with the commit of its line if known."""
         commit = self.commit_of(span)
         return f"{what} ({commit})" if commit else what
 
     def line(self, span: Span) -> str:
-        """Return the line that a place is in; empty where it cannot be read."""
+        """Return the source line of a place; empty if it cannot be read."""
         if span.file not in self._read:
             text = self.texts.get(span.file)
             self._read[span.file] = (_text_of(self.folder / span.file) if text is None else text).splitlines()
@@ -65,7 +65,7 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
     """Print diagnostics; in colour if the stream is a terminal and NO_COLOR is not set."""
     if not (findings := list(findings)):
         return
-    from rich.console import Console  # its import takes longer than what a clean run has to say
+    from rich.console import Console  # imported here: the import is slow, and a run without findings needs none of it
     from rich.text import Text
 
     console = Console(file=stream, highlight=False, soft_wrap=True)
@@ -74,7 +74,7 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
 
 
 def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
-    """Print why a command cannot go on; ``folder`` is that of the table or of the tree."""
+    """Print why a command cannot continue; ``folder`` is that of the table or tree."""
     show(error.findings, Sources(folder, error.texts), stream)
 
 
@@ -92,6 +92,6 @@ def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
         yield Text(f"{number} | {line}".replace("\t", _TAB))
         yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))
     for span, what in finding.also:
-        yield Text(f"  {sources.from_here(span)}: {sources.told(span, what)}")
+        yield Text(f"  {sources.from_here(span)}: {sources.with_commit(span, what)}")
     if finding.help:
         yield Text.assemble("  ", ("help: ", "bold"), finding.help)

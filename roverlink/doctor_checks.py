@@ -1,4 +1,4 @@
-"""The checks of ``roverlink doctor``: each looks at one thing, changes nothing, and says what it found."""
+"""Checks of ``roverlink doctor``. Each examines one thing, changes nothing, and returns its result."""
 
 from __future__ import annotations
 
@@ -36,14 +36,17 @@ _EXTRAS = {
     "rosbags": "standard",
     "nanopb": "nanopb",
 }
-_GROUP, _GROUP_PORT = "239.255.0.1", 7400  # where DDS participants announce themselves (RTPS 2.2, 9.6.1)
+_GROUP, _GROUP_PORT = (
+    "239.255.0.1",
+    7400,
+)  # multicast group in which DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
 _COMMAND_S = 5.0
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What one check found."""
+    """Result of one check."""
 
     verdict: str
     """``ok``, ``warning`` or ``error``."""
@@ -52,12 +55,12 @@ class Diagnosis:
     cure: str = ""
 
     def as_dict(self) -> dict[str, str]:
-        """For JSON."""
+        """Return the result for JSON."""
         return dataclasses.asdict(self)
 
 
 def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
-    """Look at everything; ``project`` is what the command line names. Raises nothing that a check finds."""
+    """Run all checks; ``project`` is the folder from the command line. Failures are results, not exceptions."""
     found = list(_python())
     try:
         registry = load_project(project_folder(project))
@@ -77,7 +80,7 @@ def _python() -> Iterator[Diagnosis]:
     yield Diagnosis("ok", "python", f"{version} on {platform.system()} {platform.machine()}")
     for package in _NEEDED:
         if installed_version(package) is None:
-            yield Diagnosis("error", package, "is not installed", f"{sys.executable} -m pip install {package}")
+            yield Diagnosis("error", package, "not installed", f"{sys.executable} -m pip install {package}")
     missing = [f"{extra} ({package})" for package, extra in _EXTRAS.items() if installed_version(package) is None]
     if missing:
         names = ",".join(extra for package, extra in _EXTRAS.items() if installed_version(package) is None)
@@ -93,7 +96,7 @@ def _network(settings: Parameters) -> Iterator[Diagnosis]:
         sock = udp.bind(address, port, settings.receive_buffer)
     except RoverlinkError as error:
         holder = _holder(port)
-        cure = f"it is held by {holder}" if holder else "`ss -lunp` as root shows who holds it"
+        cure = f"it is used by {holder}" if holder else "run `ss -lunp` as root to see which program uses it"
         yield Diagnosis("error", f"UDP port {port}", str(error), cure)
     else:
         with sock:
@@ -103,23 +106,28 @@ def _network(settings: Parameters) -> Iterator[Diagnosis]:
         udp.resolve(settings.dst_ip, 9)
         yield Diagnosis("ok", "dst_ip", settings.dst_ip)
     except RoverlinkError as error:
-        yield Diagnosis("error", "dst_ip", str(error), "give -p dst_ip:=ADDRESS")
+        yield Diagnosis("error", "dst_ip", str(error), "set it with -p dst_ip:=ADDRESS")
 
 
 def _buffer(got: int, wanted: int) -> Diagnosis:
     if got >= wanted:
         return Diagnosis("ok", "receive buffer", f"{got} bytes")
-    says = f"{got} bytes, where the bridge asks for {wanted}: bursts may be lost"
-    cure = f"sysctl -w net.core.rmem_max={wanted}; to keep it, write that line to /etc/sysctl.d/60-roverlink.conf"
+    says = f"{got} bytes instead of {wanted}: datagrams of a burst may be lost"
+    cure = f"sysctl -w net.core.rmem_max={wanted}; to keep it, write that setting to /etc/sysctl.d/60-roverlink.conf"
     return Diagnosis("warning", "receive buffer", says, cure)
 
 
 def _holder(port: int) -> str:
-    """The program that holds a UDP port, as far as we may see it; empty where we may not."""
+    """Return the program that uses a UDP port; empty if we may not see it.
+
+    The columns of /proc/net/udp are in proc(5); the socket's inode is the tenth. A process has a link to
+    ``socket:[inode]`` among its file descriptors.
+    """
     try:
         lines = (_PROC / "net" / "udp").read_text().splitlines()[1:]
     except OSError:
         return ""
+    # Ports are in hexadecimal, in host byte order.
     inodes = {fields[9] for line in lines if (fields := line.split())[1].endswith(f":{port:04X}")}
     for process in _PROC.glob("[0-9]*"):
         try:
@@ -127,7 +135,7 @@ def _holder(port: int) -> str:
             if links & {f"socket:[{inode}]" for inode in inodes}:
                 return f"{(process / 'comm').read_text().strip()} (process {process.name})"
         except OSError:
-            continue  # another user's, or it has ended
+            continue  # a process of another user, or one that has ended
     return ""
 
 
@@ -141,21 +149,21 @@ def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "warning",
             "firewall",
-            "ufw is on; it may keep datagrams and DDS out",
+            "ufw is active; it may block datagrams and DDS",
             f"ufw allow {port}/udp; ufw allow 7400:57400/udp",
         )
     elif _output("firewall-cmd", "--state").strip() == "running":
         cure = f"firewall-cmd --permanent --add-port={port}/udp --add-port=7400-57400/udp && firewall-cmd --reload"
-        yield Diagnosis("warning", "firewall", "firewalld is on; it may keep datagrams and DDS out", cure)
+        yield Diagnosis("warning", "firewall", "firewalld is active; it may block datagrams and DDS", cure)
     elif re.search(r"hook input [^}]*policy drop", _output("nft", "list", "ruleset"), re.DOTALL):
         cure = f"nft add rule inet filter input udp dport {{ {port}, 7400-57400 }} accept"
-        yield Diagnosis("warning", "firewall", "nftables drops what no rule accepts", cure)
+        yield Diagnosis("warning", "firewall", "nftables drops packets that no rule accepts", cure)
     else:
-        yield Diagnosis("ok", "firewall", "none was found")
+        yield Diagnosis("ok", "firewall", "no active firewall found")
 
 
 def _output(*command: str) -> str:
-    """What a command prints; empty where it is not there, or may not."""
+    """Return the output of a command; empty if it does not exist or is not allowed."""
     program = shutil.which(command[0])
     if program is None:
         return ""
@@ -169,9 +177,9 @@ def _output(*command: str) -> str:
 
 
 def _multicast() -> Iterator[Diagnosis]:
-    """Whether a datagram to the group of DDS comes back to this host: discovery needs it."""
+    """Check that a datagram to the multicast group of DDS comes back to this host, since discovery needs it."""
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
-        yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 keeps ROS 2 to this host")
+        yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 restricts ROS 2 to this host")
         return
     cure = "ip link set DEV multicast on; ip route add 224.0.0.0/4 dev DEV"
     with (
@@ -187,9 +195,11 @@ def _multicast() -> Iterator[Diagnosis]:
             sender.sendto(b"roverlink doctor", (_GROUP, receiver.getsockname()[1]))
             receiver.recv(64)
         except OSError as error:
-            yield Diagnosis("warning", "multicast", f"does not work here ({error}): other hosts are not found", cure)
+            yield Diagnosis(
+                "warning", "multicast", f"does not work ({error}), so discovery does not find other hosts", cure
+            )
         else:
-            yield Diagnosis("ok", "multicast", f"{_GROUP} comes back")
+            yield Diagnosis("ok", "multicast", f"datagrams to {_GROUP} come back")
 
 
 # --- ROS 2 ------------------------------------------------------------------------------------------------------
@@ -200,16 +210,16 @@ def _ros(registry: Registry | None) -> Iterator[Diagnosis]:
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
     rclpy = _imports("rclpy")
     if distribution and not rclpy:
-        says = f"ROS 2 {distribution} is sourced, but rclpy does not import in this Python {platform.python_version()}"
+        says = f"ROS 2 {distribution} is sourced, but this Python {platform.python_version()} cannot import rclpy"
         yield Diagnosis(
-            "warning", "rclpy", says, "make the environment with the Python of ROS 2, --system-site-packages"
+            "warning", "rclpy", says, "create the environment with the Python of ROS 2 and --system-site-packages"
         )
     if rclpy and registry is not None:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")
     if not rclpy and dds is None:
         cure = "pip install cyclonedds (x86-64), or source an installed ROS 2"
-        yield Diagnosis("error", "ROS 2", "neither rclpy nor Cyclone DDS is there: the bridge has no topics", cure)
+        yield Diagnosis("error", "ROS 2", "neither rclpy nor Cyclone DDS is installed: the bridge has no topics", cure)
     elif not rclpy:
         yield _joins(str(dds), domain)
 
@@ -223,19 +233,26 @@ def _imports(module: str) -> bool:
 
 
 def _joins(version: str, domain: str) -> Diagnosis:
-    """Whether Cyclone DDS is one that we can use, and joins the domain."""
+    """Check that Cyclone DDS has a supported version and can join the domain."""
     if version.partition(".")[0] != "11":
-        return Diagnosis("error", "Cyclone DDS", f"is {version}; 11 is needed", "pip install 'cyclonedds>=11,<12'")
+        return Diagnosis(
+            "error",
+            "Cyclone DDS",
+            f"version {version} is installed, but 11 is needed",
+            "pip install 'cyclonedds>=11,<12'",
+        )
     try:
         with open_middleware("dds", NodeIdentity(f"roverlink_doctor_{os.getpid()}")):
             pass
     except RoverlinkError as error:
         return Diagnosis("error", "Cyclone DDS", str(error))
-    return Diagnosis("ok", "Cyclone DDS", f"{version} joins domain {domain}; no ROS 2 is needed")
+    return Diagnosis(
+        "ok", "Cyclone DDS", f"version {version} can join domain {domain}; no ROS 2 installation is needed"
+    )
 
 
 def _interfaces(registry: Registry) -> Diagnosis:
-    """Tell if the interface package that rclpy has is the one that was generated."""
+    """Check that the interface package that rclpy imports is the generated one."""
     package = registry.package
     generated = [
         one.message_type for one in registry.handlers if one.message_type.__msgtype__.startswith(f"{package}/")

@@ -1,4 +1,4 @@
-"""The generated code of a project, found by what its table says."""
+"""Loading of a project's generated code."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from roverlink.runtime import Registry, load_registry
 def load_project(folder: Path) -> Registry:
     """Load the registry of a project.
 
-    The import name is that of the table (``python.package``); without a table that can be read, it is ``generated``.
-    Raises `RegistryError` as `load_registry`.
+    The import name is the table's ``python.package``; it is ``generated`` if there is no readable table. Raises
+    `RegistryError` as `load_registry` does.
     """
-    ignored: list[Diagnostic] = []  # `generate` and `lint` show them
+    ignored: list[Diagnostic] = []  # only `generate` and `lint` show them
     try:
         return load_registry(folder, reader.read(folder / TABLE, ignored).python.package)
     except DiagnosticsError:

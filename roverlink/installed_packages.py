@@ -1,4 +1,7 @@
-"""Which packages are installed. Apart from `console`, since looking is slow to import, and few commands look."""
+"""Versions of installed packages.
+
+A module of its own, because importlib.metadata is slow to import and few commands need it.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import importlib.metadata
 
 
 def installed_version(package: str) -> str | None:
-    """The version of an installed package; None where it is not."""
+    """Return the version of a package; None if it is not installed."""
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:

@@ -1,7 +1,7 @@
-"""What is attached to a bridge so that somebody sees how it does, and so that what happened can be replayed.
+"""Observers of a bridge: diagnostics, metrics, Foxglove and the recorder.
 
-Everything is attached before the bridge starts, as an observer or as a middleware around the middleware: a bridge that
-nobody watches does nothing for watchers.
+They are attached before the bridge starts, as observers or as a wrapper of the middleware. A bridge without them does
+no extra work.
 """
 
 from __future__ import annotations
@@ -29,27 +29,33 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """The options of `roverlink run` and `roverlink record` that attach something."""
-    parser.add_argument("--no-diagnostics", action="store_true", help="publish nothing on /diagnostics")
-    parser.add_argument("--metrics", type=port, metavar="PORT", help="serve metrics for Prometheus on this TCP port")
+    """Add the options of `roverlink run` and `roverlink record` that attach observers."""
+    parser.add_argument("--no-diagnostics", action="store_true", help="do not publish on /diagnostics")
+    parser.add_argument("--metrics", type=port, metavar="PORT", help="serve Prometheus metrics on this TCP port")
     parser.add_argument(
         "--foxglove",
         type=port,
         nargs="?",
         const=FOXGLOVE_PORT,
         metavar="PORT",
-        help=f"show the topics live in Foxglove, on this TCP port ({FOXGLOVE_PORT})",
+        help=f"serve the topics live to Foxglove on this TCP port (default: {FOXGLOVE_PORT})",
     )
     parser.add_argument(
-        "--rotate", type=megabytes, metavar="MB", help="begin a new file of the recording at this size (default: never)"
+        "--rotate",
+        type=megabytes,
+        metavar="MB",
+        help="start a new file of the recording at this size in megabytes (default: never)",
     )
     parser.add_argument(
-        "--compression", choices=COMPRESSIONS, default="zstd", help="of the recording (default: %(default)s)"
+        "--compression",
+        choices=COMPRESSIONS,
+        default="zstd",
+        help="compression of the recording (default: %(default)s)",
     )
 
 
-class Watching:
-    """Everything that watches one bridge, opened into a stack."""
+class BridgeObservers:
+    """All observers of one bridge, opened on an exit stack."""
 
     def __init__(
         self,
@@ -72,20 +78,23 @@ class Watching:
     def _monitored(self) -> bool:
         return not self._arguments.no_diagnostics or self._arguments.metrics is not None
 
-    def around(self, middleware: Middleware) -> Middleware:
-        """The middleware, heard by those who want the topics. Raises `SetupError` for a file or a port."""
+    def wrap(self, middleware: Middleware) -> Middleware:
+        """Return the middleware, wrapped for observers of topics. Raises `SetupError` for a file or a port."""
         if self._arguments.record is not None:
             middleware = self._recorded(middleware, self._arguments.record)
         if self._arguments.foxglove is not None:
             address = self._settings.listen_address
             server = self._stack.enter_context(FoxgloveServer(self._ros.node.name, address, self._arguments.foxglove))
-            self._logger.info("Foxglove finds the topics at ws://%s:%d", address, server.port)
+            self._logger.info("connect Foxglove to ws://%s:%d", address, server.port)
             middleware = TappedMiddleware(middleware, server)
         self._middleware = middleware
         return middleware
 
-    def over(self, bridge: Bridge) -> ExitStack:
-        """Look after a bridge until what this returns is left: before the bridge is, with which its topics go."""
+    def monitor(self, bridge: Bridge) -> ExitStack:
+        """Start the monitoring of a bridge.
+
+        Close the returned stack before the bridge, because the bridge closes the topics.
+        """
         watch = ExitStack()
         if not self._monitored:
             return watch
@@ -93,15 +102,17 @@ class Watching:
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
-                monitor.tell(diagnostic_array.publisher(self._middleware, topic))
+                monitor.add_listener(diagnostic_array.publisher(self._middleware, topic))
             except MiddlewareError as error:
-                self._logger.warning("nothing is published on %s: %s", topic, error)
+                self._logger.warning("cannot publish diagnostics on %s: %s", topic, error)
         if self._arguments.metrics is not None:
-            from roverlink.runtime.monitoring.prometheus import MetricsServer  # with an HTTP server: slow to import
+            from roverlink.runtime.monitoring.prometheus import (
+                MetricsServer,
+            )  # imported here: its HTTP server is slow to import
 
             address = self._settings.listen_address
             server = watch.enter_context(MetricsServer(address, self._arguments.metrics, monitor.state))
-            self._logger.info("metrics are at http://%s:%d/metrics", address, server.port)
+            self._logger.info("metrics: http://%s:%d/metrics", address, server.port)
         watch.enter_context(monitor)
         return watch
 
@@ -116,7 +127,7 @@ class Watching:
             recorder = Recorder(path, self._registry, rows, self._logger, settings, {"node": self._ros.node.full_name})
             self._stack.enter_context(recorder)
         except OSError as error:
-            raise SetupError(f"{path}: cannot be written: {error.strerror}") from error
+            raise SetupError(f"{path}: cannot write the file: {error.strerror}") from error
         self._logger.info("recording to %s", recorder.path)
         self._recording = lambda: Recording(
             str(recorder.path), recorder.waiting, recorder.lost, recorder.bytes, recorder.failure

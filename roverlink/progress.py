@@ -1,4 +1,4 @@
-"""How far a long piece of work is."""
+"""Progress bars of long tasks."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from rich.console import Console
 from rich.progress import Progress
 
 Report = Callable[[int, int], None]
-"""Called with how much is done, and how much there is to do."""
+"""Function called with the amounts done and to do."""
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
-    """A bar on a terminal, which goes when it is full; nothing elsewhere."""
+    """Show a progress bar on a terminal until the task is done; show nothing elsewhere."""
     shown = sys.stderr.isatty()
     with Progress(console=Console(file=sys.stderr), transient=True, disable=not shown, redirect_stdout=False) as bar:
         task = bar.add_task(what, total=None)

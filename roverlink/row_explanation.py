@@ -1,4 +1,4 @@
-"""Everything about a row: what it is on the wire, in ROS 2 and in the generated code."""
+"""Facts about a row: on the wire, in ROS 2 and in the generated code."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from roverlink.generator.table import Row
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.wire_dump import wire_lines
 
-_NUMBER = re.compile("[0-9]{1,9}")  # protobuf's have no more digits
+_NUMBER = re.compile("[0-9]{1,9}")  # the largest field number, 536870911, has nine digits
 
 
 class Project:
-    """A table and all that it compiles to. Raises `DiagnosticsError` where it does not."""
+    """Table with everything that it compiles to. Raises `DiagnosticsError` if it does not compile."""
 
     def __init__(self, table: Path, *, history: bool) -> None:
         self.folder = table.resolve().parent
@@ -36,23 +36,23 @@ class Project:
         self.hashes = type_hashes(self.compiled.bridge)
 
     def find(self, word: str) -> Row | None:
-        """The row of a number, a name, a topic, or a message."""
+        """Return the row with this number, name, topic or message; None if there is none."""
         for row in self.context.table.rows:
             if word in (str(row.number), row.name, row.topic, row.proto, row.ros):
                 return row
         return None
 
     def taken(self, word: str) -> str:
-        """Why a number without a row is not free; empty for one that is, and for what is no number."""
+        """Return the reason why a number without a row is not free; empty if it is free or not a number."""
         occupied = self.context.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
         return next((why for _, _, why in occupied), "")
 
     def known(self) -> list[str]:
-        """What rows can be called by."""
+        """Return all words by which rows can be found."""
         return [name for row in self.context.table.rows for name in (row.name, row.topic, row.proto, row.ros)]
 
     def explain(self, row: Row) -> dict[str, Any]:
-        """All of it, ready for JSON; the order is that in which it is told."""
+        """Return all facts about a row, ready for JSON, in the order in which they are printed."""
         bridge = self.compiled.bridge
         route = next(one for one in bridge.routes if one.number == row.number)
         return {
@@ -85,7 +85,7 @@ class Project:
         return next(member for member in self.compiled.bridge.envelope.members if member.number == number)
 
     def _ros(self, route: ir.Route) -> dict[str, Any]:
-        """The row's own message; ROS 2 itself knows the hash of a standard one."""
+        """Return the row's own message; the hash of a standard message is left to ROS 2."""
         if route.conversion is None:
             return {"message": route.feeds[0].message, "type_hash": None}
         name = route.conversion.ros
@@ -93,7 +93,7 @@ class Project:
 
     @staticmethod
     def _standard(feed: ir.Feed) -> dict[str, Any]:
-        """A topic with a standard message, and what fills it."""
+        """Return an extra topic with the sources of its fields."""
         fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(feed)]
         return {"topic": feed.topic, "message": feed.message, "fields": fields, "way_back": feed.obstacle or "yes"}
 
@@ -105,7 +105,7 @@ class Project:
         return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
 
     def _size(self, row: Row) -> dict[str, Any]:
-        """The largest encodings, as nanopb reckons them; None, with the reason, where there is no bound."""
+        """Return the largest encoded sizes as nanopb computes them; None with the reason if there is no bound."""
         schema, bounds = self.context.schema, self.context.bounds
         if schema is None or bounds is None or row.proto not in schema.messages:
             return {"payload": None, "envelope": None, "unbounded": "not known"}
@@ -129,7 +129,7 @@ class Project:
         }
 
     def _proto_field(self, message: str, path: tuple[str, ...]) -> ProtoField | None:
-        """The field that a path leads to."""
+        """Return the field at a path."""
         found: ProtoField | None = None
         for name in path:
             declared = self.context.schema.messages.get(message) if self.context.schema else None
@@ -138,12 +138,12 @@ class Project:
         return found
 
     def _published(self, number: int) -> list[str]:
-        """What the ledger has of the number."""
+        """Return the ledger's entries of a number."""
         entries = [entry for entry in self.context.ledger.entries if entry.number == number]
         return [f"{entry.name} ({entry.proto}){', retired' if entry.retired else ''}" for entry in entries]
 
     def _history(self, number: int) -> list[str] | None:
-        """The lives of the number in git; None where they were not asked for."""
+        """Return the usages of a number in git; None if they were not requested."""
         if self.context.past is None:
             return None
         usages = self.context.past.history.numbers(self.context.table.envelope.message).get(number, ())
@@ -153,7 +153,7 @@ class Project:
         ]
 
     def _files(self, route: ir.Route) -> list[str]:
-        """The generated files that are about it and its message alone."""
+        """Return the generated files that belong only to this row and its message."""
         bridge = self.compiled.bridge
         file = self._member(route.number).file
         wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
@@ -167,7 +167,7 @@ class Project:
         return [path for path in (placed(path, bridge) for path in wanted) if path in self.compiled.files]
 
     def _example(self, row: Row) -> dict[str, Any]:
-        """The bytes of an envelope that a simulated board would send; else the reason why there are none."""
+        """Return the bytes of an envelope from a simulated board, or the reason why there is none."""
         try:
             registry = load_project(self.folder)
             handler = registry.by_name[row.name]

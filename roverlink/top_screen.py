@@ -1,4 +1,4 @@
-"""The page of ``roverlink top``: what a bridge says on /diagnostics, as a table."""
+"""Screen of ``roverlink top``: the diagnostics of a bridge as a table."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _TEXTS = ("fingerprint", "topic", "direction", "recording")
 
 
 def page_of(array: DiagnosticArray, node: str) -> dict[str, Any] | None:
-    """What one bridge says of itself, numbers as numbers; None where others speak."""
+    """Return the statuses of one bridge, with numbers as numbers; None if the message is from another node."""
     own = next((status for status in array.status if status.name == node), None)
     if own is None:
         return None
@@ -60,20 +60,20 @@ def _number(text: str) -> Any:
     return text
 
 
-def in_trouble(page: dict[str, Any]) -> bool:
-    """Whether anything is not as it should be."""
+def has_problems(page: dict[str, Any]) -> bool:
+    """Return true if any status is not OK."""
     return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))
 
 
 def render(page: dict[str, Any], quiet: bool = False) -> RenderableType:
-    """The page. ``quiet``: the bridge has not been heard for a while."""
+    """Return the screen; ``quiet`` says that the bridge has not sent anything for a while."""
     node = page["node"]
     title = Text.assemble(
         (str(node["name"]), "bold"),
         "  ",
         (node["level"], _STYLES.get(node["level"], "")),
         f"  {node['message']}",
-        *([("  no longer heard", "bold red")] if quiet else []),
+        *([("  no messages any more", "bold red")] if quiet else []),
     )
     return Group(title, *map(Text, [*_node_lines(node), _levels_line(page["rows"])]), _table(page["rows"]))
 

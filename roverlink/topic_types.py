@@ -1,4 +1,4 @@
-"""Which type a topic has, and how a message is printed: shared by ``echo`` and ``pub``."""
+"""Types of topics and text forms of messages, for ``echo`` and ``pub``."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import from_rosbags
 from roverlink.runtime.middleware import NodeIdentity
 
+# YAML 1.1 treats these characters as line breaks, and folds them when it reads the text back.
 _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
-    """Type and quality of service of a topic: those of its row, or of a type that is named.
+    """Return type and QoS of a topic: those of its row, or of the type that is given.
 
-    Raises `SetupError` where there is neither, and for what is no topic.
+    Raises `SetupError` if neither exists, or if the topic's name is invalid.
     """
     if not _TOPIC.fullmatch(topic):
         raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
@@ -35,7 +36,7 @@ def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[typ
     handler = next((one for one in known if full_topic(one.route.topic) == full_topic(topic)), None)
     if handler is None:
         hint = nearest(topic.removeprefix("/"), registry.by_topic)
-        raise SetupError(f"no row has the topic {topic!r} ({hint}); of any other topic, say the --type")
+        raise SetupError(f"no row has the topic {topic!r} ({hint}); give the --type of any other topic")
     return handler.message_type, handler.route.qos
 
 
@@ -49,22 +50,22 @@ def _named_type(registry: Registry, type_name: str) -> type[Message]:
 
 
 def full_topic(topic: str) -> str:
-    """A topic as the graph knows it, where the bridge runs under its own name."""
+    """Return a topic's fully qualified name, for a bridge with its default name."""
     return NodeIdentity(NODE).topic(topic)
 
 
 def identity(command: str) -> NodeIdentity:
-    """A name of our own on the graph, different for every process."""
+    """Return a node name that is different for every process."""
     return NodeIdentity(f"roverlink_{command}_{os.getpid()}")
 
 
 def yaml_text(values: Mapping[str, Any]) -> str:
-    """A message as ``ros2 topic echo`` prints it, which is as PyYAML writes it: a block, no line folded."""
+    """Return a message as ``ros2 topic echo`` prints it: PyYAML's block style, without folded lines."""
     return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
 
 
 class _Dumper(yaml.SafeDumper):
-    """PyYAML's, but for texts with line breaks of Unicode's, which it would not read back as it writes them."""
+    """Dumper that quotes texts with Unicode line breaks; PyYAML's own does not read back such texts unchanged."""
 
     def represent_text(self, text: str) -> yaml.ScalarNode:
         style = '"' if _UNICODE_BREAKS.intersection(text) else None
@@ -75,7 +76,7 @@ _Dumper.add_representer(str, _Dumper.represent_text)
 
 
 def json_text(values: Mapping[str, Any]) -> str:
-    """A message as one JSON object on one line; what JSON has no number for is a string, as protobuf's JSON has it."""
+    """Return a message as one line of JSON; NaN and infinity become strings, as in protobuf's JSON mapping."""
     return json.dumps(_json_ready(values), allow_nan=False)
 
 

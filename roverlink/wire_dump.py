@@ -1,4 +1,4 @@
-"""The bytes of a protobuf message, a line a field: what stands where in a datagram."""
+"""Bytes of a protobuf message, explained in one line per field."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
 
 
 class WireLine(NamedTuple):
-    """A few bytes, and what they mean."""
+    """Some bytes and their meaning."""
 
     depth: int
-    """In how many messages they stand."""
+    """Number of messages around the bytes."""
     bytes: str
-    """In hexadecimal."""
+    """Bytes in hexadecimal."""
     meaning: str
 
 
 def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
-    """A line for each field; of a message, one for its beginning, and those of its fields deeper.
+    """Yield a line for each field; a nested message has a line for its start and one for each of its fields.
 
     ``message`` is the descriptor.
     """
     start = 0
-    groups: list[Any] = []  # that have begun; their fields follow as if they stood outside
+    groups: list[Any] = []  # open groups; their fields follow as top-level fields of the reader
     for number, kind, content, end in fields(data):
         here = data[start:end].hex(" ")
         if kind == GROUP_END:
@@ -62,7 +62,7 @@ def _content(content: bytes, kind: int, field: FieldDescriptor) -> str:
 
 
 def _value(data: bytes, position: int, kind: int, field: FieldDescriptor) -> tuple[str, int]:
-    """A value of a fixed size or of a varint, as text, and where the next thing starts."""
+    """Return a varint or a value of fixed size as text, and the position after it."""
     if kind == VARINT:
         raw, end = varint(data, position)
         return _of_varint(raw, field), end
@@ -87,14 +87,16 @@ def _of_varint(raw: int, field: FieldDescriptor) -> str:
     if field.type == field.TYPE_BOOL:
         return "true" if raw else "false"
     if field.type in (field.TYPE_SINT32, field.TYPE_SINT64):
+        # ZigZag encoding of sint32 and sint64.
         return str(raw >> 1 ^ -(raw & 1))
+    # A negative int32 or int64 is a varint of its 64-bit two's complement.
     value = raw - (1 << 64) if raw >> 63 and field.type not in (field.TYPE_UINT32, field.TYPE_UINT64) else raw
     known = field.enum_type.values_by_number.get(value) if field.enum_type is not None else None
     return f"{value} ({known.name})" if known else str(value)
 
 
 def _delimited(content: bytes, field: FieldDescriptor) -> str:
-    """A text, bytes, or a packed list of numbers."""
+    """Return the text of a string, of bytes, or of a packed list of numbers."""
     if field.type == field.TYPE_STRING:
         return repr(content.decode("utf-8", errors="replace"))
     if field.type == field.TYPE_BYTES:

@@ -1,4 +1,4 @@
-"""What runs on the rover: datagrams to handlers to ROS 2, and back."""
+"""Run-time library of the rover: converts datagrams to ROS 2 messages and back."""
 
 if __name__ != "roverlink.runtime":
     raise ImportError("'runtime' is a folder of this repository, not a package; import roverlink.runtime")

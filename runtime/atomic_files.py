@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Writing of files so that a reader sees the old content or the new, never a part."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from roverlink.runtime.core.errors import SetupError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Where to write what takes a file's place once all of it is there.
+    """Yield the path of a temporary file that replaces ``path`` when the block ends.
 
-    Whoever reads the file meanwhile sees the old content or the new, never a part. Where writing fails, or nothing was
-    written, it is as it was. A device or a pipe is written to as it is. Raises `OSError`.
+    A concurrent reader of ``path`` sees the old content or the new. If writing fails, or nothing was written, ``path``
+    keeps its content. A device or a pipe cannot be replaced: its own path is yielded. Raises `OSError`.
     """
     if path.exists() and not path.is_file():
         yield path
         return
-    place = path.resolve()  # a link stays a link
+    place = path.resolve()  # else replace() would turn a symbolic link into a file
     part = place.with_name(f".{place.name}.{os.getpid()}.part")
     try:
         yield part
@@ -31,9 +31,9 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Replace a file, or make it. Raises `SetupError` where it cannot be written; then it is as it was."""
+    """Create or replace a file. Raises `SetupError` if it cannot be written; an existing file then stays unchanged."""
     try:
         with replacing(path) as part:
             part.write_bytes(content)
     except OSError as error:
-        raise SetupError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise SetupError(f"{path}: cannot write the file: {error.strerror or error}") from error

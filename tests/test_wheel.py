@@ -67,4 +67,4 @@ def test_outside_of_a_project_commands_say_how_to_start_one(command: str, roverl
     done = roverlink(*command.split())
     assert (done.returncode, done.stdout) == (2, "")
     assert len(done.stderr.splitlines()) == 1
-    assert "`roverlink init` starts a project" in done.stderr
+    assert "start a project here with `roverlink init`" in done.stderr

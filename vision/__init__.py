@@ -1,14 +1,14 @@
-"""Cameras: where markers are, and where that puts the camera.
+"""Camera programs: poses of ArUco markers, and of the camera relative to known landmarks.
 
-`Tracker` finds markers in images and estimates their poses; `localize` puts those together on a field whose landmarks
-are known. Importing this without OpenCV raises `SetupError`, which says how to install it.
+`Tracker` finds markers in images and estimates their poses. `localize` combines them to the camera's pose on a field
+with known landmarks. Importing this package without OpenCV raises `SetupError`, which says how to install it.
 """
 
 if __name__ != "roverlink.vision":
     raise ImportError("'vision' is a folder of this repository, not a package; import roverlink.vision")
 
 
-from roverlink.vision.opencv import cv2 as _cv2  # noqa: F401  # first: it says what is missing, numpy included
+from roverlink.vision.opencv import cv2 as _cv2  # noqa: F401  # first: it explains how to install OpenCV and numpy
 
 # isort: split
 

@@ -1,6 +1,6 @@
-"""OpenCV, or how to get it: the one place that imports it.
+"""Import of OpenCV: the only module that imports it, and that tells how to install it.
 
-It is imported as a value of any type: its stubs differ from version to version, and so would what they allow.
+It has the type Any, because OpenCV's stubs differ between versions.
 """
 
 from __future__ import annotations
@@ -14,23 +14,28 @@ from roverlink.runtime.core.errors import SetupError
 OLDEST = (4, 11)
 
 _QUIET = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
-"""What it and FFmpeg would print of their own of a camera or stream that is not there, by environment variables that
-OpenCV reads when it is imported. Who wants to read it sets them."""
+"""Environment variables, read by OpenCV at import, that silence its and FFmpeg's messages about missing cameras.
+
+A user who wants to see these messages sets the variables.
+"""
 
 
 def _load() -> Any:
     for name, level in _QUIET.items():
+        # setdefault keeps a value that the user has set.
         os.environ.setdefault(name, level)
     try:
         module: Any = importlib.import_module("cv2")
         version = tuple(int(part) for part in module.__version__.split(".")[:2])
-        module.aruco.ArucoDetector  # noqa: B018  # an OpenCV without contrib has no aruco before 4.7
+        module.aruco.ArucoDetector  # noqa: B018  # without contrib, OpenCV has no aruco module before 4.7
     except (ImportError, AttributeError) as error:
-        raise SetupError(f"the camera programs need OpenCV ({error}); pip install 'roverlink[vision]'") from error
+        raise SetupError(
+            f"the camera programs need OpenCV ({error}); install it with `pip install 'roverlink[vision]'`"
+        ) from error
     if version < OLDEST:
         raise SetupError(
-            f"the camera programs need OpenCV {'.'.join(map(str, OLDEST))} or newer, and {module.__version__} is "
-            "installed; pip install --upgrade 'roverlink[vision]'"
+            f"the camera programs need OpenCV {'.'.join(map(str, OLDEST))} or newer, but {module.__version__} is "
+            "installed; upgrade it with `pip install --upgrade 'roverlink[vision]'`"
         )
     return module
 

@@ -1,1 +1,1 @@
-"""Accuracy and speed of the rover's eyes on rendered frames, whose truth is known: python -m bench.vision."""
+"""Accuracy and speed of the camera programs on rendered frames with known truth: python -m bench.vision."""

@@ -1,4 +1,4 @@
-"""The command line of the bench of the rover's eyes: python -m bench.vision."""
+"""Command line of the camera benchmarks: python -m bench.vision."""
 
 from __future__ import annotations
 
@@ -18,41 +18,52 @@ POSES, QUICK_POSES = 200, 30
 EMPTY_FRAMES, QUICK_EMPTY_FRAMES = 500, 50
 DRIVE_FRAMES, QUICK_DRIVE_FRAMES = 60, 20
 CALIBRATIONS, QUICK_CALIBRATIONS = (5, 20), (1, 3)
-"""Runs of large images, and of the small ones that the intervals are judged by."""
-PLAIN_WIDTH = 130  # columns, where the output is not a terminal
+"""Runs with large images, and with small ones for the intervals."""
+PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 SECTIONS = ("accuracy", "nothing", "speed", "calibration")
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m bench.vision",
-        description="Measure poses of markers and calibrations on rendered frames, beside plain OpenCV.",
+        description="Measure marker poses and calibrations on rendered frames, and compare them with plain OpenCV.",
         epilog="example: python -m bench.vision --quick --only speed --json vision.json",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write everything that was measured to FILE")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")
     parser.add_argument(
-        "--out", type=Path, default=Path("build/bench"), metavar="DIR", help="folder of the picture (%(default)s)"
+        "--out",
+        type=Path,
+        default=Path("build/bench"),
+        metavar="DIR",
+        help="folder for the charts (default: %(default)s)",
     )
-    parser.add_argument("--quick", action="store_true", help="fewer frames: a first look")
-    parser.add_argument("--poses", type=int, help=f"poses a size ({POSES}; quick {QUICK_POSES})")
+    parser.add_argument("--quick", action="store_true", help="use fewer frames")
     parser.add_argument(
-        "--only", nargs="+", default=SECTIONS, choices=SECTIONS, metavar="NAME", help=", ".join(SECTIONS)
+        "--poses", type=int, help=f"poses per marker size (default: {POSES}, or {QUICK_POSES} with --quick)"
+    )
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        default=SECTIONS,
+        choices=SECTIONS,
+        metavar="NAME",
+        help="measure only these sections: " + ", ".join(SECTIONS),
     )
     options = parser.parse_args(words)
     if options.poses is None:
         options.poses = QUICK_POSES if options.quick else POSES
     if options.poses < 1:
-        parser.error(f"--poses {options.poses}: at least 1")
+        parser.error(f"--poses {options.poses} is too small; use at least 1")
     if options.json and not options.json.resolve().parent.is_dir():
-        parser.error(f"--json {options.json}: there is no such folder")
+        parser.error(f"--json {options.json}: the folder does not exist")
     return options
 
 
 def _run(options: argparse.Namespace) -> None:
-    try:  # only here, so that the help needs no OpenCV
+    try:  # imported here, so that --help needs no OpenCV
         from bench.vision import accuracy, calibration, nothing, speed
     except ImportError as error:
-        raise BenchError(f"{error}; `make bench-vision` installs what is needed") from error
+        raise BenchError(f"{error}; `make bench-vision` installs the missing packages") from error
     progress = Console(stderr=True, highlight=False, markup=False)
     options.out.mkdir(parents=True, exist_ok=True)
     results: dict[str, SectionResult] = {}
@@ -73,7 +84,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def main(words: Sequence[str]) -> int:
-    """Run the bench; 2 where it cannot run."""
+    """Run the benchmarks. Returns 2 if they cannot run."""
     try:
         _run(_arguments(words))
     except (BenchError, SetupError, OSError) as error:

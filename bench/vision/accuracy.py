@@ -1,4 +1,4 @@
-"""How accurate poses of single frames are, by the size of the marker, and whether their covariance is honest."""
+"""Accuracy of poses from single frames by marker size, and consistency of their covariance."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from roverlink.vision.images.rendering import Floats, Pose
 SIZES = (24, 32, 48, 96, 160)
 SEED = 7
 FLIPPED = np.radians(3)
-"""A pose is flipped if it is nearer to the truth's mirror image, and at least so far from the truth."""
+"""Smallest rotation error of a flipped pose, in radians; it must also be nearer to the mirror image of the truth."""
 GOALS = {
     24: ("95", "0.3", "1.5", "0.7", "", ""),
     32: ("", "", "", "", "", "3"),
@@ -41,18 +41,18 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Miss:
-    """How far an estimate is from the truth: translation in parts of the distance, rotation in radians."""
+    """Error of an estimate: translation as a fraction of the distance, rotation in radians."""
 
     translation: float
     rotation: float
     flipped: bool
     nees: float | None
-    """Squared error in units of the covariance: 6 on average if that is honest."""
+    """Normalized estimation error squared (NEES): 6 on average if the covariance is correct."""
 
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """One contestant at one size; errors in % and degrees, over all that was detected, flips included."""
+    """Accuracy of one contestant at one size: errors in % and degrees over all detections, flips included."""
 
     contestant: str
     side_px: int
@@ -69,7 +69,7 @@ class Accuracy:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """The figures as texts."""
+        """Values as table cells."""
         band = "" if self.nees_band is None else "{:.2f} - {:.2f}".format(*self.nees_band)
         return (
             f"{self.detected:.1f}",
@@ -84,14 +84,14 @@ class Accuracy:
 
 
 def measure(poses: int, sizes: Sequence[int], say: Callable[[str], None]) -> SectionResult:
-    """Measure every contestant on the same frames."""
+    """Measure all contestants on the same frames."""
     results = [accuracy for size in sizes for accuracy in measure_size(size, poses, say)]
     groups = [Group(f"{size} px", _rows([one for one in results if one.side_px == size])) for size in sizes]
     notes = [
-        f"{poses} poses a size, each in a frame of its own: tilted by 0 to 60 degrees, anywhere in the frame. Side as "
-        "seen from the front.",
-        "Flips: nearer to the mirror image of the true pose than to it, and 3 degrees off or more.",
-        "NEES: squared error in units of the covariance, 6 on average where that is honest; flips are left out.",
+        f"{poses} poses per size, each in its own frame: tilted by 0 to 60 degrees, anywhere in the frame. The side is "
+        "that of a marker facing the camera.",
+        "Flips: nearer to the mirror image of the true pose than to it, and at least 3 degrees off.",
+        "NEES: squared error in units of the covariance, 6 on average if the covariance is correct; without flips.",
     ]
     table = Table("Poses of single frames", COLUMNS, groups, notes)
     return SectionResult([table], _charts(results), {"accuracy": [asdict(one) for one in results]})
@@ -100,7 +100,7 @@ def measure(poses: int, sizes: Sequence[int], say: Callable[[str], None]) -> Sec
 def measure_size(
     side_px: int, poses: int, say: Callable[[str], None] = lambda _: None, names: Sequence[str] = ()
 ) -> list[Accuracy]:
-    """Measure one size; `say` reports progress, `names` are contestants, none meaning all."""
+    """Measure one size; `say` reports progress; `names` selects contestants, and empty means all."""
     contestants = {name: one for name, one in estimators(lens()).items() if not names or name in names}
     misses: dict[str, list[Miss]] = defaultdict(list)
     false_ids: dict[str, int] = defaultdict(int)
@@ -133,7 +133,7 @@ def miss_of(estimate: Estimate, truth: Pose) -> Miss:
 
 
 def _mirrored(truth: Pose) -> Floats:
-    """The normal of the pose that looks nearly the same: mirrored at the line of sight."""
+    """Return the normal of the pose that looks nearly the same: mirrored at the line of sight."""
     sight = truth.translation / np.linalg.norm(truth.translation)
     normal: Floats = truth.rotation[:, 2]
     mirrored: Floats = 2 * (normal @ sight) * sight - normal
@@ -161,7 +161,7 @@ def _summary(name: str, side_px: int, poses: int, misses: Sequence[Miss], false_
 
 
 def nees_band(count: int, freedom: int = 6) -> tuple[float, float]:
-    """Where 95 % of the means of so many honest NEES lie (Wilson and Hilferty's chi squared)."""
+    """Return the band of 95 % of the means of `count` correct NEES (chi squared, Wilson and Hilferty)."""
     total = count * freedom
     part = 2 / (9 * total)
     low, high = (total * (1 - part + sign * 1.96 * part**0.5) ** 3 / count for sign in (-1, 1))

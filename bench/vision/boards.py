@@ -1,4 +1,4 @@
-"""Scenes of known truth for calibrations: a camera, and views of a ChArUco board before it."""
+"""Scenes with known truth for calibrations: a camera, and views of a ChArUco board."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from roverlink.vision.images.rendering import RAYS, Floats, Grey, Lens, Pose, Pr
 BOARD = CharucoBoard()
 LARGEST_TILT = np.radians(45)
 FILLS = (0.3, 1.0)
-"""Width of the board in parts of the image's, if it were seen from the front."""
+"""Range of the board's width as a fraction of the image width, if it faced the camera."""
 MIDDLES = (0.12, 0.88)
-"""Where in the image the board's middle is, in parts of width and height."""
+"""Range of the board's centre as a fraction of the image's width and height."""
 ROLL = 0.3
-"""Standard deviation of the turn about the line of sight, in radians."""
+"""Standard deviation of the rotation about the line of sight, in radians."""
 SHAKE = 2.0
-"""Amplitude in pixels by which a corrupted view's rows are off, as if the camera shook while it read them out."""
-_PERIODS = 9  # of the shaking in a frame
+"""Amplitude in pixels of the row shifts in a corrupted view, as if the camera shook during readout."""
+_PERIODS = 9  # oscillations in a frame
 _BLACK, _WHITE = 25, 225
 
 
 @dataclass(frozen=True, slots=True)
 class BoardView:
-    """One frame, and the truth: the board's pose, whose frame is that of its print."""
+    """Frame with its truth: the board's pose, in the frame of its print."""
 
     name: str
     frame: Grey
@@ -40,14 +40,14 @@ class BoardView:
 
 
 def board_views(size: tuple[int, int], seed: int, count: int) -> Iterator[BoardView]:
-    """Views by the camera `lens(*size)`, rendered by all processors; the same for the same seed."""
+    """Yield views of the camera `lens(*size)`, rendered on all processors; equal seeds give equal views."""
     jobs = [(size, seed, index) for index in range(count)]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0)), get_context("spawn")) as pool:
         yield from pool.map(_view, jobs)
 
 
 def corrupted(view: BoardView) -> BoardView:
-    """The same frame by a camera that shook while it read out the rows."""
+    """Return the frame as a camera sees it that shakes during readout."""
     height, width = view.frame.shape
     rows, columns = np.indices((height, width), np.float32)
     columns += np.float32(SHAKE) * np.sin(rows * np.float32(2 * np.pi * _PERIODS / height))
@@ -56,9 +56,11 @@ def corrupted(view: BoardView) -> BoardView:
 
 
 def true_corners(camera: Lens, pose: Pose, ids: Sequence[int]) -> Floats:
-    """Where corners (N, 2) of the board are in the image, in pixels."""
+    """Return the true pixels (N, 2) of corners of the board."""
     width, height = BOARD.size
-    points = (BOARD.points[list(ids)] - np.array([width / 2, height / 2, 0])) * np.array([1, -1, 1])  # y up the print
+    points = (BOARD.points[list(ids)] - np.array([width / 2, height / 2, 0])) * np.array(
+        [1, -1, 1]
+    )  # y points up on the print
     return project(camera, pose, points)
 
 
@@ -71,8 +73,10 @@ def _view(job: tuple[tuple[int, int], int, int]) -> BoardView:
 
 
 def board_print(square_px: float) -> Print:
-    """The board with a white rim, at a resolution that suits squares which are so many pixels wide in the image."""
-    texels = 8 * max(2, round(0.75 * RAYS * square_px / 8))  # a square has 8 modules: 6 of a marker, and 1 to each side
+    """Return the board with a white border, with a resolution for squares of `square_px` pixels in the image."""
+    texels = 8 * max(
+        2, round(0.75 * RAYS * square_px / 8)
+    )  # a square has 8 modules: 6 of the marker and 1 on each side
     columns, rows = BOARD.columns, BOARD.rows
     grey = BOARD.opencv.generateImage((columns * texels, rows * texels), marginSize=0)
     grey = np.pad(np.asarray(grey), texels // 2, constant_values=255)
@@ -80,7 +84,7 @@ def board_print(square_px: float) -> Print:
 
 
 def _random_pose(camera: Lens, rng: np.random.Generator) -> tuple[float, Pose]:
-    """A pose of which the image shows at least three corners of the board; and how much of its width it fills."""
+    """Return a pose that shows at least three corners of the board, and the share of the width that it fills."""
     size = np.array(camera.size)
     half = np.array([*BOARD.size, 0]) / 2
     rim = np.array([(x, y, 0) for x, y in itertools.product((-1, 1), (-1, 1))]) * half

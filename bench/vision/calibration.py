@@ -1,4 +1,4 @@
-"""How near calibrations come to the truth, beside plain OpenCV, and whether they know how near that is."""
+"""Accuracy of calibrations compared with plain OpenCV, and correctness of their stated uncertainty."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from roverlink.vision.images.rendering import Floats, Lens
 
 SIZE = (1280, 720)
 SMALL = (640, 480)
-"""Of the many runs that the intervals are judged by."""
+"""Image size of the many runs for the intervals."""
 VIEWS = 20
 BAD = 7
-"""Which view is corrupted."""
+"""Index of the corrupted view."""
 SEED = 11
 PLAIN = "OpenCV"
 COLUMNS = (
@@ -37,12 +37,12 @@ COLUMNS = (
     "bad view\nnamed %",
 )
 GOAL = ("goal", "0.10", "0.1", "0.5", "0.5", "0.15", "0.4", "100")
-_QUANTILE = 1.96  # of the normal distribution, 97.5 %
+_QUANTILE = 1.96  # 97.5 % quantile of the normal distribution
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a contestant says: the camera, standard deviations of its parameters, the RMS, and views left out."""
+    """Result of a contestant: camera, standard deviations of its parameters, RMS, and views left out."""
 
     camera: CameraParameters
     deviations: Floats
@@ -53,22 +53,22 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Miss:
-    """How far one calibration is from the truth."""
+    """Error of one calibration."""
 
     contestant: str
     run: int
     bad_views: int
     rms: float
     fx: float
-    """In percent of the truth; the others in pixels."""
+    """In percent of the true value; the other errors are in pixels."""
     cx: float
     cy: float
     projection_mean: float
     projection_max: float
     named: bool
-    """Whether the views left out are those that are bad."""
+    """True if exactly the bad views were left out."""
     inside: tuple[bool, ...]
-    """For each parameter, whether the truth is in the stated 95 % interval."""
+    """For each parameter, whether the true value is in the stated 95 % interval."""
     nees: float | None
 
 
@@ -86,7 +86,7 @@ def measure(runs: int, interval_runs: int, say: Callable[[str], None]) -> Sectio
             Group("all views good", [*_rows(misses, 0), (*GOAL[:-1], "")]),
             Group("one view taken while the camera shook", [*_rows(misses, 1), GOAL]),
         ],
-        ["Projection: where both cameras see the same rays, the best turn between them removed, over the whole image."],
+        ["Projection: distance between the pixels of equal rays over the image, after the best rotation."],
     )
     low, high = nees_band(interval_runs, len(small[0].inside))
     intervals = Table(
@@ -105,7 +105,7 @@ def measure(runs: int, interval_runs: int, say: Callable[[str], None]) -> Sectio
 def measure_runs(
     size: tuple[int, int], runs: int, say: Callable[[str], None] = lambda _: None, *, corrupt: bool = True
 ) -> Iterator[Miss]:
-    """How far all contestants are from the truth in each run; with `corrupt` once more with one bad view."""
+    """Yield the errors of all contestants in each run; with `corrupt`, once more with one bad view."""
     contestants: dict[str, Contestant] = {OURS: ours, PLAIN: plain}
     camera = lens(*size)
     for run in range(runs):
@@ -118,7 +118,7 @@ def measure_runs(
 
 
 def ours(views: Sequence[BoardView]) -> Outcome:
-    """By roverlink."""
+    """Calibrate with roverlink."""
     detector = BoardDetector(BOARD)
     found = calibrate([detector.find(view.frame, view.name) for view in views], BOARD)
     dropped = tuple(one.view.name for one in found.views if one.dropped)
@@ -126,7 +126,7 @@ def ours(views: Sequence[BoardView]) -> Outcome:
 
 
 def plain(views: Sequence[BoardView]) -> Outcome:
-    """By OpenCV as one would use it."""
+    """Calibrate with OpenCV as usual."""
     detector = cv2.aruco.CharucoDetector(BOARD.opencv)
     objects, images = [], []
     for view in views:
@@ -164,11 +164,11 @@ def _miss(name: str, run: int, bad: int, outcome: Outcome, truth: Lens, bad_name
 
 
 def projection_differences(camera: CameraParameters, truth: Lens) -> Floats:
-    """Pixels (N,) between where both cameras see the same rays, all over the image; the best turn is removed."""
+    """Return the distances (N,) in pixels of equal rays over the whole image, after removing the best rotation."""
     width, height = truth.size
     pixels = np.stack(np.meshgrid(np.linspace(0, width - 1, 32), np.linspace(0, height - 1, 18)), axis=-1)
     rays, seen = (_directions(one.reshape(-1, 2)) for one in (truth.rays(pixels), camera.undistort(pixels)))
-    left, _, right = np.linalg.svd(seen.T @ rays)  # Kabsch, 1976
+    left, _, right = np.linalg.svd(seen.T @ rays)  # best rotation between two sets of directions (Kabsch, 1976)
     turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
     turned = rays @ turn.T
     distances: Floats = np.linalg.norm(camera.distort(turned[:, :2] / turned[:, 2:]) - pixels.reshape(-1, 2), axis=1)

@@ -1,4 +1,4 @@
-"""Who estimates poses: roverlink, and OpenCV as one would use it, with each way of refining corners."""
+"""Contestants for pose estimation: roverlink, and plain OpenCV with each corner refinement."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REFINEMENTS = {
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A marker's number and pose in the camera's optical frame; the covariance (6, 6) where there is one."""
+    """Number and pose of a marker in the camera's optical frame, with the covariance (6, 6) if known."""
 
     number: int
     rotation: Floats
@@ -37,18 +37,18 @@ Estimator = Callable[[Grey], Sequence[Estimate]]
 
 
 def estimators(lens: Lens) -> dict[str, Estimator]:
-    """By name, what makes estimates from single frames."""
+    """Return functions that estimate poses from single frames, by name."""
     plain = {name: _Plain(lens, refinement) for name, refinement in REFINEMENTS.items()}
     return {OURS: _Ours(lens), **plain}
 
 
 def camera_of(lens: Lens) -> CameraParameters:
-    """The lens as roverlink describes it."""
+    """Return roverlink's parameters of a lens."""
     return CameraParameters(lens.matrix, np.array(lens.distortion), lens.size)
 
 
 def plain_detector(refinement: int = cv2.aruco.CORNER_REFINE_NONE) -> Any:
-    """OpenCV's detector with its defaults."""
+    """Return OpenCV's detector with its defaults."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = refinement
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), parameters)
@@ -59,7 +59,7 @@ class _Ours:
         self._tracker = Tracker(camera_of(lens), MarkerSet(side=SIDE))
 
     def __call__(self, frame: Grey) -> Sequence[Estimate]:
-        self._tracker.reset()  # every frame for itself: no earlier one may help
+        self._tracker.reset()  # each frame by itself, without help of earlier ones
         return [
             Estimate(one.id, one.pose.rotation, one.pose.translation, one.covariance)
             for one in self._tracker.track(frame, 0)

@@ -1,4 +1,4 @@
-"""A ChArUco board that somebody moves before a camera, rendered: what a calibration should find is known."""
+"""ChArUco board that moves in front of a camera, rendered, with known camera parameters."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ LENS = Lens(
     np.array([[600.0, 0, 325.3], [0, 602.4, 236.1], [0, 0, 1]]), (0.080096, -0.156227, 0.00111085, 0.0005, 0.03), SIZE
 )
 _PLACES = ((0.5, 0.5), (0.25, 0.28), (0.75, 0.28), (0.25, 0.72), (0.75, 0.72), (0.5, 0.25), (0.5, 0.75))
-"""Of the board's middle, in parts of the image."""
+"""Positions of the board's centre, as fractions of the image."""
 _DISTANCES = (0.3, 0.45, 0.36, 0.62)
-"""Metres."""
+"""Distances in metres."""
 _TILTS = ((0, 32), (32, 0), (0, -32), (-32, 0), (0, 0), (22, 22), (-22, 22))
-"""Degrees about the image's x and y."""
+"""Tilts in degrees about the image's x and y."""
 _ROLL = 15.0
-"""Most degrees about the line of sight."""
+"""Largest rotation about the line of sight in degrees."""
 
 
 def pictures(count: int) -> Iterator[Grey]:
-    """Pictures (H, W) of the board in other places, at other distances, with other tilts; always the same."""
+    """Yield images (H, W) of the board at different positions, distances and tilts; always the same."""
     rng = np.random.default_rng(10)
     background = texture(SIZE, rng)
     for number in range(count):
@@ -37,7 +37,7 @@ def pictures(count: int) -> Iterator[Grey]:
 def _pose(number: int, roll: float) -> Pose:
     across, down = _PLACES[number % len(_PLACES)]
     tilt = np.radians([*_TILTS[(number + number // len(_PLACES)) % len(_TILTS)], 0.0])
-    facing = np.diag([1.0, -1.0, -1.0])  # a print's z comes out of it, towards the camera
+    facing = np.diag([1.0, -1.0, -1.0])  # a print's z axis points out of it, towards the camera
     rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(np.radians([0, 0, roll]))[0] @ facing
     ray = LENS.rays(np.array([[across * SIZE[0], down * SIZE[1]]]))[0]
     return Pose(rotation, np.append(ray, 1.0) * _DISTANCES[number % len(_DISTANCES)])

@@ -1,4 +1,4 @@
-"""Whether markers are seen where there are none."""
+"""Section `nothing`: false detections in frames without markers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SEED = 99
 
 
 def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
-    """Count what each contestant sees in textured frames without markers."""
+    """Count the detections of each contestant in textured frames without markers."""
     camera = lens()
     contestants = {name: one for name, one in estimators(camera).items() if "APRILTAG" not in name}
     seen = dict.fromkeys(contestants, 0)

@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/calibration.md, with a real browser: python -m bench.vision.page_pictures."""
+"""Pictures of docs/calibration.md, made with a real browser: python -m bench.vision.page_pictures."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from roverlink.vision.calibration.report import report
 
 FOLDER = Path("docs/calibration")
 VIEWS, FIRST = 20, 6
-"""How many there are, and after how many the page is photographed."""
+"""Number of views, and the number after which the page is photographed."""
 SCREEN, PHONE, PAPER = (1100, 760), (390, 1180), (800, 1300)
 _START_NS, _FRAME_NS = 1_700_000_000_000_000_000, 100_000_000
-_LEVEL = 16  # grey levels that are one, so that noise does not make the files large
+_LEVEL = 16  # grey levels that are merged, so that noise does not make the files large
 
 
 def main(words: list[str]) -> int:
-    """Make them all; 2 where there is no browser."""
+    """Make all pictures. Returns 2 if there is no browser."""
     parser = argparse.ArgumentParser(prog="python -m bench.vision.page_pictures", description=__doc__)
-    parser.add_argument("--out", type=Path, default=FOLDER, metavar="DIR", help="(default: %(default)s)")
+    parser.add_argument(
+        "--out", type=Path, default=FOLDER, metavar="DIR", help="folder for the pictures (default: %(default)s)"
+    )
     folder = parser.parse_args(words).out
     folder.mkdir(parents=True, exist_ok=True)
     live = LiveCalibration("http://192.168.0.7:8080/video", Collection(BOARD), _calibrate, _report, lambda _: "")
@@ -47,12 +49,12 @@ def main(words: list[str]) -> int:
 
 
 def _photograph(visitor: Visitor, live: LiveCalibration, folder: Path) -> None:
-    """Half way through, with the result, and the report."""
+    """Photograph the page half way and with the result, and the report."""
     for number, grey in enumerate(pictures(VIEWS)):
         image = np.repeat(grey[:, :, None], 3, axis=2)
-        for again in range(2):  # the second tells that the board is still
+        for again in range(2):  # the second frame shows that the board is still
             stamp = _START_NS + (2 * number + again) * _FRAME_NS
-            live.look(image, stamp, f"frame {2 * number + again}")
+            live.add_frame(image, stamp, f"frame {2 * number + again}")
         if number + 1 == FIRST:
             visitor.until(lambda: visitor.count("#views li") == FIRST)
             _write(folder / "page.png", visitor)

@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/vision.md, and the recording that it walks through: python -m bench.vision.pictures."""
+"""Pictures of docs/vision.md, and the recording of its tutorial: python -m bench.vision.pictures."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from roverlink.vision.markers.detection import Detection, Detector, Image, Regio
 
 FOLDER = Path("docs/vision")
 POSES = 100
-"""A size, for the picture of errors."""
-_LEVELS = 16  # grey levels that are one, so that noise does not make the files large
+"""Poses per size, for the chart of errors."""
+_LEVELS = 16  # grey levels that are merged, so that noise does not make the files large
 _ROUGH = (40, 40, 235)
 _REGION = (235, 160, 40)
 _ZOOM = 12
 _AXES = ("x, m", "y, m")
-_SURE = 2.4477  # standard deviations that hold 95 % of a plane's normal distribution
+_SURE = 2.4477  # radius in standard deviations that holds 95 % of a bivariate normal distribution
 
 
 class _Watched(Detector):
-    """A detector that remembers where it looked, and what it found there."""
+    """Detector that records its search regions and detections."""
 
     def __init__(self, markers: MarkerSet) -> None:
         super().__init__(markers)
@@ -47,10 +47,12 @@ class _Watched(Detector):
 
 
 def main(words: list[str]) -> int:
-    """Make them all, or all but the one that takes minutes."""
+    """Make all pictures, or with --quick all but the chart of errors."""
     parser = argparse.ArgumentParser(prog="python -m bench.vision.pictures", description=__doc__)
-    parser.add_argument("--out", type=Path, default=FOLDER, metavar="DIR", help="(default: %(default)s)")
-    parser.add_argument("--quick", action="store_true", help="leave out the picture of errors, which takes minutes")
+    parser.add_argument(
+        "--out", type=Path, default=FOLDER, metavar="DIR", help="folder for the pictures (default: %(default)s)"
+    )
+    parser.add_argument("--quick", action="store_true", help="leave out the chart of errors, which takes minutes")
     options = parser.parse_args(words)
     options.out.mkdir(parents=True, exist_ok=True)
     film = render_film()
@@ -62,7 +64,7 @@ def main(words: list[str]) -> int:
 
 
 def write_recording(folder: Path, film: Film) -> None:
-    """A film of a drive, the parameters of its camera, and where the landmarks are."""
+    """Write the video of a drive, the camera's parameters, and the landmarks."""
     with Writer(folder / "drive.mp4", RATE_HZ) as writer:
         for frame in film:
             writer.add(frame.image, frame.stamp)
@@ -70,10 +72,10 @@ def write_recording(folder: Path, film: Film) -> None:
 
 
 def draw_steps(folder: Path, film: Film) -> None:
-    """A picture for each step from a frame to a place on the field."""
+    """Draw a picture for each step from a frame to a position on the field."""
     tracker = Tracker(parameters(), MarkerSet(side=SIDE))
     watched = tracker._detector = _Watched(MarkerSet(side=SIDE))
-    _, second = look(list(film)[:2], tracker, landmarks())  # the first scans the whole frame
+    _, second = look(list(film)[:2], tracker, landmarks())  # the first frame is searched completely
     _write(folder / "frame.png", second.frame.image)
     _write(folder / "looks.png", _with_looks(second.frame.image, watched))
     _write(folder / "edges.png", _with_edges(second, watched.found[0]))
@@ -82,7 +84,7 @@ def draw_steps(folder: Path, film: Film) -> None:
 
 
 def _with_looks(image: Image, watched: _Watched) -> Image:
-    """The frame, dark but where the tracker looked."""
+    """Return the frame, darkened except in the regions that were searched."""
     shown: Image = image // 3
     for one in watched.regions:
         part = slice(one.top, one.bottom), slice(one.left, one.right)
@@ -92,7 +94,7 @@ def _with_looks(image: Image, watched: _Watched) -> Image:
 
 
 def _with_edges(view: View, rough: Detection) -> Image:
-    """A marker, enlarged: its corners as they were found, and as its edges have them."""
+    """Return an enlarged marker with its detected and its refined corners."""
     (one,) = (one for one in view.sightings if one.id == rough.number)
     low = np.floor(one.corners.min(axis=0)).astype(int) - 5
     high = np.ceil(one.corners.max(axis=0)).astype(int) + 6
@@ -111,7 +113,7 @@ def _write(path: Path, image: Image) -> None:
 
 
 def _draw_field(path: Path, film: Film) -> None:
-    """The field from above, and one place on it enlarged."""
+    """Draw the field from above, and one position on it enlarged."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -128,8 +130,8 @@ def _draw_field(path: Path, film: Film) -> None:
 def _plot_field(axes: Any, film: Film, views: list[View]) -> None:
     truth = np.array([pose.translation for pose in film.truth])
     found = np.array([view.place.pose.translation for view in views if view.place])
-    axes.plot(truth[:, 0], truth[:, 1], color="lightgray", linewidth=5, label="where the camera was")
-    axes.plot(found[:, 0], found[:, 1], ".", color="tab:green", label="where it found itself")
+    axes.plot(truth[:, 0], truth[:, 1], color="lightgray", linewidth=5, label="true position")
+    axes.plot(found[:, 0], found[:, 1], ".", color="tab:green", label="estimated position")
     for number, one in landmarks().places.items():
         x, y, _ = one.pose.translation
         axes.plot([x, x], [y - SIDE / 2, y + SIDE / 2], color="black", linewidth=4)
@@ -139,16 +141,20 @@ def _plot_field(axes: Any, film: Film, views: list[View]) -> None:
 
 
 def _plot_place(axes: Any, film: Film, view: View) -> None:
-    """How sure a place is by one landmark, and by all of them."""
+    """Plot the uncertainty of a position from single landmarks, and from all of them."""
     known, truth = landmarks(), film.truth[view.frame.number].translation
     for one in view.sightings:
         single = localize([one], Landmarks(known.frame, {one.id: known.places[one.id]}))
         if single:
-            _plot_ellipse(axes, single.pose.translation - truth, single.covariance, "tab:orange", f"by {one.id} alone")
+            _plot_ellipse(
+                axes, single.pose.translation - truth, single.covariance, "tab:orange", f"from {one.id} alone"
+            )
     if view.place:
-        _plot_ellipse(axes, view.place.pose.translation - truth, view.place.covariance, "tab:green", "by all together")
-    axes.plot([0], [0], "+", color="black", markersize=12, label="where it was")
-    axes.set(title="one place, with what holds it to 95 %", xlabel="x, mm", ylabel="y, mm")
+        _plot_ellipse(
+            axes, view.place.pose.translation - truth, view.place.covariance, "tab:green", "from all together"
+        )
+    axes.plot([0], [0], "+", color="black", markersize=12, label="true position")
+    axes.set(title="one position with 95 % ellipses", xlabel="x, mm", ylabel="y, mm")
     axes.legend(fontsize="small")
 
 

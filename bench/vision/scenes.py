@@ -1,4 +1,4 @@
-"""Scenes of known truth: a lens, a marker of a size in pixels at a random pose, a background."""
+"""Scenes with known truth: a lens, a marker of given size at a random pose, and a background."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ SIDE = 0.05
 """Side of the marker in metres."""
 FOCAL = 920.0
 DISTORTION = (0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651)
-"""Of the rover's camera."""
+"""Distortion of the rover's camera."""
 LARGEST_TILT = np.radians(60)
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """One frame, and the truth: which marker is where, and its corners (4, 2) in pixels."""
+    """Frame with its truth: the marker's number and pose, and its corners (4, 2) in pixels."""
 
     frame: Grey
     number: int
@@ -40,19 +40,19 @@ class Scene:
 
 
 def lens(width: int = 640, height: int = 480) -> Lens:
-    """A camera with the rover's distortion; its centre is not the image's."""
+    """Return a camera with the rover's distortion; its principal point is not the image's centre."""
     matrix = np.array([[FOCAL, 0, width / 2 + 7.3], [0, FOCAL * 1.004, height / 2 - 4.6], [0, 0, 1]])
     return Lens(matrix, DISTORTION, (width, height))
 
 
 def corner_points(side: float = SIDE) -> Floats:
-    """The corners (4, 3) of a marker in its frame, in OpenCV's order."""
+    """Return the corners (4, 3) of a marker in its frame, in OpenCV's order."""
     h = side / 2
     return np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
 
 
 def random_pose(camera: Lens, side_px: float, rng: np.random.Generator) -> Pose:
-    """A marker at the distance where it is `side_px` wide if seen from the front, tilted, wholly in the frame."""
+    """Return a pose of a marker: tilted, completely in the frame, at the distance for a side of `side_px`."""
     distance = SIDE * FOCAL / side_px
     width, height = camera.size
     rim = 0.5 * 2**0.5 * side_px * 9 / 7 + 4
@@ -65,7 +65,7 @@ def random_pose(camera: Lens, side_px: float, rng: np.random.Generator) -> Pose:
 
 
 def scenes(side_px: float, count: int, seed: int) -> Iterator[Scene]:
-    """Frames with one marker each."""
+    """Yield frames with one marker each."""
     camera = lens()
     for index in range(count):
         rng = np.random.default_rng([seed, int(side_px), index])
@@ -77,7 +77,7 @@ def scenes(side_px: float, count: int, seed: int) -> Iterator[Scene]:
 
 @dataclass(frozen=True, slots=True)
 class DriveFrame:
-    """A frame of a drive: when it was taken in nanoseconds, and the truth of each marker in it."""
+    """Frame of a drive with its time in nanoseconds and the true pose of each marker."""
 
     frame: Grey
     stamp: int
@@ -85,7 +85,7 @@ class DriveFrame:
 
 
 def drive(count: int, seed: int, size: tuple[int, int] = (1280, 720)) -> Iterator[DriveFrame]:
-    """Frames 33 ms apart: the camera rolls before four markers of 40 to 90 pixels, and comes closer and goes back."""
+    """Yield frames 33 ms apart: the camera rolls and moves back and forth before four markers of 40 to 90 pixels."""
     camera = lens(*size)
     rng = np.random.default_rng(seed)
     scene = texture(size, rng)

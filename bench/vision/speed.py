@@ -1,4 +1,4 @@
-"""How long a frame of 1280x720 pixels with four markers takes: tracked, scanned, and by OpenCV's default scan."""
+"""Section `speed`: time for a frame of 1280x720 pixels with four markers: tracked, fully scanned, and by OpenCV."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _WARM_UP = 2
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """Milliseconds a frame, and how many of the markers were seen."""
+    """Milliseconds per frame, and the share of markers found."""
 
     name: str
     median: float
@@ -32,7 +32,7 @@ class Timing:
 
 
 def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
-    """Time one drive by each way to look. Interleaved, so that a busy machine slows all alike."""
+    """Time a drive with each method, interleaved, so that other load on the machine affects all alike."""
     say(f"rendering {frames} frames of a drive")
     film = list(drive(frames + _WARM_UP, SEED, SIZE))
     camera, markers = camera_of(lens(*SIZE)), MarkerSet(side=SIDE)
@@ -53,9 +53,9 @@ def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
     say(f"speed: {frames} frames")
     results = [_timing(name, times[name][_WARM_UP:], seen[name], film, goal) for name, (_, goal) in looks.items()]
     rows = [[one.name, f"{one.median:.1f}", f"{one.p95:.1f}", f"{one.seen:.0f}", one.goal] for one in results]
-    notes = ["Detection, edge fit and pose for roverlink; detection alone for OpenCV. Half-resolution scans included."]
+    notes = ["roverlink: detection, edge fit and pose; OpenCV: detection only. Half-resolution scans are included."]
     columns = ("", "median\nms", "p95\nms", "seen\n%", "goal\nms")
-    table = Table("Time a frame, 1280x720, four markers", columns, [Group("", rows)], notes)
+    table = Table("Time per frame, 1280x720, four markers", columns, [Group("", rows)], notes)
     return SectionResult([table], (), {"speed": [asdict(one) for one in results]})
 
 

@@ -13,6 +13,7 @@ google::protobuf::Any packed(const google::protobuf::Message & message)
   {
     google::protobuf::io::StringOutputStream stream(&bytes);
     google::protobuf::io::CodedOutputStream output(&stream);
+    // Without it, protobuf writes map entries in random order, and equal messages would give different bytes.
     output.SetSerializationDeterministic(true);
     if (!message.SerializeToCodedStream(&output)) {
       throw ConversionError(std::string(message.GetDescriptor()->full_name()), "cannot be serialized");

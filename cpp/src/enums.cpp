@@ -41,7 +41,7 @@ ConversionError no_member(Wide number, const char * field)
 
 ConversionError no_counterpart(const char * field, const std::string & value)
 {
-  return ConversionError(field, '"' + value + "\" has no counterpart");
+  return ConversionError(field, '"' + value + "\" is not among the values that the table lists for it");
 }
 
 }  // namespace roverlink

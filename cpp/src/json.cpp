@@ -98,10 +98,11 @@ private:
     made += '"';
   }
 
-  /// Write the shortest digits that give the same double: from 1e-4 to 1e16 like 0.001, outside like 1e-05.
+  /// Write the shortest digits that give the same double: from 1e-4 to 1e16 like 0.001, outside like 1e-05 (as Python).
   void write_number(double number)
   {
     if (!std::isfinite(number)) {
+      // RFC 8259, section 6: JSON has no numbers for NaN and infinity.
       throw ConversionError(field_, "cannot be JSON: it has no NaN and no infinity");
     }
     char digits[64];

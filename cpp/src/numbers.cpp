@@ -19,6 +19,7 @@ std::string digits(Wide value)
 
 Wide whole(double value, const char * field)
 {
+  // nearbyint rounds halves to even, the default rounding mode of IEEE 754.
   const double nearest = std::nearbyint(value);
   if (!(std::abs(nearest) < 0x1p100)) {
     throw ConversionError(field, std::to_string(value) + " is too large for an integer, or not a number");
@@ -30,7 +31,7 @@ float single(double value, const char * field)
 {
   const float nearest = static_cast<float>(value);
   if (std::isinf(nearest) && !std::isinf(value)) {
-    throw ConversionError(field, std::to_string(value) + " does not fit a float of 32 bits");
+    throw ConversionError(field, std::to_string(value) + " is too large for float32");
   }
   return nearest;
 }

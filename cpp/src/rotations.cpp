@@ -10,7 +10,7 @@ namespace roverlink
 namespace
 {
 
-/// The sine of the pitch from which on roll and yaw cannot be told apart.
+/// Sine of the pitch from which roll and yaw cannot be told apart in double precision.
 constexpr double STRAIGHT = 1 - 1e-15;
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace roverlink
 namespace
 {
 
-/// Return how many bytes the first character of a text has; 0 if it is not UTF-8 (RFC 3629, section 4).
+/// Return the number of bytes of a text's first character; 0 if it is not UTF-8 (RFC 3629, section 4).
 std::size_t character_size(std::string_view text)
 {
   const auto byte = [&](std::size_t index) {

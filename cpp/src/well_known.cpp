@@ -16,7 +16,7 @@ Stamp checked(Wide seconds, std::int64_t nanoseconds, const char * field)
 {
   const auto sec = narrow<std::int32_t>(seconds, field);
   if (nanoseconds < 0 || nanoseconds >= SECOND) {
-    throw ConversionError(field, digits(nanoseconds) + " nanoseconds are not from 0 to 999999999");
+    throw ConversionError(field, digits(nanoseconds) + " nanoseconds are out of range (0 to 999999999)");
   }
   return Stamp(sec, static_cast<std::uint32_t>(nanoseconds));
 }
@@ -42,7 +42,7 @@ Stamp duration_to_ros(const google::protobuf::Duration & payload, const char * f
   const std::int64_t seconds = payload.seconds();
   const std::int64_t nanoseconds = payload.nanos();
   if (nanoseconds <= -SECOND || nanoseconds >= SECOND) {
-    throw ConversionError(field, digits(nanoseconds) + " nanoseconds are not within a second");
+    throw ConversionError(field, digits(nanoseconds) + " nanoseconds are a second or more; protobuf allows less");
   }
   if ((seconds < 0 && nanoseconds > 0) || (seconds > 0 && nanoseconds < 0)) {
     throw ConversionError(field, "seconds and nanoseconds have different signs");

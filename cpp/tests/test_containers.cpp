@@ -12,7 +12,7 @@
 namespace
 {
 
-/// A sequence as rosidl's BoundedVector, of at most two elements.
+/// Sequence of at most two elements, like rosidl's BoundedVector.
 struct Bounded : std::vector<int>
 {
   std::size_t max_size() const

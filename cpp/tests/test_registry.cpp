@@ -16,7 +16,7 @@ namespace
 using Envelope = google::protobuf::Value;
 using roverlink::Stamp;
 
-/// What the generator writes, for the payload bool_value.
+/// Handler as the generator writes it, for the payload bool_value.
 class FlagHandler final : public roverlink::Handler<Envelope>
 {
 public:

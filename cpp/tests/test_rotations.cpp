@@ -9,7 +9,7 @@
 namespace
 {
 
-/// As geometry_msgs::msg::Quaternion.
+/// Stand-in for geometry_msgs::msg::Quaternion.
 struct Message
 {
   double x = 0;

@@ -16,7 +16,7 @@ using google::protobuf::Duration;
 using google::protobuf::Timestamp;
 using roverlink::Stamp;
 
-/// As builtin_interfaces::msg::Time.
+/// Stand-in for builtin_interfaces::msg::Time.
 struct Time
 {
   std::int32_t sec;

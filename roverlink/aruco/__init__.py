@@ -1,1 +1,1 @@
-"""The parts of ``roverlink aruco``."""
+"""Parts of ``roverlink aruco``."""

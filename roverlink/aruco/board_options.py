@@ -1,4 +1,4 @@
-"""Which ChArUco board a command prints or looks for."""
+"""Options that describe a ChArUco board."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ _SQUARES = re.compile(r"(\d{1,3})x(\d{1,3})")
 
 
 def add_board(parser: argparse.ArgumentParser) -> None:
-    """The options that say which board."""
+    """Add the options that describe a board."""
     parser.add_argument(
         "--squares",
         type=_squares,
         default=(11, 8),
         metavar="WxH",
-        help="squares in a row, and rows (default: 11x8)",
+        help="number of squares in a row, and of rows (default: 11x8)",
     )
     parser.add_argument(
-        "--square", type=metres, default=0.024, metavar="METRES", help="a square's side (default: %(default)s)"
+        "--square", type=metres, default=0.024, metavar="METRES", help="side of a square (default: %(default)s)"
     )
     parser.add_argument(
         "--marker",
         type=metres,
         default=0.018,
         metavar="METRES",
-        help="side of the markers in the squares (default: %(default)s)",
+        help="side of a marker (default: %(default)s)",
     )
-    parser.add_argument("--dictionary", metavar="NAME", help=f"of the markers (default: {DICTIONARY})")
+    parser.add_argument("--dictionary", metavar="NAME", help=f"dictionary of the markers (default: {DICTIONARY})")
     parser.add_argument(
-        "--legacy", action="store_true", help="a board with an even number of rows, printed by OpenCV before 4.6"
+        "--legacy", action="store_true", help="the board has an even number of rows and was made with OpenCV before 4.6"
     )
 
 
 def board_of(arguments: argparse.Namespace) -> CharucoBoard:
-    """The board that the options describe. Raises `SetupError` for one that cannot be."""
+    """Return the board that the options describe. Raises `SetupError` if there is no such board."""
     from roverlink.vision.calibration import CharucoBoard  # only here, so that the help needs no OpenCV
 
     columns, rows = arguments.squares
@@ -49,12 +49,12 @@ def board_of(arguments: argparse.Namespace) -> CharucoBoard:
 
 
 def metres(text: str) -> float:
-    """A length on the command line, such as markers have: a thousandth of a millimetre to ten kilometres."""
+    """Parse a length in metres, from 1 micrometre to 10 kilometres."""
     try:
         found = float(text)
     except ValueError:
         found = math.nan
-    if not 1e-6 <= found <= 1e4:  # nan, too
+    if not 1e-6 <= found <= 1e4:  # false for NaN too
         raise argparse.ArgumentTypeError(f"{text!r} is not a length in metres, such as 0.024")
     return found
 
@@ -62,5 +62,5 @@ def metres(text: str) -> float:
 def _squares(text: str) -> tuple[int, int]:
     found = _SQUARES.fullmatch(text)
     if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of squares such as 11x8")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of squares, such as 11x8")
     return int(found[1]), int(found[2])

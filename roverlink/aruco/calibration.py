@@ -1,4 +1,4 @@
-"""What `roverlink aruco calibrate` does: views in, a file of parameters out, and text on the way."""
+"""Run of ``roverlink aruco calibrate``: collect views, calibrate, write parameters and report."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 
 
 def calibrate(arguments: argparse.Namespace) -> int:
-    """Collect views, calibrate, write. Raises `SetupError` for what is missing."""
+    """Collect views, calibrate and write the files. Raises `SetupError` if something is missing."""
     board = board_of(arguments)
-    if not arguments.out.resolve().parent.is_dir():  # said now, not when all the work is done
-        raise SetupError(f"{arguments.out}: there is no folder {arguments.out.parent}")
+    if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
+        raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
     text = JsonText() if arguments.json else PlainText()
     with open_source(arguments, say=text.note) as source:
         if arguments.page:
             try:
                 text.calibrated(*_on_page(source, board, arguments, text.note))
             except KeyboardInterrupt:
-                text.note("nothing was saved")
+                text.note("stopped; nothing was saved")
                 return FINDINGS
             return OK
         views = _images(source, board) if isinstance(source, ImageFiles) else _stream(source, board, arguments, text)
@@ -59,27 +59,28 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
-    """A view of every image: somebody chose them."""
+    """Return a view of every image, since the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
-    with progress(source.name) as told:
+    with progress(source.name) as report_progress:
         for frame, name in _named(source):
             views.append(detector.find(frame.image, name, frame.stamp))
-            told(len(views), len(source.paths))
+            report_progress(len(views), len(source.paths))
     return views
 
 
 def _stream(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, text: CalibrationText
 ) -> Sequence[View]:
-    """Views that add something, until nothing is missing, the source ends, or somebody stops it."""
+    """Collect useful views until the coverage is complete, the source ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
-    with progress(source.name) as told, contextlib.suppress(KeyboardInterrupt):
+    # Ctrl-C is the normal end of a live collection, so it must not skip the calibration.
+    with progress(source.name) as report_progress, contextlib.suppress(KeyboardInterrupt):
         for frame, name in _named(source):
             text.offered(collection.offer(frame.image, frame.stamp, name), collection)
             if source.total:
-                told(frame.number + 1, source.total)
+                report_progress(frame.number + 1, source.total)
             if collection.complete:
                 break
     return collection.views
@@ -88,7 +89,7 @@ def _stream(
 def _on_page(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
 ) -> tuple[Calibration, Path, Path]:
-    """What was saved on the page, and where."""
+    """Let the user calibrate on the page; return the last saved calibration and its two files."""
     saved: list[tuple[Calibration, Path, Path]] = []
 
     def save(calibration: Calibration) -> str:
@@ -108,7 +109,7 @@ def _on_page(
         for frame, name in _named(source):
             if stop.is_set():
                 return
-            live.look(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+            live.add_frame(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
         live.ended()
 
     serve_page(live, feed, arguments.page_address, arguments.page_port, say, waits=source.live)
@@ -116,7 +117,7 @@ def _on_page(
 
 
 def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
-    """Frames, stamped in nanoseconds since 1970 as far as that is known, with names for their views."""
+    """Yield frames with names for their views, stamped in nanoseconds since 1970 as well as possible."""
     if isinstance(source, ImageFiles):
         for path, frame in zip(source.paths, source):
             yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
@@ -130,7 +131,7 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
 
 
 def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
-    """Write the parameters, and the report beside them; where both are."""
+    """Write the parameters, and the report next to them; return both paths."""
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())
     write_calibration(path, calibration)
@@ -138,6 +139,6 @@ def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[P
 
 
 def versions() -> dict[str, str]:
-    """What the numbers may depend on."""
+    """Return the versions of the packages on which the numbers may depend."""
     packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
     return {name: found for name, package in packages.items() if (found := installed_version(package))}

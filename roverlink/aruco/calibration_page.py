@@ -1,4 +1,4 @@
-"""``roverlink aruco calibrate --page``: a page in the browser on which views are taken, dropped and calibrated."""
+"""Page of ``roverlink aruco calibrate --page``: take, drop and calibrate views in a browser."""
 
 from __future__ import annotations
 
@@ -11,34 +11,35 @@ from concurrent.futures import ThreadPoolExecutor
 from roverlink.vision.calibration.page.live_calibration import LiveCalibration
 from roverlink.vision.calibration.page.server import PageServer
 
-_LOOK_S = 0.2
-_FAREWELL_S = 1.0
-"""For which the page is still there when all is done, so that every browser hears of it."""
+_POLL_S = 0.2
+_LINGER_S = 1.0
+"""Time that the page stays available at the end, so that every browser gets the last state."""
 
 Feed = Callable[[threading.Event], None]
-"""Shows frames to a calibration until there are no more, or until the event."""
+"""Function that passes frames to a calibration until they end or the event is set."""
 
 
 def serve_page(
     live: LiveCalibration, feed: Feed, address: str, port: int, say: Callable[[str], None], *, waits: bool
 ) -> None:
-    """Serve the page until a calibration is saved there; the frames may end before.
+    """Serve the page until a calibration is saved on it; the frames may end earlier.
 
-    `waits` says that `feed` may be waiting for a camera: then it is left to end when the camera is closed. Raises
-    `SetupError` where the page cannot be served, and whatever `feed` raises.
+    With ``waits``, ``feed`` may be blocked on a camera: it is then not joined, but ends when the camera is closed.
+    Raises `SetupError` if the page cannot be served, and the errors of ``feed``.
     """
     stop = threading.Event()
-    frames = ThreadPoolExecutor(1, "frames")  # of its own: what is clicked must not wait for a camera that is gone
+    frames = ThreadPoolExecutor(1, "frames")  # its own thread: a click must not wait for a lost camera
     with PageServer(address, port, live) as server:
-        say(f"open {server.url} in a browser")
+        say(f"open {server.url} in a web browser")
         if not _is_loopback(address):
-            say(f"whoever reaches {address} sees the camera there, and can press the buttons")
+            say(f"anyone who can reach {address} sees the camera on this page and can press its buttons")
         feeding = frames.submit(feed, stop)
         try:
-            while not live.finished.wait(_LOOK_S):
+            # Polls, so that an error of the frame thread is soon raised here.
+            while not live.finished.wait(_POLL_S):
                 if feeding.done():
-                    feeding.result()  # raises what ended it, if that was an error
-            time.sleep(_FAREWELL_S)
+                    feeding.result()  # raises its error, if it has one
+            time.sleep(_LINGER_S)
         finally:
             stop.set()
             frames.shutdown(wait=not waits)

@@ -1,4 +1,4 @@
-"""A calibration as text: for whoever moves the board without a screen, and as JSON lines for scripts."""
+"""Text output of a calibration: lines for people, or JSON lines for scripts."""
 
 from __future__ import annotations
 
@@ -12,75 +12,77 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from roverlink.console import complain, counted, note
+from roverlink.console import counted, print_error, print_note
 from roverlink.vision.calibration import Calibration, Collection, Need, Offer, PoorViewsError, View
 from roverlink.vision.calibration.report import parameters
 
 _HINT_S = 2.0
-"""Between what is said of frames, if they are not taken."""
+"""Shortest time in seconds between two hints about frames that were not taken."""
 _KINDS = {"region": "parts of the image", "distance": "distances", "tilt": "tilts"}
 _GRID = (32, 24)
-"""Columns and rows of places at which the uncertainty is looked at."""
+"""Columns and rows of the grid of pixels at which the uncertainty is computed."""
 
 
 class CalibrationText(Protocol):
-    """What hears how a calibration goes."""
+    """Receiver of the events of a calibration."""
 
     def note(self, message: str) -> None:
-        """Something about the source."""
+        """Report something about the source."""
 
     def begins(self, collection: Collection) -> None:
-        """A collection of views begins."""
+        """Report that the collection of views begins."""
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """A frame was looked at."""
+        """Report that a frame was examined."""
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """The views are not enough."""
+        """Report that the views are not sufficient."""
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """The camera is known, and its file and the report are written."""
+        """Report the calibration; its file and the report are written already."""
 
 
 class PlainText:
-    """Lines for people: the result to standard output, all else to standard error."""
+    """Text for people: the result on standard output, everything else on standard error."""
 
     def __init__(self) -> None:
         self._told = -_HINT_S
 
     def note(self, message: str) -> None:
-        """Say it."""
-        note(message)
+        """Print the message."""
+        print_note(message)
 
     def begins(self, collection: Collection) -> None:
-        """Say what to do."""
-        note("Move the board through the whole image, near and far, tilted to all sides; hold it still now and then.")
-        note(f"Views that add something are taken, {collection.wanted} or more. Ctrl-C: that is enough.")
+        """Print instructions."""
+        print_note(
+            "Move the board through the whole image: near, far, and tilted to all sides. Hold it still now and then."
+        )
+        print_note(f"Useful views are taken automatically, at least {collection.wanted}. Ctrl-C ends the collection.")
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """Say what was taken and what is missing; now and then, why nothing is."""
+        """Print each view that was taken and what is missing; at intervals, the reason why none is taken."""
         now = time.monotonic()
         if offer.taken:
             count = len(collection.views)
-            note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
+            print_note(f"view {count} ({offer.view.name}): {counted(len(offer.view.ids), 'corner')}, {offer.reason}")
             if missing := missing_words(collection.missing):
-                note(f"  missing: {missing}")
+                print_note(f"  missing: {missing}")
         elif now - self._told > _HINT_S:
-            note(f"  {offer.reason}")
+            print_note(f"  {offer.reason}")
         else:
             return
         self._told = now
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """Complain, a line a reason, and name the views that are of no use."""
+        """Print the unusable views, and one line for each reason."""
         for view in views:
             if view.flaw:
-                note(f"{view.name}: {view.flaw}")
+                print_note(f"{view.name}: {view.flaw}")
         for reason in error.reasons:
-            complain(f"not enough for a calibration: {reason}")
+            print_error(f"the views are not sufficient for a calibration: {reason}")
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Print the views, the parameters and how sure they are."""
+        """Print the views, the parameters and their uncertainty."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
         console.print()
@@ -88,24 +90,24 @@ class PlainText:
         mean, most = spread(calibration)
         dropped = sum(bool(one.dropped) for one in calibration.views)
         console.print(
-            f"\nreprojection error {calibration.rms:.3f} px (root mean square), "
-            f"{counted(dropped, 'view')} dropped; uncertainty of a direction {mean:.3f} px, at most {most:.3f} px "
-            f"(standard deviation)\nwritten to {path}, with a report in {report}"
+            f"\nreprojection error {calibration.rms:.3f} px (root mean square), {counted(dropped, 'view')} dropped\n"
+            f"uncertainty of a direction {mean:.3f} px on average, {most:.3f} px at most (standard deviation)\n"
+            f"wrote {path} and the report {report}"
         )
 
 
 class JsonText:
-    """Lines of JSON on standard output: each view that is taken, then the result or the refusal."""
+    """JSON lines on standard output: one for each view that is taken, then the result or the refusal."""
 
     def note(self, message: str) -> None:
-        """Say it to people all the same."""
-        note(message)
+        """Print the message on standard error, for people."""
+        print_note(message)
 
     def begins(self, collection: Collection) -> None:
-        """Say nothing."""
+        """Print nothing."""
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """A line for a view that was taken."""
+        """Print a line for a view that was taken."""
         if offer.taken:
             adds = [need.name for need in offer.adds]
             missing = [{"kind": need.kind, "name": need.name} for need in collection.missing]
@@ -114,17 +116,17 @@ class JsonText:
             )
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """A line with the reasons."""
+        """Print a line with the reasons."""
         useless = {view.name: view.flaw for view in views if view.flaw}
         _line({"refused": list(error.reasons), "views": len(views), "useless": useless})
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """A line with all of it."""
+        """Print a line with the calibration."""
         _line(as_dict(calibration) | {"file": str(path), "report": str(report)})
 
 
 def missing_words(needs: Iterable[Need]) -> str:
-    """What is missing, in words; empty where nothing is."""
+    """Return the missing views in words; empty if none is missing."""
     found: dict[str, list[str]] = {}
     for need in needs:
         found.setdefault(_KINDS[need.kind], []).append(need.name)
@@ -132,7 +134,7 @@ def missing_words(needs: Iterable[Need]) -> str:
 
 
 def as_dict(calibration: Calibration) -> dict[str, Any]:
-    """A calibration as JSON has it: pixels, and standard deviations of the parameters."""
+    """Return a calibration as JSON values; lengths in pixels, deviations are standard deviations."""
     mean, most = spread(calibration)
     return {
         "model": calibration.model.value,
@@ -159,7 +161,7 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
 
 
 def spread(calibration: Calibration) -> tuple[float, float]:
-    """Mean and largest standard deviation of a direction over the image, in pixels."""
+    """Return mean and largest standard deviation of a direction over the image, in pixels."""
     width, height = calibration.views[0].view.size
     places = np.stack(np.meshgrid(np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])), axis=-1)
     deviations = calibration.uncertainty(places)

@@ -1,4 +1,4 @@
-"""Which camera a command looks through: its options, and the question where nobody said."""
+"""Options that choose a camera or another source of frames."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roverlink.console import note, rate
+from roverlink.console import print_note, rate
 
 if TYPE_CHECKING:
     from roverlink.vision.frames import FrameSource
 
 PARAMETERS = Path("charuco_camera_params.yml")
-"""Where a camera's parameters are written and looked for."""
+"""Default file of a camera's parameters."""
 
 _CAMERA = "0"
 _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:
-    """The options that say where frames come from."""
+    """Add the options that choose the source."""
     parser.add_argument(
         "source",
         nargs="?",
         help="number of a camera, URL of a stream (http, https, rtsp), video file, or folder of images "
-        "(default: asks, or camera 0 where nobody can be asked)",
+        "(default: asks on a terminal, else camera 0)",
     )
-    parser.add_argument("--size", type=_size, metavar="WxH", help="ask a camera for images of this size")
-    parser.add_argument("--rate", type=rate, metavar="HZ", help="images a second of a folder (default: 30)")
+    parser.add_argument("--size", type=_size, metavar="WxH", help="image size to request from a camera")
+    parser.add_argument("--rate", type=rate, metavar="HZ", help="images a second when a folder is played (default: 30)")
 
 
 def open_source(
-    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = note
+    arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = print_note
 ) -> FrameSource:
-    """Open what the options name, or what somebody answers; `size` is asked for where the options say none.
+    """Open the source that the options or the user name; ``size`` is requested if the options give none.
 
-    `say` hears what is worth knowing, also later: of a camera that has gone, or is back. Raises `SetupError` for what
-    cannot be opened.
+    ``say`` is called with messages for the user, also later, for instance if the camera is lost. Raises `SetupError` if
+    the source cannot be opened.
     """
     from roverlink.vision import frames
 
@@ -48,16 +48,17 @@ def open_source(
 
 
 def _asked(say: Callable[[str], None]) -> str:
-    """The answer of whoever sits at the terminal; camera 0 where nobody does."""
+    """Ask the user on the terminal; without a terminal, return camera 0."""
+    # Both: the question goes to standard error, because standard output may be a pipe for --json.
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
-        say(f"no source is given: looking through camera {_CAMERA}")
+        say(f"no source given; using camera {_CAMERA}")
         return _CAMERA
-    print("Camera (ENTER for camera 0, a number, or a URL): ", end="", file=sys.stderr, flush=True)
+    print("Camera number, URL, video file or folder (ENTER for camera 0): ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip() or _CAMERA
 
 
 def _size(text: str) -> tuple[int, int]:
     found = _SIZE.fullmatch(text)
     if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 1280x720")
+        raise argparse.ArgumentTypeError(f"{text!r} is not an image size, such as 1280x720")
     return int(found[1]), int(found[2])

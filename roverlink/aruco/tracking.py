@@ -1,8 +1,8 @@
-"""What `roverlink aruco track` does: frames in, what they show out to ROS 2, to JSON and to a film."""
+"""Run of ``roverlink aruco track``: frames in; poses out to ROS 2, JSON and a video."""
 
 from __future__ import annotations
 
-import roverlink.vision  # noqa: F401  # first: where numpy or OpenCV is missing, it says how to install both
+import roverlink.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
 
 # isort: split
 
@@ -35,19 +35,20 @@ from roverlink.vision.ros.rover_position import position_publisher
 from roverlink.vision.ros.sighting_messages import FrameNames
 
 _SAME_SHAPE = 0.01
-"""By how much the ratio of width to height may differ between images that are scaled, and not cut."""
+"""Largest relative difference of the aspect ratios of two images that were scaled but not cropped."""
 
 Output = Callable[[View], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
-    """Track until the source ends. Raises `SetupError` for what is missing."""
+    """Track markers until the source ends. Raises `SetupError` if something is missing."""
     camera, markers = read_parameters(arguments.parameters), _markers(arguments)
     landmarks = _landmarks(arguments, markers)
     with ExitStack() as stack:
         source = stack.enter_context(open_source(arguments, camera.size, logger.warning))
         size = next(iter(source)).size
         logger.info("%s: %dx%d pixels", source.name, *size)
+        # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = _fitted(camera, size, arguments.rescale, logger)
         outputs = list(_outputs(arguments, source, camera, ros, logger, stack))
         log = stack.enter_context(TrackingLog(logger))
@@ -70,13 +71,13 @@ def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks |
     landmarks = read_landmarks(arguments.landmarks)
     for target in landmarks.places:
         if not markers.is_target(target):
-            what = "board" if isinstance(target, str) else "marker of its own"
-            raise SetupError(f"{arguments.landmarks}: there is no {what} {target!r}")
+            kind = "board" if isinstance(target, str) else "single marker"
+            raise SetupError(f"{arguments.landmarks}: landmark {target!r} is not a known {kind}")
     return landmarks
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Frame]:
-    """The frames: a recording's as fast as can be, or where others listen, as if it were taken now."""
+    """Yield the frames; those of a recording at full speed, or in real time if others listen."""
     played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop) if played else iter(source)
     frames = itertools.islice(frames, arguments.count)
@@ -90,27 +91,28 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
 
 
 def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
-    """The camera at the size of the images that come. Raises `SetupError` where its parameters are of another."""
+    """Return the camera at the size of the images. Raises `SetupError` if its parameters are for another size."""
     width, height = size
     if camera.size == size:
         return camera
     if camera.size is None and not rescale:
-        logger.warning("the parameters do not say for which image size they are; taken for %dx%d", width, height)
+        logger.warning("the camera parameters name no image size; assuming %dx%d", width, height)
         return camera
     scaled = camera.scaled(size) if rescale else None
     was = "{}x{}".format(*(camera.size or ()))
     if scaled is None:
         raise SetupError(
-            f"the parameters are for images of {was} pixels, and these have {width}x{height}; calibrate at this size, "
-            "or scale them with --rescale if the camera makes its images smaller, and does not cut them"
+            f"the camera parameters are for images of {was} pixels, but these have {width}x{height}; calibrate at this "
+            "size, or use --rescale if the camera scales its images and does not crop them"
         )
+    # Scaling keeps the ratio of the focal lengths; cropping or stretching in one direction changes it.
     ratio = float(scaled.focal[0] / scaled.focal[1] / (camera.focal[0] / camera.focal[1]))
     if abs(ratio - 1) > _SAME_SHAPE:
         raise SetupError(
-            f"images of {width}x{height} pixels are no smaller or larger ones of {was}: they were cut or stretched; "
+            f"images of {width}x{height} pixels are not scaled ones of {was}: they were cropped or stretched; "
             "calibrate at this size"
         )
-    logger.warning("the parameters are scaled from images of %s pixels to %dx%d", was, width, height)
+    logger.warning("the camera parameters were scaled from images of %s pixels to %dx%d", was, width, height)
     return scaled
 
 
@@ -134,8 +136,8 @@ def _outputs(
         if arguments.landmarks:
             try:
                 registry = load_project(project_folder(arguments.project))
-            except NoProjectError as error:  # a camera is of use without a bridge
-                logger.warning("the basestation is not told where the rover is: %s", error)
+            except NoProjectError as error:  # tracking works without a bridge
+                logger.warning("the rover's position is not sent to the basestation: %s", error)
                 return
-            tell = position_publisher(middleware, registry, ros.topic, logger.warning)
-            yield lambda view: tell(view.place.pose.translation) if view.place else None
+            publish_position = position_publisher(middleware, registry, ros.topic, logger.warning)
+            yield lambda view: publish_position(view.place.pose.translation) if view.place else None

@@ -1,4 +1,4 @@
-"""What a tracker says of what it sees: what is new, and the sums at the end."""
+"""Log of a tracker: new landmarks, rejected landmarks, and totals at the end."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.vision.markers.marker_set import TargetId
 
 
 class TrackingLog:
-    """Logs the first sight of each landmark, and landmarks that do not fit; leaving it, the sums."""
+    """Logs the first sight of each landmark and rejected landmarks; on exit, the totals."""
 
     def __init__(self, logger: logging.Logger) -> None:
         self._logger = logger
@@ -27,23 +27,23 @@ class TrackingLog:
         self._times: list[float] = []
 
     def timed(self, frames: Iterable[Frame]) -> Iterator[Frame]:
-        """The frames, to be looked at before the next `add`."""
+        """Yield the frames; the time until the next `add` is that of the frame."""
         for frame in frames:
             self._begin = time.perf_counter()
             yield frame
 
     def add(self, view: View) -> None:
-        """Note what a frame showed."""
+        """Log what a frame showed for the first time."""
         self._times.append(time.perf_counter() - self._begin)
         self._frames += 1
         self._with_landmarks += bool(view.sightings)
         for one in view.sightings:
             if one.id not in self._seen:
                 self._seen.add(one.id)
-                self._logger.info("%s is seen, %.2f m away", one.id, np.linalg.norm(one.pose.translation))
+                self._logger.info("found %s at a distance of %.2f m", one.id, np.linalg.norm(one.pose.translation))
         rejected = view.place.rejected if view.place else ()
         for target in set(rejected) - set(self._rejected):
-            self._logger.warning("%s is not where the landmarks say, and is left out", target)
+            self._logger.warning("%s is not at the position in the landmarks file; ignoring it", target)
         self._rejected = rejected
 
     def __enter__(self) -> TrackingLog:
@@ -53,7 +53,7 @@ class TrackingLog:
         if not self._frames:
             return
         self._logger.info(
-            "%s, %d of them with landmarks (%s); %.1f ms a frame in the median",
+            "%s, %d of them with landmarks (%s); median time %.1f ms a frame",
             counted(self._frames, "frame"),
             self._with_landmarks,
             ", ".join(sorted(map(str, self._seen))) or "none",

@@ -1,1 +1,1 @@
-"""One module a command: `add` declares it, `run` does it."""
+"""Commands, one module each: `add` declares the command, `run` runs it."""

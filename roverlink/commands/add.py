@@ -1,4 +1,4 @@
-"""``roverlink add``: one more row, under the next number that nothing ever had."""
+"""``roverlink add``: add a row with the next number that was never used."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from roverlink.commands.generate import report, say_changes
-from roverlink.commands.next_number import say_skipped
+from roverlink.commands.generate import print_changes, report
+from roverlink.commands.next_number import print_skipped
 from roverlink.console import OK, Subparsers, add_table, command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -23,23 +23,25 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "add",
-        "add a row to mapping.yaml, under the next number that nothing ever had, and generate",
+        "add a row to mapping.yaml with the next unused number, and generate",
         "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
-        "Add a row to mapping.yaml, whose comments and layout stay, and generate. The number is that of\n"
-        "`roverlink next-number`; of an envelope that another repository owns, it is the one that stands there.",
+        "Add a row to mapping.yaml and generate. Comments and layout of the file stay. The number is the one that\n"
+        "`roverlink next-number` prints. If another repository owns the envelope, it is the number in that envelope.",
     )
-    parser.add_argument("name", metavar="NAME", help="the payload's name in the envelope's oneof")
-    parser.add_argument("--proto", required=True, metavar="MESSAGE", help="the protobuf message, by its full name")
-    parser.add_argument("--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer>")
-    parser.add_argument("--topic", metavar="TOPIC", help="the topic (default: the name)")
-    parser.add_argument("--ros", metavar="NAME", help="the ROS 2 message (default: the proto's name)")
-    parser.add_argument("--dry-run", action="store_true", help="print the changes as a diff, and write nothing")
+    parser.add_argument("name", metavar="NAME", help="name of the payload in the envelope's oneof")
+    parser.add_argument("--proto", required=True, metavar="MESSAGE", help="protobuf message with its package")
+    parser.add_argument(
+        "--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer>, such as hardware_to_ros"
+    )
+    parser.add_argument("--topic", metavar="TOPIC", help="ROS 2 topic (default: the name)")
+    parser.add_argument("--ros", metavar="NAME", help="ROS 2 message (default: name of the protobuf message)")
+    parser.add_argument("--dry-run", action="store_true", help="print the changes as a diff without writing them")
     add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Add and generate in one go; where either cannot be, nothing is written."""
+    """Add the row and generate. If one of them fails, nothing is written."""
     table = table_file(arguments.table)
     try:
         number = _number(table, arguments.name)
@@ -54,19 +56,19 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         sys.stdout.writelines(change.diff() for change in changes)
     else:
-        say_changes(compiled, changes)
+        print_changes(compiled, changes)
     print(f"{arguments.name} {'would have' if arguments.dry_run else 'has'} the number {number}", file=sys.stderr)
     return OK
 
 
 def _number(table: Path, name: str) -> int:
-    """The number for a payload: that of the envelope where it is another's and has the member, else the next one."""
+    """Return the number for a payload: its number in an envelope that another repository owns, else the next one."""
     with progress("reading history") as reading:
         question = Question(branches=in_repository(table.resolve().parent), report=reading)
         context = lint_project(table, question).context
     if (member := _member(context, name)) is not None:
         return member
-    say_skipped(context)
+    print_skipped(context)
     return context.next_number()
 
 

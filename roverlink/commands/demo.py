@@ -1,4 +1,4 @@
-"""``roverlink demo``: the bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
+"""``roverlink demo``: bridge between simulated boards, a simulated basestation and ROS 2, shown live."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.live import Live
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, keep_to_ourselves, project_folder, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, isolate_ros, project_folder, seconds
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError, Translator
@@ -36,7 +36,7 @@ _TICK_S = 0.01
 _REFRESH_HZ = 4
 _PLAIN_REPORT_S = 5.0
 _LARGEST = 65_536
-_TOLD = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
+_SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "kernel_drops")
 
 
 def add(commands: Subparsers) -> None:
@@ -44,23 +44,26 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "demo",
-        "bridge simulated boards, a simulated basestation and ROS 2 on loopback, shown live",
+        "run the bridge with simulated boards and a simulated basestation, and show it live",
         "roverlink demo --seconds 5",
     )
     add_project(parser)
-    parser.add_argument("--seconds", type=seconds, default=15.0, metavar="S", help="how long (default: %(default)s)")
+    parser.add_argument(
+        "--seconds", type=seconds, default=15.0, metavar="S", help="duration in seconds (default: %(default)s)"
+    )
     parser.add_argument(
         "--middleware",
         choices=("dds", "memory"),
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
-        help="dds: the bridge is a process of its own; memory: no ROS 2 wire at all (default: %(default)s)",
+        help="dds: the bridge is a separate process; memory: all in one process, no ROS 2 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the bridge at work; exit code 1 where a message did not cross."""
-    keep_to_ourselves()
+    """Show the bridge at work. Exit code 1 if a message was not bridged."""
+    # The demo's messages must not reach a real rover in the same network.
+    isolate_ros()
     project = project_folder(arguments.project)
     registry = load_project(project)
     console = Console()
@@ -69,31 +72,32 @@ def run(arguments: argparse.Namespace) -> int:
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
         host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
-        rig = _Rig(registry, host, middleware, sockets, camera.tells if camera else ())
+        rig = _Rig(registry, host, middleware, sockets, camera.rows if camera else ())
         if camera and arguments.middleware == "memory":
             camera.publish_on(middleware, registry, topic_types.full_topic)
         _show(rig, console, arguments.seconds, f"roverlink over {arguments.middleware}")
-        account = host.stop()  # at once: whoever commands is silent from now on
+        account = host.stop()  # at once: the commanding topics are silent from now on, and the watchdogs would fire
         if camera:
             console.print(camera.stop(), soft_wrap=True)
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
-        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages crossed, {crossed} times in all; "
+        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages were bridged, {crossed} times in all; "
         f"{rig.forwarded} datagrams were forwarded raw"
     )
-    console.print("the bridge says: " + ", ".join(f"{name} {account[name]}" for name in _TOLD), soft_wrap=True)
+    counters = ", ".join(f"{name} {account[name]}" for name in _SHOWN_COUNTERS)
+    console.print(f"counters of the bridge: {counters}", soft_wrap=True)
     if missing:
-        console.print(f"[red]did not cross: {', '.join(missing)}")
+        console.print(f"[red]not bridged: {', '.join(missing)}")
     return FINDINGS if missing else OK
 
 
 def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
-    """A camera that tells where the rover is, where OpenCV is installed."""
+    """Start the camera that reports the rover's position, if OpenCV is installed."""
     try:
         from roverlink.demo.camera import DemoCamera
     except SetupError as error:
-        console.print(f"without a camera: {error}", soft_wrap=True, markup=False)
+        console.print(f"running without a camera: {error}", soft_wrap=True, markup=False)
         return None
     return stack.enter_context(DemoCamera(project, middleware))
 
@@ -113,7 +117,7 @@ def _host(middleware: str, project: Path, registry: Registry, sockets: dict[str,
 
 
 class _Rig:
-    """The boards, the basestation and the ROS 2 nodes around the bridge."""
+    """Boards, basestation and ROS 2 nodes around the bridge."""
 
     def __init__(
         self,
@@ -121,10 +125,11 @@ class _Rig:
         host: BridgeHost,
         middleware: Middleware,
         sockets: dict[str, socket.socket],
-        told: Collection[str] = (),
+        published_elsewhere: Collection[str] = (),
     ) -> None:
-        """`told` are the rows whose topics another node publishes."""
-        self._registry, self._host, self._sockets, self._told = registry, host, sockets, told
+        """Connect to the topics; ``published_elsewhere`` are the rows whose topics another node publishes."""
+        self._registry, self._host, self._sockets = registry, host, sockets
+        self._published_elsewhere = published_elsewhere
         self._translator = Translator(registry)
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
         self.crossings = [Crossing(handler) for handler in registry.handlers]
@@ -134,11 +139,11 @@ class _Rig:
             self._join(crossing, middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Be the ROS 2 node at the other end of a row."""
+        """Create the ROS 2 publisher or subscriber at the other end of a row."""
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
-            if handler.route.name in self._told:
+            if handler.route.name in self._published_elsewhere:
                 return
             self._publishers.append((handler, middleware.publisher(topic, handler.message_type, handler.route.qos)))
             return
@@ -153,7 +158,7 @@ class _Rig:
         middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
-        """Let every board and every node say something."""
+        """Send one datagram of each inbound row, and one message of each outbound row."""
         for handler in self._registry.handlers:
             if handler.route.inbound:
                 payload = payload_at(handler.payload_type, seconds)
@@ -163,7 +168,7 @@ class _Rig:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
-        """Let every peer take what has arrived."""
+        """Count the datagrams that have arrived at each peer."""
         for sock in self._sockets.values():
             for datagram in _arrived(sock):
                 envelope = self._translator.parse(datagram)
@@ -173,7 +178,7 @@ class _Rig:
                     self.forwarded += 1
                 else:
                     payload = getattr(envelope, name)
-                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound early
+                    crossing.add(lambda payload=payload: payload_to_values(payload))  # type: ignore[misc]  # bound now, not when called
 
 
 def _arrived(sock: socket.socket) -> Iterator[bytes]:
@@ -199,8 +204,8 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
                     )
                 else:
                     crossed = sum(bool(crossing.count) for crossing in rig.crossings)
-                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages have crossed")
+                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages were bridged")
             time.sleep(_TICK_S)
         live.update(crossings.table(rig.crossings, title), refresh=True)
     if not console.is_terminal:
-        console.print()  # there, the last table ends without a line break
+        console.print()  # outside a terminal, the last table ends without a line break

@@ -1,4 +1,4 @@
-"""``roverlink doctor``: what is wrong with an installation."""
+"""``roverlink doctor``: check an installation."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "doctor",
-        "look at this machine and say what keeps the bridge from working",
+        "check this machine for problems that keep the bridge from working",
         "roverlink doctor --ros-args --params-file udp.yaml",
-        "Look at this machine and say what keeps the bridge from working, with the command that cures it: generated\n"
-        "code, versions, ports, buffers, firewall, multicast, ROS 2. Give it the --ros-args of the bridge.",
+        "Check this machine for problems that keep the bridge from working, and print the command that solves each of\n"
+        "them: generated code, versions, ports, buffers, firewall, multicast, ROS 2. Give it the bridge's --ros-args.",
     )
     add_project(parser)
-    parser.add_argument("--json", action="store_true", help="a JSON list, an object a check")
+    parser.add_argument("--json", action="store_true", help="print a JSON list with an object for each check")
     parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what was found; exit code 1 where something is an error."""
+    """Print the result of all checks. Exit code 1 if one of them is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     found = doctor_checks.examine(arguments.project, ros)
     if arguments.json:

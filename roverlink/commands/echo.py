@@ -1,4 +1,4 @@
-"""``roverlink echo``: what a topic says, with no ROS installed."""
+"""``roverlink echo``: print the messages of a topic, without a ROS installation."""
 
 from __future__ import annotations
 
@@ -22,25 +22,30 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "echo",
-        "print what a topic says, as `ros2 topic echo` does, with no ROS installed",
+        "print the messages of a topic, as `ros2 topic echo` does, without a ROS installation",
         "roverlink echo imu_data --count 1",
     )
     add_project(parser)
-    parser.add_argument("topic", help="the topic")
-    parser.add_argument("--type", metavar="PKG/msg/NAME", help="its type, where no row has the topic")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line, keyed by ROS field names")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after so many")
-    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after so many seconds, and exit 1")
-    parser.add_argument("--best-effort", action="store_true", help="subscribe best effort, as sensor drivers publish")
-    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.add_argument("topic", help="ROS 2 topic")
+    parser.add_argument("--type", metavar="PKG/msg/NAME", help="type of the topic, needed if no row has it")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line, keyed by ROS field names")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N messages")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds with exit code 1")
+    parser.add_argument(
+        "--best-effort", action="store_true", help="subscribe with best-effort reliability, as sensor drivers publish"
+    )
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print until interrupted, until ``--count`` messages came (0), or until ``--timeout`` (1)."""
+    """Print messages until interrupted or ``--count`` is reached (0), or until ``--timeout`` (1)."""
     registry = load_project(project_folder(arguments.project))
     message_type, published = topic_types.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability
+    # A deep queue, because printing is slower than a burst.
     qos = Qos(reliability, published.durability, depth=1000)
     arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0
@@ -56,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
             try:
                 data = arrived.get(timeout=None if deadline is None else max(0.0, deadline - time.monotonic()))
             except queue.Empty:
-                print(f"nothing more on {arguments.topic} after {arguments.timeout} s", file=sys.stderr)
+                print(f"stopped after {arguments.timeout} s: too few messages on {arguments.topic}", file=sys.stderr)
                 return FINDINGS
             values = message_to_values(cdr.decode(message_type, data))
             print(

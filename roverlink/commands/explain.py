@@ -1,4 +1,4 @@
-"""``roverlink explain``: what a rule is about, or everything about a row."""
+"""``roverlink explain``: the documentation of a rule, or all facts about a row."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "explain",
-        "say everything about a row, or what a rule finds, why that hurts, and what to write instead",
+        "show all facts about a row, or the documentation of a rule",
         "roverlink explain imu_info",
-        "Say everything about a row of mapping.yaml (by its name, number, topic or message): sizes, fields with their\n"
-        "conversions, topic, peers, the bytes of an example. Or what a rule (ENV101) finds, why that\n"
-        "hurts, and what to write instead.",
+        "Show all facts about a row of mapping.yaml, given by name, number, topic or message: sizes, fields with\n"
+        "their conversions, topic, peers, and the bytes of an example. Or show the documentation of a rule\n"
+        "(ENV101): what it finds, why that is a problem, and how to solve it.",
     )
-    parser.add_argument("what", nargs="?", metavar="ROW|ID", help="a row or a rule; all rules without it")
-    parser.add_argument("--json", action="store_true", help="print what is said of a row as a JSON object")
-    parser.add_argument("--history", action="store_true", help="of a row: also the life of its number in git")
+    parser.add_argument("what", nargs="?", metavar="ROW|ID", help="row or rule (default: list all rules)")
+    parser.add_argument("--json", action="store_true", help="print the facts about a row as a JSON object")
+    parser.add_argument("--history", action="store_true", help="for a row: include the history of its number in git")
     add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print a row, a rule's documentation, or a line for each rule."""
+    """Print a row, a rule's documentation, or one line for each rule."""
     rules = all_rules()
     if arguments.what is None:
         for rule in rules.values():
@@ -42,23 +42,23 @@ def run(arguments: argparse.Namespace) -> int:
     by_name = {rule.name: rule for rule in rules.values()}
     found = rules.get(arguments.what.upper()) or by_name.get(arguments.what)
     if found is not None:
-        _tell_rule(found)
+        _print_rule(found)
         return OK
     return _explain_row(arguments, [*rules, *by_name])
 
 
-def _tell_rule(rule: Rule) -> None:
+def _print_rule(rule: Rule) -> None:
     print(f"{rule.id} {rule.name} ({rule.severity.value})\n\n{rule.documentation.strip()}")
 
 
 def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
-    # Here, since whoever asks for a rule does not need what compiles a table.
+    # Imported here: documentation of a rule does not need the slow import of the compiler.
     from roverlink.row_explanation import Project
 
     table, what = table_file(arguments.table), arguments.what
     if not table.exists():
         hint = nearest(what, rules)
-        raise SetupError(f"there is no rule {what!r} ({hint}), and there is no {table} with rows")
+        raise SetupError(f"unknown rule {what!r} ({hint}), and no rows to look up: {table} does not exist")
     try:
         project = Project(table, history=arguments.history)
     except DiagnosticsError as error:
@@ -70,14 +70,16 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         return FINDINGS
     if row is None:
         hint = nearest(what, [*project.known(), *rules])
-        raise SetupError(f"{what!r} is no row of {table} and no rule ({hint}); `roverlink explain` lists the rules")
+        raise SetupError(
+            f"{what!r} is neither a row of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
+        )
     said = project.explain(row)
-    print(json.dumps(said, indent=2)) if arguments.json else _tell(said)
+    print(json.dumps(said, indent=2)) if arguments.json else _print_row(said)
     return OK
 
 
-def _tell(said: dict[str, Any]) -> None:
-    """A row, for people."""
+def _print_row(said: dict[str, Any]) -> None:
+    """Print a row for people."""
     peer, ros = said["peer"], said["ros"]
     _line("row", f"{said['name']}, number {said['number']} in {said['envelope']['message']}")
     _line("proto", f"{said['proto']['message']} ({said['proto']['file']})")
@@ -89,13 +91,13 @@ def _tell(said: dict[str, Any]) -> None:
     for one in said["forward"]:
         _line("forwarded", f"raw to {_peer(one)}")
     _line("size", _size(said["size"], peer))
-    _line("published", "; ".join(said["published"]) or "never, as far as mapping.lock knows")
+    _line("published", "; ".join(said["published"]) or "never, according to mapping.lock")
     for usage in said["history"] or []:
         _line("history", usage)
     print("\nfields")
     _table([_field(field) for field in said["fields"]] or [("none", "", "")])
     for path in said["ignored"]:
-        print(f"  {path} is carried by no ROS field")
+        print(f"  {path} has no ROS field")
     for feed in said["standard"]:
         print(f"\n{feed['message']} on {feed['topic']}")
         _table([(field["ros"], field["takes"].replace("`", "")) for field in feed["fields"]])
@@ -104,7 +106,7 @@ def _tell(said: dict[str, Any]) -> None:
         print(f"  {path}")
     example = said["example"]
     size = len(example["bytes"] or "") // 2
-    print(f"\nexample: {example['missing'] or f'{size} bytes, as a simulated machine sends them'}")
+    print(f"\nexample: {example['missing'] or f'{size} bytes, as `roverlink simulate` sends it'}")
     _table([(f"{'  ' * line['depth']}{line['bytes']}", line["meaning"]) for line in example["lines"]])
 
 
@@ -118,14 +120,14 @@ def _qos(qos: dict[str, Any]) -> list[str]:
 
 
 def _peer(peer: dict[str, Any]) -> str:
-    return f"{peer['name']} has the port in {peer['parameter']} ({peer['port']})"
+    return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']})"
 
 
 def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
     if size["payload"] is None:
-        return f"no bound: {size['unbounded']}"
-    limit = f"; {peer['name']} takes {peer['max_size']}" if peer["max_size"] else ""
-    return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, as nanopb reckons{limit}"
+        return f"unbounded: {size['unbounded']}"
+    limit = f"; {peer['name']} accepts {peer['max_size']}" if peer["max_size"] else ""
+    return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, computed as nanopb does{limit}"
 
 
 def _field(field: dict[str, Any]) -> tuple[str, str, str]:
@@ -138,7 +140,7 @@ def _field(field: dict[str, Any]) -> tuple[str, str, str]:
 
 
 def _table(rows: list[tuple[str, ...]]) -> None:
-    """Columns as wide as they have to be."""
+    """Print rows in aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
         print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip())

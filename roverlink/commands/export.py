@@ -1,4 +1,4 @@
-"""``roverlink export``: a topic of a recording as a table."""
+"""``roverlink export``: write a topic of a recording as a table."""
 
 from __future__ import annotations
 
@@ -16,18 +16,23 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "export",
-        "write a topic of a recording as a table: a row a message, a column a field",
+        "write a topic of a recording as a table with a row per message and a column per field",
         "roverlink export run.mcap --topic imu_data --to csv",
     )
-    parser.add_argument("recording", type=Path, help="any file of the recording")
-    parser.add_argument("--topic", required=True, help="the topic")
-    parser.add_argument("--to", choices=EXPORTS, default="csv", help="the format (default: %(default)s)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="the file (default: run.imu_data.csv, and so on)")
+    parser.add_argument("recording", type=Path, help="a file of the recording")
+    parser.add_argument("--topic", required=True, help="ROS 2 topic")
+    parser.add_argument("--to", choices=EXPORTS, default="csv", help="format of the table (default: %(default)s)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="output file (default: name of the recording and the topic, such as run.imu_data.csv)",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the table; exit code 1 where the topic has no message."""
+    """Write the table. Exit code 1 if the topic has no messages."""
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.tables import WRITERS, rows_of
 
@@ -39,6 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         with replacing(out) as part:
             written = WRITERS[arguments.to](rows, part)
     except OSError as error:
-        raise SetupError(f"{out}: cannot be written: {error.strerror or error}") from error
-    print(f"{written} messages of {arguments.topic} to {out}")
+        raise SetupError(f"{out}: cannot write the file: {error.strerror or error}") from error
+    print(f"wrote {written} messages of {arguments.topic} to {out}")
     return OK if written else FINDINGS

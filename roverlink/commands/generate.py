@@ -24,10 +24,10 @@ def add(commands: Subparsers) -> None:
     )
     add_table(parser)
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; exit 1 with a diff where a file is not what the table says"
+        "--check", action="store_true", help="write nothing; print a diff and exit with 1 if a file is out of date"
     )
     parser.add_argument(
-        "--target", action="append", default=[], metavar="NAME", help="compile to this as well (docs/targets.md)"
+        "--target", action="append", default=[], metavar="NAME", help="generate this target too (see docs/targets.md)"
     )
     parser.add_argument(
         "--template",
@@ -35,15 +35,16 @@ def add(commands: Subparsers) -> None:
         default=[],
         type=Path,
         metavar="DIR",
-        help="render the Jinja templates in this folder as well, into generated/ and the folder's name",
+        help="also render the Jinja templates in DIR, into generated/DIR",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Generate, or check; exit code 1 for findings and for drift."""
+    """Generate, or check. Exit code 1 for findings and for files that are out of date."""
     table = table_file(arguments.table)
     try:
+        # Relative to the table: generated files name their templates and must not contain machine paths.
         folders = [os.path.relpath(folder, table.resolve().parent) for folder in arguments.template]
         compiled = compile_table(table, arguments.target, folders)
         changes = compare(table.resolve().parent, compiled.files, compiled.folders)
@@ -53,12 +54,12 @@ def run(arguments: argparse.Namespace) -> int:
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
-    say_changes(compiled, changes)
+    print_changes(compiled, changes)
     return OK
 
 
-def say_changes(compiled: Compiled, changes: list[Change]) -> None:
-    """Print what was written."""
+def print_changes(compiled: Compiled, changes: list[Change]) -> None:
+    """Print the changes that were written."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     said = counted(len(changes), "change"), counted(len(compiled.bridge.routes), "message")
@@ -69,14 +70,14 @@ def _check(table: Path, changes: list[Change]) -> int:
     for change in changes:
         sys.stdout.write(change.diff())
     if changes:
-        print(f"{len(changes)} of the files differ from what {table} says; run `roverlink generate`", file=sys.stderr)
+        print(f"{counted(len(changes), 'file')} out of date with {table}; run `roverlink generate`", file=sys.stderr)
         return FINDINGS
-    print(f"everything is what {table} says")
+    print(f"all files are up to date with {table}")
     return OK
 
 
 def report(table: Path, error: DiagnosticsError) -> int:
-    """Print why nothing was written; the exit code."""
+    """Print why nothing was written, and return the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     show_error(error, table.parent, sys.stderr)

@@ -1,4 +1,4 @@
-"""``roverlink history``: the life of a number."""
+"""``roverlink history``: the history of an envelope number."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.history import Usage, branch_name
 from roverlink.generator.lint.project import Question
-from roverlink.lint_scope import add_subject, folder_of, linted, say_limits
+from roverlink.lint_scope import add_subject, folder_of, linted, print_limits
 from roverlink.progress import progress
 
 
@@ -19,19 +19,19 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "history",
-        "tell the life of one envelope number: what it stood for, from which commit to which",
+        "show the history of an envelope number: its meanings, with first and last commit",
         "roverlink history 18",
     )
-    parser.add_argument("number", type=count, metavar="NUMBER", help="the number in the envelope")
+    parser.add_argument("number", type=count, metavar="NUMBER", help="number in the envelope")
     add_subject(parser)
     parser.add_argument(
-        "--of", metavar="MESSAGE", help="the number of a field of this message, or of a value of this enum"
+        "--of", metavar="MESSAGE", help="look up the number of a field of this message, or of a value of this enum"
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print its life; exit code 1 where it has none."""
+    """Print the usages of a number. Exit code 1 if there are none."""
     try:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)
@@ -39,27 +39,27 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    context, code = found.context, say_limits(found)
+    context, code = found.context, print_limits(found)
     if context.past is None:
         return UNABLE
     owner = arguments.of or context.table.envelope.message
     history = context.past.history
     usages, claims = history.numbers(owner).get(arguments.number, ()), history.claims(owner).get(arguments.number, ())
     if not usages and not claims:
-        print(f"{owner} never had the number {arguments.number} in {history.commits} commits")
+        print(f"{owner} never used the number {arguments.number} in {history.commits} commits")
         return max(code, FINDINGS)
     for usage in usages:
-        _tell(usage, f"{usage.type} {usage.name}".strip())
+        _print_usage(usage, f"{usage.type} {usage.name}".strip())
     for usage in claims:
-        _tell(usage, f"in a comment: {usage.type} {usage.name}".strip())
+        _print_usage(usage, f"in a comment: {usage.type} {usage.name}".strip())
     return code
 
 
-def _tell(usage: Usage, what: str) -> None:
+def _print_usage(usage: Usage, what: str) -> None:
     print(what)
     for interval in usage.intervals:
-        print(f"  came {interval.came} ({interval.path}:{interval.line})")
+        print(f"  added {interval.came} ({interval.path}:{interval.line})")
         for went in interval.went:
-            print(f"  went {went}")
+            print(f"  removed {went}")
     if usage.live_at:
-        print(f"  is on {', '.join(branch_name(ref) for ref in usage.live_at)}")
+        print(f"  exists on {', '.join(branch_name(ref) for ref in usage.live_at)}")

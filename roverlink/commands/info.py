@@ -1,4 +1,4 @@
-"""``roverlink info``: what is in a recording."""
+"""``roverlink info``: show the contents of a recording."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 def add(commands: Subparsers) -> None:
     """Declare the command."""
-    parser = command(commands, "info", "say what is in a recording", "roverlink info run.mcap")
-    parser.add_argument("recording", type=Path, help="any file of the recording")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser = command(commands, "info", "show the contents of a recording", "roverlink info run.mcap")
+    parser.add_argument("recording", type=Path, help="a file of the recording")
+    parser.add_argument("--json", action="store_true", help="print a JSON object")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print it."""
+    """Print the contents."""
     from roverlink.runtime.recording.reader import Recording
 
     facts = _facts(Recording(arguments.recording))
@@ -68,7 +68,7 @@ def _print(facts: dict[str, Any]) -> None:
     if "fingerprint" in facts["table"]:
         console.print(f"table     {facts['table']['fingerprint']}")
     if not facts["complete"]:
-        console.print("ended     not at all: whatever recorded was killed, or is still at it")
+        console.print("state     incomplete: the recorder was killed or is still running")
     table = Table(box=None, pad_edge=False)
     for name in ("topic", "type"):
         table.add_column(name, no_wrap=True)
@@ -77,5 +77,5 @@ def _print(facts: dict[str, Any]) -> None:
     for topic in facts["topics"]:
         if topic["count"]:
             rate = f"{topic['rate']:.1f}/s" if topic["rate"] is not None else ""
-            table.add_row(topic["topic"], topic["type"] or "as it came", str(topic["count"]), rate)
+            table.add_row(topic["topic"], topic["type"] or "raw bytes", str(topic["count"]), rate)
     console.print(table)

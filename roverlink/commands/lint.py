@@ -1,4 +1,4 @@
-"""``roverlink lint``: what is wrong with numbers, names and sizes: now, against another state, in all of history."""
+"""``roverlink lint``: check numbers, names and sizes: now, against another state, and in git's history."""
 
 from __future__ import annotations
 
@@ -23,17 +23,19 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "lint",
-        "find reused numbers and everything else that lets two machines misread each other",
+        "find reused numbers and other mistakes that make two machines misread each other",
         "roverlink lint --against main",
-        "Look at table, protos and ledger, at every change against another state, and at all of history. Exit code 0:\n"
-        "clean; 1: findings; 2: something could not be looked at. `roverlink explain ID` says what a rule is about.",
+        "Check table, protos and ledger, and on request the changes against another state, or git's whole history.\n"
+        "Exit code 0: no problems; 1: findings; 2: a check could not run. `roverlink explain ID` describes a rule.",
     )
     add_subject(parser)
-    parser.add_argument("--against", metavar="STATE", help="a folder, a descriptor set, or a git ref to compare with")
+    parser.add_argument(
+        "--against", metavar="STATE", help="baseline to compare with: a folder, a descriptor set, or a git ref"
+    )
     parser.add_argument(
         "--with-buf",
         action="store_true",
-        help="with --against: also show what an installed buf finds about generated code and JSON",
+        help="with --against: also run an installed buf, for its rules on generated code and JSON",
     )
     parser.add_argument(
         "--history",
@@ -41,32 +43,36 @@ def add(commands: Subparsers) -> None:
         type=Path,
         const=True,
         metavar="REPO",
-        help="look at every state in git's history, on all branches; REPO is a tree without mapping.yaml",
+        help="check every state in git's history, on all branches; name REPO for a tree without mapping.yaml",
     )
-    parser.add_argument("--branches", action="store_true", help="find numbers that two open branches have given away")
+    parser.add_argument(
+        "--branches", action="store_true", help="find numbers that two open branches use for different payloads"
+    )
     parser.add_argument(
         "--pins",
         nargs="+",
         type=Path,
         default=[],
         metavar="FILE|REPO",
-        help="compare the commits that consumers are pinned to: submodules, CMake's GIT_TAG, or lines `name commit`",
+        help="compare the commits to which consumers are pinned: submodules, CMake's GIT_TAG, or lines `name commit`",
     )
     parser.add_argument(
-        "--accept", action="store_true", help="with --history: take note of what was found, in the ledger, for good"
+        "--accept",
+        action="store_true",
+        help="with --history: record the findings in the ledger, so that they are not reported again",
     )
-    parser.add_argument("--format", choices=FORMATS, default="text", help="how to say it (default: %(default)s)")
+    parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: %(default)s)")
     parser.add_argument(
         "--fail-on",
         choices=_COUNTED,
         default="warning",
-        help="what is severe enough for exit code 1 (default: %(default)s)",
+        help="least severity that gives exit code 1 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Lint, and say what was found."""
+    """Lint and print the findings."""
     try:
         found = _lint(arguments)
         if arguments.accept:
@@ -85,9 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _lint(arguments: argparse.Namespace) -> Linted:
     of_history: Path | None = arguments.history if isinstance(arguments.history, Path) else None
     if of_history is not None and arguments.root is not None:
-        raise SetupError(f"two trees are named, {arguments.root} and {of_history}: one lint looks at one")
+        raise SetupError(f"two trees are given, {arguments.root} and {of_history}; lint checks one at a time")
     if arguments.with_buf and not arguments.against:
-        raise SetupError("--with-buf compares two states: name the other one with --against")
+        raise SetupError("--with-buf compares two states; name the baseline with --against")
     root = of_history or arguments.root
     with progress("reading history") as report:
         question = Question(
@@ -102,8 +108,8 @@ def _lint(arguments: argparse.Namespace) -> Linted:
 
 
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:
-    """Burn the numbers that history found, and generate."""
-    # Here, since whoever only lints does not need what writes Python.
+    """Record the numbers that the history check found in the ledger, and generate."""
+    # Imported here: a plain lint does not need the slow import of the emitter.
     from roverlink.generator.accept import accept
     from roverlink.generator.emit.writer import write
 
@@ -111,5 +117,5 @@ def _accept(arguments: argparse.Namespace, found: Linted) -> int:
     write(found.folder, changes)
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
-    print(f"{accepted} numbers of the past are accepted; only what is new is found from now on")
+    print(f"accepted {accepted} numbers from the history; from now on only new findings are reported")
     return OK

@@ -1,4 +1,4 @@
-"""``roverlink listen``: the envelopes that arrive at a port."""
+"""``roverlink listen``: print the envelopes that arrive at a UDP port."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.runtime.text.values import payload_to_values
 
 _RECEIVE_BUFFER = 1024 * 1024
 _LARGEST = 65_536
-_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines
+_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines, so loopback is not enough
 
 
 def add(commands: Subparsers) -> None:
@@ -24,18 +24,20 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "listen",
-        "print the envelopes that arrive at a UDP port, one JSON line each",
+        "print the envelopes that arrive at a UDP port, as one JSON line each",
         "roverlink listen --port 6001",
     )
     add_project(parser)
     parser.add_argument("--port", type=port, required=True, help="UDP port to listen on")
-    parser.add_argument("--address", default=_EVERY_ADDRESS, help="address to listen on (default: all of this host)")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after so many")
+    parser.add_argument(
+        "--address", default=_EVERY_ADDRESS, help="address to listen on (default: all addresses of this host)"
+    )
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N datagrams")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print until interrupted, or until ``--count`` datagrams came."""
+    """Print envelopes until interrupted, or until ``--count`` is reached."""
     registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0
@@ -56,6 +58,6 @@ def _line(registry: Registry, translator: Translator, datagram: bytes) -> dict[s
     name = envelope.WhichOneof(registry.oneof)
     if name is None:
         numbers = payload_numbers(restore(datagram))
-        return {"error": f"no known payload among {numbers}" if numbers else "empty", "bytes": len(datagram)}
+        return {"error": f"unknown payload numbers {numbers}" if numbers else "empty", "bytes": len(datagram)}
     number = envelope.DESCRIPTOR.fields_by_name[name].number
     return {"number": number, "name": name, "payload": payload_to_values(getattr(envelope, name))}

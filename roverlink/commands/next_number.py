@@ -1,4 +1,4 @@
-"""``roverlink next-number``: the number for the next payload."""
+"""``roverlink next-number``: print the number for the next payload."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.project import Question
 from roverlink.generator.table import LARGEST_NUMBER
-from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, say_limits
+from roverlink.lint_scope import add_subject, folder_of, in_repository, linted, print_limits
 from roverlink.progress import progress
 
 
@@ -20,10 +20,11 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "next-number",
-        "print the envelope number for the next payload, and why others are skipped",
+        "print the envelope number for the next payload, and why other numbers are skipped",
         "roverlink next-number",
-        "Print the smallest number above those of today that nothing ever had: not the table, the ledger, what is\n"
-        "reserved or commented out, git's history, or another branch. Why others are skipped goes to standard error.",
+        "Print the smallest number above the current ones that was never used: not in the table or the ledger, not\n"
+        "reserved or commented out, not in git's history, not on another branch. The reasons for skipped numbers go\n"
+        "to standard error.",
     )
     add_subject(parser)
     parser.set_defaults(run=run)
@@ -38,20 +39,20 @@ def run(arguments: argparse.Namespace) -> int:
     except DiagnosticsError as error:
         show_error(error, folder_of(arguments), sys.stderr)
         return UNABLE
-    code = say_limits(found)
+    code = print_limits(found)
     if found.context.past is None:
-        print("there is no git repository here, so that the history was not looked at", file=sys.stderr)
-    say_skipped(found.context)
+        print("not a git repository, so the history was not checked", file=sys.stderr)
+    print_skipped(found.context)
     number = found.context.next_number()
     if number > LARGEST_NUMBER:
-        print("there is no number left", file=sys.stderr)
+        print("no number is left", file=sys.stderr)
         return UNABLE
     print(number)
     return code
 
 
-def say_skipped(context: Context) -> None:
-    """Say on standard error why the numbers before the next one are not given."""
+def print_skipped(context: Context) -> None:
+    """Print the reasons for skipped numbers on standard error."""
     largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
         for first, last, why in context.occupied(start):

@@ -1,4 +1,4 @@
-"""``roverlink pub``: say something on a topic, with no ROS installed."""
+"""``roverlink pub``: publish on a topic, without a ROS installation."""
 
 from __future__ import annotations
 
@@ -23,25 +23,27 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "pub",
-        "publish on a topic, as `ros2 topic pub` does, with no ROS installed",
+        "publish on a topic, as `ros2 topic pub` does, without a ROS installation",
         "roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1",
     )
     add_project(parser)
-    parser.add_argument("topic", help="the topic")
-    parser.add_argument("values", nargs="?", default="{}", help="the message in YAML; fields left out are zero")
-    parser.add_argument("--type", metavar="PKG/msg/NAME", help="its type, where no row has the topic")
-    parser.add_argument("--count", type=count, metavar="N", help="how many (default: until interrupted)")
+    parser.add_argument("topic", help="ROS 2 topic")
+    parser.add_argument("values", nargs="?", default="{}", help="message in YAML; missing fields are zero")
+    parser.add_argument("--type", metavar="PKG/msg/NAME", help="type of the topic, needed if no row has it")
+    parser.add_argument("--count", type=count, metavar="N", help="number of messages (default: until interrupted)")
     parser.add_argument("-1", "--once", action="store_const", const=1, dest="count", help="the same as --count 1")
-    parser.add_argument("-r", "--rate", type=rate, default=1.0, metavar="HZ", help="how many a second (default: 1)")
+    parser.add_argument("-r", "--rate", type=rate, default=1.0, metavar="HZ", help="messages a second (default: 1)")
     parser.add_argument(
         "--wait", type=seconds, default=3.0, metavar="S", help="seconds to wait for a subscriber (default: 3)"
     )
-    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Publish, once somebody listens."""
+    """Publish after a subscriber has been found."""
     registry = load_project(project_folder(arguments.project))
     message_type, qos = topic_types.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
@@ -54,10 +56,10 @@ def run(arguments: argparse.Namespace) -> int:
             accepted = publisher.publish([data])
             sent += 1
             print(
-                f"published {sent} on {arguments.topic}" if accepted else "not published: subscribers are too slow",
+                f"published {sent} on {arguments.topic}" if accepted else "not published: a subscriber is too slow",
                 flush=True,
             )
-        time.sleep(_FLUSH_S)  # a reliable reader that asks again for a sample must still find us
+        time.sleep(_FLUSH_S)  # a reliable reader may still ask for a lost sample
     return OK
 
 
@@ -72,6 +74,6 @@ def _wait_for_subscriber(publisher: Publisher, topic: str, seconds: float) -> No
     deadline = time.monotonic() + seconds
     while not publisher.has_subscribers():
         if time.monotonic() > deadline:
-            print(f"nobody listens on {topic}; publishing all the same", file=sys.stderr)
+            print(f"no subscriber on {topic} yet; publishing anyway", file=sys.stderr)
             return
         time.sleep(0.02)

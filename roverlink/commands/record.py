@@ -1,4 +1,4 @@
-"""``roverlink record``: the bridge, and everything that passes it on disk."""
+"""``roverlink record``: run the bridge and record everything that passes it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,17 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "record",
-        "bridge as `roverlink run` does, and record everything that passes",
+        "run the bridge and record all topics and datagrams",
         "roverlink record run.mcap --rotate 1000 --ros-args -p dst_ip:=10.0.0.7",
-        "Bridge as `roverlink run` does (it is `roverlink run --record FILE`), and record everything that passes:\n"
-        "the topics to run.mcap, which `ros2 bag` and Foxglove read, and the datagrams to run.datagrams.mcap.\n"
-        "A kill costs the last second. A full disk ends the recording, and not the bridge.",
+        "Run the bridge and record all topics and datagrams (the same as `roverlink run --record FILE`). Topics go\n"
+        "to run.mcap, which `ros2 bag` and Foxglove can read, and datagrams to run.datagrams.mcap. If the program\n"
+        "is killed, about the last second is lost. A full disk ends the recording, not the bridge.",
     )
-    parser.add_argument("record", type=Path, metavar="FILE", help="run.mcap, or a folder for files named by the time")
+    parser.add_argument(
+        "record",
+        type=Path,
+        metavar="FILE",
+        help="file for the topics, such as run.mcap, or a folder for a file named by the time",
+    )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)

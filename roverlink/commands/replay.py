@@ -1,4 +1,4 @@
-"""``roverlink replay``: a recorded run once more, for a bridge or for ROS 2 nodes."""
+"""``roverlink replay``: replay a recording to a bridge or to ROS 2 nodes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from roverlink import topic_types
 from roverlink.commands.send import destination_of
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, project_folder, rate, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, counted, project_folder, rate, seconds
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
@@ -22,7 +22,7 @@ from roverlink.runtime.ros_arguments import parameters
 if TYPE_CHECKING:
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay, Timed
 
-_FLUSH_S = 0.2  # a reliable reader that asks again for a sample must still find us
+_FLUSH_S = 0.2  # a reliable reader may still ask for a lost sample
 
 Send = Callable[["Timed"], None]
 
@@ -32,42 +32,45 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "replay",
-        "replay a recording: its datagrams to a bridge, or its topics to ROS 2",
+        "replay the datagrams of a recording to a bridge, or its topics to ROS 2",
         "roverlink replay run.mcap --speed 2 --as board --to 127.0.0.1:5000",
-        "Replay a recording, in the timing of the run. Where the table has changed since, what was recorded is\n"
-        "converted to today's; a number that stands for something else today is not replayed, and told (exit code 1).",
+        "Replay a recording at its own pace. If the table has changed since, messages are converted to today's.\n"
+        "Messages whose meaning has changed are reported and skipped (exit code 1).",
     )
     add_project(parser)
-    parser.add_argument("recording", type=Path, help="any file of the recording")
+    parser.add_argument("recording", type=Path, help="a file of the recording")
     parser.add_argument(
         "--as",
         dest="role",
         choices=("board", "ros"),
         default="board",
-        help="board: send the datagrams that the bridge received to a bridge; ros: publish the topics "
-        "(default: %(default)s)",
+        help="board: send the received datagrams to a bridge again; ros: publish the topics (default: %(default)s)",
     )
     parser.add_argument(
         "--to",
         default=f"127.0.0.1:{parameters.LISTEN_PORT}",
         metavar="HOST:PORT",
-        help="the bridge, as board (default: %(default)s)",
+        help="as board: address of the bridge (default: %(default)s)",
     )
-    parser.add_argument("--topic", action="append", default=[], help="as ros: only this topic; may be given again")
+    parser.add_argument("--topic", action="append", default=[], help="as ros: only this topic; repeat for more")
     parser.add_argument(
-        "--commands", action="store_true", help="as ros: publish also what goes from ROS to boards. It moves the rover"
+        "--commands",
+        action="store_true",
+        help="as ros: also publish the topics that command boards. This moves the rover!",
     )
-    parser.add_argument("--speed", type=rate, default=1.0, metavar="X", help="times as fast (default: 1)")
-    parser.add_argument("--loop", action="store_true", help="begin again at the end, until interrupted")
+    parser.add_argument("--speed", type=rate, default=1.0, metavar="X", help="speed factor (default: 1)")
+    parser.add_argument("--loop", action="store_true", help="repeat until interrupted")
     parser.add_argument(
         "--wait", type=seconds, default=3.0, metavar="S", help="as ros: seconds to wait for a subscriber (default: 3)"
     )
-    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay; exit code 1 where something could not be."""
+    """Replay. Exit code 1 if a message could not be replayed."""
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay
 
@@ -87,12 +90,12 @@ def run(arguments: argparse.Namespace) -> int:
     what = "datagrams" if arguments.role == "board" else "messages"
     print(f"replayed {sent} {what} in {took:.1f} s")
     for reason, count in replay.refused.items():
-        print(f"not replayed, {count} times: {reason}", file=sys.stderr)
+        print(f"skipped {counted(count, 'message')}: {reason}", file=sys.stderr)
     return FINDINGS if replay.refused else OK
 
 
 def _play(replay: BoardReplay | RosReplay, send: Send, speed: float, loop: bool) -> tuple[int, float]:
-    """Send everything in time; how many, and in how many seconds."""
+    """Send all messages at their times; return their number and the duration in seconds."""
     from roverlink.runtime.recording.replaying import paced
 
     start, sent = time.monotonic(), 0
@@ -119,13 +122,14 @@ def _to_bridge(destination: tuple[str, int], stack: ExitStack) -> Send:
 
 def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStack) -> Send:
     if replay.left_out:
-        print(f"left out, since they command the rover (--commands): {', '.join(replay.left_out)}", file=sys.stderr)
+        print(f"skipped because they command the rover (see --commands): {', '.join(replay.left_out)}", file=sys.stderr)
     middleware = stack.enter_context(open_middleware(arguments.middleware, topic_types.identity("replay")))
     publishers = {
         topic: middleware.publisher(topic, endpoint.message_type, endpoint.qos)
         for topic, endpoint in replay.endpoints.items()
     }
     _wait_for_subscriber(publishers.values(), arguments.wait)
+    # Registered after the middleware, so it runs before the middleware closes.
     stack.callback(time.sleep, _FLUSH_S)
 
     def send(message: Timed) -> None:
@@ -135,10 +139,10 @@ def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStac
 
 
 def _wait_for_subscriber(publishers: Collection[Publisher], seconds: float) -> None:
-    """Wait until somebody listens to one of the topics: what is published before is heard by nobody."""
+    """Wait until one of the topics has a subscriber, because messages published before that are lost."""
     deadline = time.monotonic() + seconds
     while not any(publisher.has_subscribers() for publisher in publishers):
         if time.monotonic() > deadline:
-            print("nobody listens to any of the topics; publishing all the same", file=sys.stderr)
+            print("none of the topics has a subscriber yet; publishing anyway", file=sys.stderr)
             return
         time.sleep(0.02)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from roverlink.commands.generate import report, say_changes
+from roverlink.commands.generate import print_changes, report
 from roverlink.console import OK, Subparsers, add_table, command, count, table_file
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import write
@@ -16,21 +16,21 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "retire",
-        "end the use of an envelope number: its row moves to `retired`, and the envelope reserves it",
+        "retire an envelope number: move its row to `retired`, and reserve it in the envelope",
         "roverlink retire 14",
     )
-    parser.add_argument("number", type=count, metavar="NUMBER", help="the number in the envelope")
+    parser.add_argument("number", type=count, metavar="NUMBER", help="number in the envelope")
     add_table(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Retire and generate in one go; where either cannot be, nothing is written."""
+    """Retire the number and generate. If one of them fails, nothing is written."""
     table = table_file(arguments.table)
     try:
         compiled, changes = retire(table, arguments.number)
         write(table.resolve().parent, changes)
     except DiagnosticsError as error:
         return report(table, error)
-    say_changes(compiled, changes)
+    print_changes(compiled, changes)
     return OK

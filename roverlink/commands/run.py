@@ -1,4 +1,4 @@
-"""``roverlink run``: the node ``udp_forwarder``."""
+"""``roverlink run``: the ROS 2 node ``udp_forwarder``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from roverlink import observers
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
 from roverlink.generated_code import load_project
-from roverlink.observers import Watching
+from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
@@ -25,9 +25,9 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "run",
-        "bridge datagrams and topics, as the node udp_forwarder",
+        "run the bridge between UDP and ROS 2, as the node udp_forwarder",
         "roverlink run --ros-args -p dst_ip:=10.0.0.7 -r imu_data:=imu/raw --log-level debug",
-        "Bridge datagrams and topics, as the node udp_forwarder. SIGINT or SIGTERM stops it.\n"
+        "Run the bridge between UDP and ROS 2, as the node udp_forwarder. SIGINT (Ctrl-C) or SIGTERM stops it.\n"
         "After --ros-args: -p name:=value, --params-file FILE, -r from:=to, -r __ns:=/x, -r __node:=n, "
         "--log-level LEVEL.",
     )
@@ -35,47 +35,50 @@ def add(commands: Subparsers) -> None:
         "--record",
         type=Path,
         metavar="FILE",
-        help="record the run to FILE.mcap, or to a file named by the time in a folder",
+        help="record the run to FILE, such as run.mcap; in a folder, the file is named by the time",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """The options of a bridge, recorded or not."""
+    """Add the options of a bridge; `roverlink record` has them too."""
     add_project(parser)
-    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+    )
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print two JSON objects: node, port and fingerprint once the port is open; at the end the account",
+        help="print two JSON objects: node, port and fingerprint when the port is open; all counters at the end",
     )
     parser.add_argument(
         "--log-format",
         choices=LOG_FORMATS,
         default="ros",
-        help="ros: lines as ROS 2 nodes write them; json: an object a line (default: %(default)s)",
+        help="ros: lines as ROS 2 nodes write them; json: one object per line (default: %(default)s)",
     )
     observers.add_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Bridge until a signal comes; then exit code 0."""
+    """Bridge until a signal comes; then exit with 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_project(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
     with ExitStack() as stack:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
-        watch = Watching(arguments, registry, ros, settings, logger, stack)
-        bridge = Bridge(registry, settings, watch.around(middleware), ros.topic, logger, watch.observers)
+        # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
+        attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
+        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
-        with bridge, watch.over(bridge):
+        with bridge, attached.monitor(bridge):
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:
-        signal.signal(number, signal.SIG_IGN)  # it is stopping; at its very end Python would obey them itself
+        signal.signal(number, signal.SIG_IGN)  # a second signal would end Python with an error code during shutdown
     logger.info("%s", bridge.account.summary())
     if arguments.json:
         print(json.dumps(bridge.account.as_dict()))
@@ -83,10 +86,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:
-    """Say that datagrams are taken from now on, and by which table: equal fingerprints mean the same by a number."""
+    """Report that the port is open, and the table's fingerprint.
+
+    Two machines with equal fingerprints use the same table and schema.
+    """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
     logger.info("%s bridges %d messages on UDP port %d", node, messages, port)
-    logger.info("table and schema have the fingerprint %s", fingerprint)
+    logger.info("fingerprint of table and schema: %s", fingerprint)
     if json_too:
         ready = {"node": node, "port": port, "messages": messages, "fingerprint": fingerprint}
         print(json.dumps(ready), flush=True)

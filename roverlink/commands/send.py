@@ -1,4 +1,4 @@
-"""``roverlink send``: envelopes as a board would send them."""
+"""``roverlink send``: send envelopes as a board does."""
 
 from __future__ import annotations
 
@@ -23,30 +23,32 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "send",
-        "send envelopes as a board or the basestation would",
+        "send an envelope to the bridge, as a board does",
         "roverlink send imu_info accel_x=0.12 accel_y=-9.81 --to 127.0.0.1:5000 --count 10 --rate 100",
-        "Send envelopes as a board or the basestation would. Fields inside a field are reached with dots\n"
-        "(imu_sensor.accel_x=1), enum values are given by name, lists as [1, 2, 3], bytes in hexadecimal.",
+        "Send an envelope to the bridge, as a board or the basestation does. Write nested fields with dots\n"
+        "(imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.",
     )
     add_project(parser)
-    parser.add_argument("name", nargs="?", help="the payload, as mapping.yaml names it")
-    parser.add_argument("assignments", nargs="*", metavar="field=value", help="what the payload says; the rest is zero")
+    parser.add_argument("name", nargs="?", help="name of the payload in mapping.yaml")
+    parser.add_argument("assignments", nargs="*", metavar="field=value", help="values of fields; all others are zero")
     parser.add_argument(
         "--to",
         default=f"127.0.0.1:{parameters.LISTEN_PORT}",
         metavar="HOST:PORT",
         help="destination (default: %(default)s)",
     )
-    parser.add_argument("--count", type=count, default=1, metavar="N", help="how many to send (default: %(default)s)")
     parser.add_argument(
-        "--rate", type=rate, default=10.0, metavar="HZ", help="how many a second (default: %(default)s)"
+        "--count", type=count, default=1, metavar="N", help="number of datagrams (default: %(default)s)"
     )
-    parser.add_argument("--list", action="store_true", help="show what can be sent, and stop")
+    parser.add_argument(
+        "--rate", type=rate, default=10.0, metavar="HZ", help="datagrams a second (default: %(default)s)"
+    )
+    parser.add_argument("--list", action="store_true", help="list all payloads with their fields, and exit")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Send, or list."""
+    """Send envelopes, or list the payloads."""
     registry = load_project(project_folder(arguments.project))
     if arguments.list:
         _list(registry)
@@ -56,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         datagram = registry.envelope(**{handler.route.name: payload}).SerializeToString()
     except EncodeError as error:
-        raise SetupError(f"{handler.route.name} cannot be sent so: {error}") from error
+        raise SetupError(f"cannot send {handler.route.name}: {error}") from error
     destination = destination_of(arguments.to)
     _send(datagram, destination, arguments.count, arguments.rate)
     print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")
@@ -65,10 +67,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _handler(registry: Registry, name: str | None) -> AnyHandler:
     if name is None:
-        raise SetupError("say which payload to send; `roverlink send --list` shows them")
+        raise SetupError("no payload given; `roverlink send --list` lists them")
     handler = registry.by_name.get(name)
     if handler is None:
-        raise SetupError(f"there is no payload {name!r}; {nearest(name, registry.by_name)}")
+        raise SetupError(f"unknown payload {name!r}; {nearest(name, registry.by_name)}")
     return handler
 
 
@@ -85,7 +87,7 @@ def _assignments(texts: list[str]) -> dict[str, str]:
 
 
 def destination_of(text: str) -> tuple[str, int]:
-    """The address that ``HOST:PORT`` names. Raises `SetupError` where it names none."""
+    """Resolve ``HOST:PORT`` to an address. Raises `SetupError` if it is malformed or does not resolve."""
     host, separator, port = text.rpartition(":")
     if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
         raise SetupError(f"{text!r} is not of the form HOST:PORT")

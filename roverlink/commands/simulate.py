@@ -1,4 +1,4 @@
-"""``roverlink simulate``: boards and a basestation that are not there, for tests, demos and other teams."""
+"""``roverlink simulate``: simulated boards and a simulated basestation, for tests and demos."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from roverlink.console import (
     Subparsers,
     add_project,
     command,
-    keep_to_ourselves,
+    isolate_ros,
     project_folder,
     rate,
     seconds,
@@ -35,17 +35,17 @@ from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation import bridge_host
 from roverlink.simulation.bridge_host import BridgeHost
 from roverlink.simulation.peers import Arrivals, Senders
-from roverlink.simulation.run_account import Reckoning, fate, resident_bytes
+from roverlink.simulation.run_account import RunTotals, predict, resident_bytes
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 
-_LOG_LEVEL = "error"  # what it warns of is what the account says in the end
+_LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 _RATE_OF_A_ROW_HZ = 20.0
 _COMMANDS_HZ = 20.0
 _PREPARED = 5000
 _PREPARED_FROM_HZ = 1000.0
 _TICK_S = 0.002
 _SETTLE_S = 0.3
-_PATIENCE_S = 20.0
+_TIMEOUT_S = 20.0
 
 
 def add(commands: Subparsers) -> None:
@@ -53,11 +53,11 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "simulate",
-        "send what boards and a basestation would, in good days and in bad ones",
+        "send the datagrams of simulated boards, with faults on request",
         "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
-        "Send what the boards and the basestation of the table would send, to a bridge that runs (--to), or to one\n"
-        "that is started for it (--bridge). With --bridge it ends with an account in which every datagram is found\n"
-        "again, and with exit code 1 where the sums do not agree or the bridge's memory has grown.\n\nscenarios:\n"
+        "Send the datagrams that the boards and the basestation of the table would send, to a running bridge\n"
+        "(--to) or to one started for this run (--bridge). With --bridge, the final report accounts for every\n"
+        "datagram; exit code 1: the sums do not agree, or the bridge's memory has grown.\n\nscenarios:\n"
         + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
@@ -66,26 +66,33 @@ def add(commands: Subparsers) -> None:
         "--to",
         default=f"127.0.0.1:{parameters.LISTEN_PORT}",
         metavar="HOST:PORT",
-        help="the bridge (default: %(default)s)",
+        help="address of the bridge (default: %(default)s)",
     )
     target.add_argument(
-        "--bridge", choices=("dds", "memory"), help="start a bridge, over ROS 2's wire or in memory, and reckon up"
+        "--bridge",
+        choices=("dds", "memory"),
+        help="start a bridge, over DDS or in memory, and check its counters at the end",
     )
     parser.add_argument(
         "--scenario",
         action="append",
         default=[],
         choices=tuple(SCENARIOS),
-        help="what goes wrong; may be given more than once (default: nothing)",
-    )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all chance (default: %(default)s)")
-    parser.add_argument(
-        "--rate", type=rate, metavar="HZ", help=f"datagrams a second in all (default: {_RATE_OF_A_ROW_HZ:g} a row)"
+        help="fault to simulate; repeat for more (default: none)",
     )
     parser.add_argument(
-        "--seconds", type=seconds, default=math.inf, metavar="S", help="how long (default: until Ctrl-C)"
+        "--seed", type=int, default=0, metavar="N", help="seed of the random numbers (default: %(default)s)"
     )
-    parser.add_argument("--json", action="store_true", help="print the account as a JSON object")
+    parser.add_argument(
+        "--rate",
+        type=rate,
+        metavar="HZ",
+        help=f"datagrams a second in total (default: {_RATE_OF_A_ROW_HZ:g} for each row)",
+    )
+    parser.add_argument(
+        "--seconds", type=seconds, default=math.inf, metavar="S", help="duration in seconds (default: until Ctrl-C)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the report as a JSON object")
     parser.set_defaults(run=run)
 
 
@@ -94,7 +101,7 @@ def _summary(name: str) -> str:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate; exit code 1 where a bridge of our own does not add up."""
+    """Simulate. Exit code 1 if the counters of a bridge started here do not agree."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
     world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
@@ -108,21 +115,21 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
-    reckoning = Reckoning()
+    totals = RunTotals()
     with Senders(destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
-        for _ in _play(stream, arguments.seconds, senders, reckoning, world):
+        for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:
-        print(json.dumps({"sent": dict(sorted(reckoning.sent.items())), "unsendable": reckoning.unsendable}))
+        print(json.dumps({"sent": dict(sorted(totals.sent.items())), "unsendable": totals.unsendable}))
         return OK
-    ends = ", ".join(f"{count} {end}" for end, count in reckoning.sent.most_common())
-    print(f"sent {reckoning.sent.total()} datagrams to {arguments.to}; a bridge makes of them: {ends or 'nothing'}")
+    ends = ", ".join(f"{count} {end}" for end, count in totals.sent.most_common())
+    print(f"sent {totals.sent.total()} datagrams to {arguments.to}; expected results in the bridge: {ends or 'none'}")
     return OK
 
 
 def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
-    keep_to_ourselves()
-    reckoning = Reckoning()
+    isolate_ros()
+    totals = RunTotals()
     with contextlib.ExitStack() as stack:
         arrivals = stack.enter_context(Arrivals(world.registry))
         host = stack.enter_context(_host(arguments, world.registry, arrivals))
@@ -130,13 +137,14 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
         middleware = stack.enter_context(host.middleware(topic_types.identity("simulate")))
         nodes = _Nodes(world.registry, middleware)
         with contextlib.suppress(KeyboardInterrupt):
-            for now in _play(stream, arguments.seconds, senders, reckoning, world):
-                reckoning.commands += nodes.publish(now)
-                _watch_memory(host, now, reckoning)
+            for now in _play(stream, arguments.seconds, senders, totals, world):
+                totals.commands += nodes.publish(now)
+                _watch_memory(host, now, totals)
+        # The last datagrams are still on their way; counters must agree only at rest.
         time.sleep(_SETTLE_S)
-        reckoning.account = host.stop()
-        _wait_for(arrivals, reckoning)
-    return _report(reckoning, as_json=arguments.json)
+        totals.account = host.stop()
+        _wait_for(arrivals, totals)
+    return _report(totals, as_json=arguments.json)
 
 
 def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals) -> BridgeHost:
@@ -146,7 +154,7 @@ def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals)
 
 
 class _Nodes:
-    """The ROS 2 nodes that command the peers."""
+    """ROS 2 nodes that command the peers."""
 
     def __init__(self, registry: Registry, middleware: Middleware) -> None:
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -158,7 +166,7 @@ class _Nodes:
         self._next = 0.0
 
     def publish(self, now: float) -> int:
-        """Publish what is due, once the bridge listens; returns how many messages."""
+        """Publish the messages that are due, if the bridge has subscribed; return their number."""
         if now < self._next:
             return 0
         self._next = now + 1 / _COMMANDS_HZ
@@ -170,7 +178,7 @@ class _Nodes:
 
 
 def _repeated(stream: Stream, count: int) -> Stream:
-    """The first of a stream again and again: making them takes longer than sending them."""
+    """Repeat the first ``count`` emissions, because making datagrams takes longer than sending them."""
     prepared = list(itertools.islice(stream, count))
     length = prepared[-1].at + prepared[-1].at / count
     for start in itertools.count():
@@ -178,50 +186,50 @@ def _repeated(stream: Stream, count: int) -> Stream:
             yield dataclasses.replace(emission, at=start * length + emission.at)
 
 
-def _play(stream: Stream, length: float, senders: Senders, reckoning: Reckoning, world: World) -> Iterator[float]:
-    """Send each datagram at its time; gives the time, in seconds, every now and then."""
-    translator, fates = Translator(world.registry), dict[bytes, str]()
+def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
+    """Send each datagram at its time; yield the time in seconds every few milliseconds."""
+    translator, predictions = Translator(world.registry), dict[bytes, str]()
     start = time.monotonic()
     next_tick = 0.0
     for emission in stream:
-        if emission.at >= length or reckoning.seconds >= length:
-            return  # also where this machine is too slow for the rate
+        if emission.at >= length or totals.seconds >= length:
+            return  # the second condition ends the run if this machine is too slow for the rate
         while (now := time.monotonic() - start) < emission.at or now >= next_tick:
             next_tick = now + _TICK_S
-            reckoning.seconds = now
+            totals.seconds = now
             yield now
             time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
         if not senders.send(emission):
-            reckoning.unsendable += 1
+            totals.unsendable += 1
             continue
-        end = fates.get(emission.datagram)
+        end = predictions.get(emission.datagram)
         if end is None:
-            end = fate(emission.datagram, translator, world.longest)
-            if len(fates) < 2 * _PREPARED:
-                fates[emission.datagram] = end
-        reckoning.sent[end] += 1
+            end = predict(emission.datagram, translator, world.longest)
+            if len(predictions) < 2 * _PREPARED:
+                predictions[emission.datagram] = end
+        totals.sent[end] += 1
 
 
-def _watch_memory(host: BridgeHost, now: float, reckoning: Reckoning) -> None:
-    if now >= len(reckoning.memory) + 1 and (size := resident_bytes(host.pid)) is not None:
-        reckoning.memory.append(size)
+def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:
+    if now >= len(totals.memory) + 1 and (size := resident_bytes(host.pid)) is not None:
+        totals.memory.append(size)
 
 
-def _wait_for(arrivals: Arrivals, reckoning: Reckoning) -> None:
-    """Let the peers take what has arrived; the bridge sends no more."""
-    account = reckoning.account
+def _wait_for(arrivals: Arrivals, totals: RunTotals) -> None:
+    """Wait until the peers have received everything that the bridge has sent."""
+    account = totals.account
     out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
-    deadline = time.monotonic() + _PATIENCE_S
+    deadline = time.monotonic() + _TIMEOUT_S
     while arrivals.count + arrivals.lost < out and time.monotonic() < deadline:
         time.sleep(_TICK_S)
-    reckoning.arrived, reckoning.lost_at_peers = arrivals.count, arrivals.lost
+    totals.arrived, totals.lost_at_peers = arrivals.count, arrivals.lost
 
 
-def _report(reckoning: Reckoning, *, as_json: bool) -> int:
-    faults = reckoning.faults()
+def _report(totals: RunTotals, *, as_json: bool) -> int:
+    faults = totals.faults()
     if as_json:
-        print(json.dumps(reckoning.as_dict()))
+        print(json.dumps(totals.as_dict()))
     else:
-        print("\n".join(reckoning.lines()))
-        print("the sums agree" if not faults else "\n".join(f"wrong: {fault}" for fault in faults))
+        print("\n".join(totals.lines()))
+        print("all sums agree" if not faults else "\n".join(f"error: {fault}" for fault in faults))
     return FINDINGS if faults else OK

@@ -1,4 +1,4 @@
-"""``roverlink top``: how the bridge is doing, live."""
+"""``roverlink top``: live state of a bridge."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from roverlink.runtime.middleware import NAMES, open_middleware
 from roverlink.runtime.monitoring import diagnostic_array
 
 _REFRESH_S = 0.5
-_QUIET_S = 3.0  # without news, after which the screen says so
+_QUIET_S = 3.0  # time without a message after which the screen reports it
 
 
 def add(commands: Subparsers) -> None:
@@ -30,23 +30,30 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "top",
-        "show how the bridge is doing, live: rates, ages, drops, queues",
+        "show the state of a running bridge live: rates, ages, drops, queues",
         "roverlink top",
-        "Show how the bridge is doing, live: rates, ages, drops, queues. It reads /diagnostics, so the bridge may run\n"
-        "on any machine of the ROS 2 domain.",
+        "Show the state of a running bridge live: rates, ages, drops, queues. It reads the topic /diagnostics, so the\n"
+        "bridge may run on any machine of the ROS 2 domain.",
     )
     parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
-    parser.add_argument("--once", action="store_true", help="show it once and stop: 0, or 1 where something is wrong")
-    parser.add_argument("--json", action="store_true", help="JSON, an object a second or one with --once")
+    parser.add_argument(
+        "--once", action="store_true", help="show the state once and exit with 0, or with 1 if something is wrong"
+    )
+    parser.add_argument("--json", action="store_true", help="print a JSON object every second, or one with --once")
     parser.add_argument(
         "--timeout", type=seconds, default=10.0, metavar="S", help="seconds to wait for the bridge (default: 10)"
     )
-    parser.add_argument("--middleware", choices=NAMES, default="auto", help="auto: rclpy where it imports, else dds")
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show it until interrupted, or once; exit code 1 where no bridge is heard, or with --once, one in trouble."""
+    """Show the state until interrupted, or once.
+
+    Exit code 1 if no bridge is found, or with ``--once`` if its state is not OK.
+    """
     arrived: queue.Queue[bytes] = queue.Queue()
 
     def keep(messages: Sequence[bytes]) -> None:
@@ -58,13 +65,14 @@ def run(arguments: argparse.Namespace) -> int:
         page = _next_page(arrived, arguments.node, arguments.timeout)
         if page is None:
             print(
-                f"no bridge {arguments.node!r} is heard on {diagnostic_array.TOPIC} after {arguments.timeout:g} s",
+                f"no messages of a bridge named {arguments.node!r} on {diagnostic_array.TOPIC} within "
+                f"{arguments.timeout:g} s",
                 file=sys.stderr,
             )
             return FINDINGS
         if arguments.once:
             _show(page, arguments.json)
-            return FINDINGS if top_screen.in_trouble(page) else OK
+            return FINDINGS if top_screen.has_problems(page) else OK
         return _follow(arrived, page, arguments)
 
 
@@ -72,20 +80,21 @@ def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argpar
     if arguments.json:
         while True:
             print(json.dumps(page), flush=True)
-            while (news := _next_page(arrived, arguments.node, _QUIET_S)) is None:
+            while (next_page := _next_page(arrived, arguments.node, _QUIET_S)) is None:
                 pass
-            page = news
-    heard = time.monotonic()
+            page = next_page
+    updated = time.monotonic()
     with Live(console=Console(), screen=True, auto_refresh=False) as live:
         while True:
-            live.update(top_screen.render(page, quiet=time.monotonic() - heard > _QUIET_S), refresh=True)
-            if (news := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
-                page, heard = news, time.monotonic()
+            live.update(top_screen.render(page, quiet=time.monotonic() - updated > _QUIET_S), refresh=True)
+            if (next_page := _next_page(arrived, arguments.node, _REFRESH_S)) is not None:
+                page, updated = next_page, time.monotonic()
 
 
 def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
-    """The next thing that the bridge says of itself; None where it says nothing in time."""
+    """Return the next state that the bridge publishes; None if none comes in time."""
     deadline = time.monotonic() + seconds
+    # Other nodes publish on /diagnostics too, so a message may be from another node.
     while (left := deadline - time.monotonic()) > 0:
         try:
             data = arrived.get(timeout=left)

@@ -1,1 +1,1 @@
-"""The parts of ``roverlink demo``."""
+"""Parts of ``roverlink demo``."""

@@ -1,11 +1,11 @@
-"""The camera of the demo: ``roverlink aruco track`` as a child, before rendered frames.
+"""Camera of the demo: a child process ``roverlink aruco track`` that gets rendered frames.
 
-It has a process of its own, as on a rover: what tracking computes must not keep those waiting who command.
+It is a separate process, as on a rover, so that its computations do not delay the nodes that command peers.
 """
 
 from __future__ import annotations
 
-import roverlink.vision  # noqa: F401  # first: where numpy or OpenCV is missing, it says how to install both
+import roverlink.vision  # noqa: F401  # first: it explains how to install numpy and OpenCV
 
 # isort: split
 
@@ -29,17 +29,20 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 from roverlink.vision.ros.rover_position import ROW, position_publisher
 
-_PATIENCE_S = 20.0
+_TIMEOUT_S = 20.0
 
 
 class DemoCamera:
-    """A camera that looks at a film again and again. A context manager: leaving it ends the child."""
+    """Camera that sees a film in a loop. A context manager; on exit the child process ends."""
 
-    tells = (ROW,)
-    """The rows whose topics it publishes."""
+    rows = (ROW,)
+    """Rows whose topics the camera publishes."""
 
     def __init__(self, project: Path, middleware: str) -> None:
-        """`middleware` is the child's: dds, or anything else for none; then `publish_on` has to tell."""
+        """Prepare the child; ``middleware`` is ``dds``, or any other for none.
+
+        Without DDS, `publish_on` has to be called, because the child cannot publish itself.
+        """
         self._film = render_film()
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
         folder = Path(self._folder.name)
@@ -49,7 +52,7 @@ class DemoCamera:
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
         self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
-        self._tell: Callable[[Floats], None] = lambda _: None
+        self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0
         self._worst = 0.0
         frames.mkdir()
@@ -58,8 +61,8 @@ class DemoCamera:
             cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
-        """Tell where the rover is in the child's place, which knows no middleware of this process."""
-        self._tell = position_publisher(middleware, registry, topic)
+        """Publish the rover's position from this process, because the child has no access to its middleware."""
+        self._publish_position = position_publisher(middleware, registry, topic)
 
     def __enter__(self) -> DemoCamera:
         self._child = subprocess.Popen(  # noqa: S603  # our own program
@@ -69,19 +72,19 @@ class DemoCamera:
         first = self._output.readline()
         if not first:
             self._child.wait()
-            raise SetupError("the demo's camera did not start")
+            raise SetupError("the demo's camera process did not start; see its messages above")
         self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
         return self
 
     def stop(self) -> str:
-        """Interrupt the child; what is to be said of what it saw."""
+        """End the child and return a summary for the user."""
         self._child.send_signal(signal.SIGINT)
-        self._child.wait(_PATIENCE_S)
+        self._child.wait(_TIMEOUT_S)
         self._thread.join()
         return (
-            f"the camera found itself on the field in {self._frames} frames by {len(landmarks().places)} landmarks, "
-            f"never more than {1e3 * self._worst:.0f} mm from where it was"
+            f"the camera located itself in {self._frames} frames with {len(landmarks().places)} landmarks; "
+            f"largest error {1e3 * self._worst:.0f} mm"
         )
 
     def __exit__(self, *_: object) -> None:
@@ -97,7 +100,7 @@ class DemoCamera:
             if "camera" not in view:
                 continue
             place = np.array(view["camera"]["position"])
-            self._tell(place)
+            self._publish_position(place)
             truth = self._film.truth[view["frame"] % len(self._film.truth)].translation
             self._worst = max(self._worst, float(np.linalg.norm(place - truth)))
             self._frames += 1

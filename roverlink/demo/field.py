@@ -1,4 +1,4 @@
-"""What the camera of the demo sees: four landmarks on a field, rendered, so that the truth is known."""
+"""Scene of the demo's camera: four landmarks on a field, rendered, so that the true pose is known."""
 
 from __future__ import annotations
 
@@ -19,23 +19,25 @@ from roverlink.vision.opencv import cv2
 FRAMES = 16
 RATE_HZ = 10.0
 SIDE = 0.15
-"""Metres."""
+"""Side of the markers in metres."""
 SURVEY = 0.002
-"""How well the landmarks' positions are known, in metres; their turns as by default."""
+"""Standard deviation of the landmarks' positions in metres; that of their rotations is the default."""
 _SIZE = (640, 480)
 _LENS = Lens(
     np.array([[600.0, 0, 322.5], [0, 602.0, 236.0], [0, 0, 1]]),
     (0.100096, -0.256227, 0.00111085, 0.000269882, 0),
     _SIZE,
 )
-_FACING_US = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # right is -y, up is z, out of the print is -x
+_FACING_US = np.array(
+    [[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]]
+)  # the print's axes in the field: right is -y, up is z, towards the viewer is -x
 _AHEAD = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # a camera that looks along x
 _LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (3.2, -1.0, 1.0)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Film:
-    """Frames of a drive in a circle, and where the camera is in each."""
+    """Frames of a drive in a circle, with the camera's true pose in each."""
 
     frames: tuple[Image, ...]
     truth: tuple[Pose, ...]
@@ -46,17 +48,17 @@ class Film:
 
 
 def landmarks() -> Landmarks:
-    """Where the landmarks are."""
+    """Return the landmarks with their positions."""
     return Landmarks("field", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
 
 
 def parameters() -> CameraParameters:
-    """The camera's parameters."""
+    """Return the camera's parameters."""
     return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
 
 
 def write_field(folder: Path) -> None:
-    """Write the camera's parameters (`camera.yml`), and where the landmarks are (`landmarks.yaml`)."""
+    """Write the camera's parameters (``camera.yml``) and the landmarks (``landmarks.yaml``)."""
     write_parameters(folder / "camera.yml", parameters())
     lines = [
         f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
@@ -67,7 +69,7 @@ def write_field(folder: Path) -> None:
 
 
 def render_film(frames: int = FRAMES) -> Film:
-    """Render the drive, or its first frames: the same every time."""
+    """Render the first frames of the drive; the result is the same every time."""
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
     truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
@@ -80,11 +82,11 @@ def _on_field(number: int) -> Pose:
 
 
 def _place(angle: float) -> Pose:
-    """Where the camera is: takes its points to the field."""
+    """Return the camera's pose in the field frame."""
     return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
 
 
 def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
-    """A landmark, and where it is in the camera's frame."""
+    """Return a landmark's print with its pose in the camera frame."""
     seen = camera.inverse() @ _on_field(number)
     return marker_print(cv2.aruco.DICT_5X5_250, number, SIDE, texels=8), PrintPose(seen.rotation, seen.translation)

@@ -1,4 +1,4 @@
-"""What a lint found, in the forms in which people, scripts and CI read it."""
+"""Formats of a lint's findings: for people, scripts and CI."""
 
 from __future__ import annotations
 
@@ -14,4 +14,4 @@ FORMATS: Mapping[str, Callable[[Linted], None]] = {
     "sarif": sarif.write,
     "junit": junit.write,
 }
-"""Each writes to standard output."""
+"""Functions that write findings to standard output, by the name of the format."""

@@ -1,4 +1,7 @@
-"""Workflow commands, which GitHub Actions shows at the lines of a pull request."""
+"""Workflow commands of GitHub Actions, which shows findings at the lines of a pull request.
+
+Their syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING:
 
 
 def write(linted: Linted) -> None:
-    """Print a command a finding."""
+    """Print one workflow command for each finding."""
     for finding in linted.findings:
         print(_command(finding, linted))
 
@@ -20,13 +23,13 @@ def _command(finding: Diagnostic, linted: Linted) -> str:
     span, rule = files.from_here(finding.span), finding.rule
     properties = {"file": span.file, "line": span.line, "col": span.column, "title": f"{rule.id} {rule.name}"}
     shown = ",".join(f"{name}={_escaped(str(value), ':,')}" for name, value in properties.items() if value)
-    also = [f"{files.from_here(place)}: {files.told(place, what)}" for place, what in finding.also]
+    also = [f"{files.from_here(place)}: {files.with_commit(place, what)}" for place, what in finding.also]
     lines = [finding.message, *also, *([f"help: {finding.help}"] if finding.help else [])]
     return f"::{_COMMANDS[finding.severity]} {shown}::{_escaped(chr(10).join(lines))}"
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Text as a command takes it; properties have two more characters that end them."""
+    """Percent-encode the characters that end a command, and those in ``more`` that end a property."""
     for character in f"%\r\n{more}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text

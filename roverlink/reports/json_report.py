@@ -1,4 +1,4 @@
-"""One JSON list, an object a finding."""
+"""JSON report: a list with one object for each finding."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
 
 
 def _use(use: Use) -> dict[str, Any]:
-    """A stage of a number's life; what some branch still has, has no last commit."""
+    """Return one usage of a number; without a last commit if a branch still has it."""
     last = (
         {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
     )

@@ -1,4 +1,4 @@
-"""JUnit's XML, in which CI servers show tests: every rule is a test, which fails where it found something."""
+"""JUnit XML for CI servers: every rule is a test case, which fails if the rule has findings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.lint.rules import modules
 
 
 def write(linted: Linted) -> None:
-    """Print the suite."""
+    """Print the test suite."""
     rules = {module.RULE.id: module.RULE for module in modules().values()}
     rules |= {finding.rule.id: finding.rule for finding in linted.findings}
     suite = ElementTree.Element("testsuite", name="roverlink lint", tests=str(len(rules)))
@@ -22,8 +22,9 @@ def write(linted: Linted) -> None:
 
 
 def _add(suite: ElementTree.Element, rule: Rule, findings: list[Diagnostic]) -> bool:
-    """Add a rule to the suite; whether it failed."""
+    """Add a rule to the suite; return true if it failed."""
     case = ElementTree.SubElement(suite, "testcase", classname="roverlink", name=f"{rule.id} {rule.name}")
+    # A hint does not fail the lint either.
     faults = [finding for finding in findings if finding.severity is not Severity.HINT]
     if faults:
         failure = ElementTree.SubElement(case, "failure", message=faults[0].message, type=faults[0].severity.value)

@@ -1,4 +1,4 @@
-"""SARIF 2.1.0, which code scanning services read."""
+"""SARIF 2.1.0 (OASIS), the format of code scanning services."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _result(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
     }
     if finding.also:
         result["relatedLocations"] = [
-            {**_location(files.from_here(span)), "message": {"text": files.told(span, what)}}
+            {**_location(files.from_here(span)), "message": {"text": files.with_commit(span, what)}}
             for span, what in finding.also
         ]
     return result

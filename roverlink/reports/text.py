@@ -1,4 +1,4 @@
-"""The text report of a lint: its diagnostics, which consumers disagree, and how many diagnostics there are."""
+"""Text report of a lint: diagnostics, disagreements between consumers, and the number of diagnostics."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from roverlink.lint_scope import sources
 
 
 def write(linted: Linted) -> None:
-    """Print the findings, and how many there are of each severity."""
+    """Print the findings, and their number by severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
     if linted.context.past is not None and linted.context.past.pinned:
@@ -28,7 +28,7 @@ def write(linted: Linted) -> None:
 
 
 def _matrix(pinned: Sequence[Pinned]) -> Table:
-    """Which numbers any two consumers disagree about."""
+    """Return a table of the numbers about which two consumers disagree."""
     table = Table("", *(escape(one.pin.consumer) for one in pinned), box=SIMPLE)
     for one in pinned:
         cells = (", ".join(map(str, one.disagreements(other))) or "agree" for other in pinned)
@@ -39,7 +39,7 @@ def _matrix(pinned: Sequence[Pinned]) -> Table:
 def _summary(linted: Linted) -> str:
     counted = Counter(finding.severity for finding in linted.findings)
     parts = [f"{count} {_plural(severity.value, count)}" for severity in Severity if (count := counted[severity])]
-    return ", ".join(parts) if parts else "nothing to find fault with"
+    return ", ".join(parts) if parts else "No problems found."
 
 
 def _plural(word: str, count: int) -> str:

@@ -1,1 +1,1 @@
-"""Simulated boards and basestations, and the account of what they sent."""
+"""Simulated boards and basestations, and the final check of their counters."""

@@ -1,4 +1,4 @@
-"""A bridge to work with: in a process of its own over DDS, or in this process where there is no ROS 2 wire."""
+"""Bridge for demo and simulation: a separate process over DDS, or a thread of this process without ROS 2."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from roverlink.runtime.middleware import Middleware, NodeIdentity, open_middlewa
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
-_STOP_TIMEOUT_S = 20.0  # it drains what has arrived, on a machine that is busy
+_STOP_TIMEOUT_S = 20.0  # on a busy machine it may take long to handle the datagrams that have arrived
 
 
 class BridgeHost(Protocol):
-    """A running bridge. A context manager."""
+    """Running bridge. A context manager."""
 
     port: int
-    """The UDP port on which it listens."""
+    """UDP port on which the bridge listens."""
     pid: int
-    """The process that it runs in."""
+    """Id of the process in which the bridge runs."""
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """A middleware that sees the bridge's topics."""
+        """Return a middleware that is connected to the bridge's topics."""
 
     def stop(self) -> dict[str, Any]:
-        """Stop the bridge and return its account."""
+        """Stop the bridge and return its counters."""
 
     def __enter__(self) -> BridgeHost: ...
 
@@ -40,7 +40,7 @@ class BridgeHost(Protocol):
 
 
 class BridgeProcess:
-    """``roverlink run`` as a child, over DDS."""
+    """``roverlink run`` as a child process, over DDS."""
 
     def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
@@ -66,29 +66,30 @@ class BridgeProcess:
         self.pid = self._child.pid
         self._output = cast(IO[str], self._child.stdout)
         self._log = cast(IO[str], self._child.stderr)
+        # A thread has to read stderr, or the child would block when the pipe is full.
         threading.Thread(target=self._pass_on, daemon=True).start()
         ready = self._output.readline()
         if not ready:
             self._child.wait()
-            raise SetupError("the bridge did not start")
+            raise SetupError("the bridge process did not start; see its messages above")
         self.port = json.loads(ready)["port"]
         return self
 
     def _pass_on(self) -> None:
-        """Show what the bridge warns of."""
+        """Show the bridge's warnings and errors."""
         for line in self._log:
             if not line.startswith("[INFO]"):
                 sys.stderr.write(line)
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """DDS, as the bridge's."""
+        """Return a DDS middleware, as the bridge has one."""
         return open_middleware("dds", node)
 
     def stop(self) -> dict[str, Any]:
-        """Interrupt the child, as an operator would. Raises `SetupError` where it does not end well."""
+        """Interrupt the child as Ctrl-C does. Raises `SetupError` if it fails or hangs."""
         self._child.send_signal(signal.SIGINT)
         try:
-            code = self._child.wait(_STOP_TIMEOUT_S)  # its account is far less than a pipe holds
+            code = self._child.wait(_STOP_TIMEOUT_S)  # no deadlock: its output is far smaller than a pipe's buffer
         except subprocess.TimeoutExpired as error:
             raise SetupError(f"the bridge did not stop within {_STOP_TIMEOUT_S} s") from error
         if code:
@@ -103,7 +104,7 @@ class BridgeProcess:
 
 
 class BridgeThread:
-    """A bridge in a thread of this process, over memory."""
+    """Bridge on a thread of this process, with the memory middleware."""
 
     def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
         self._graph = Graph()
@@ -120,11 +121,11 @@ class BridgeThread:
         return self
 
     def middleware(self, node: NodeIdentity) -> Middleware:  # noqa: ARG002  # memory has no nodes
-        """The bridge's own topics."""
+        """Return a middleware on the bridge's graph."""
         return MemoryMiddleware(self._graph)
 
     def stop(self) -> dict[str, Any]:
-        """Let the bridge finish."""
+        """Stop the bridge when it has handled the datagrams that have arrived."""
         self._bridge.stop()
         self._thread.join()
         return self._bridge.account.as_dict()

@@ -1,4 +1,4 @@
-"""What has crossed the bridge, counted row by row, and the table that shows it."""
+"""Counters of bridged messages by row, and the table that shows them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _SHOWN_FIELDS = 4
 
 @dataclass
 class Crossing:
-    """One row of the table of messages: how often it has crossed, and what it said last."""
+    """Counter of one row, with its last message."""
 
     handler: AnyHandler
     count: int = 0
     last: Callable[[], dict[str, Any]] = dict
-    """Decodes the last message; only called when it is shown."""
+    """Function that decodes the last message; called only when the message is shown."""
     _times: deque[float] = field(default_factory=deque)
 
     def add(self, last: Callable[[], dict[str, Any]]) -> None:
@@ -33,7 +33,7 @@ class Crossing:
         self._times.append(time.monotonic())
 
     def rate(self) -> float:
-        """Messages a second, over the last two seconds."""
+        """Return the messages a second, averaged over the last two seconds."""
         horizon = time.monotonic() - _WINDOW_S
         while self._times and self._times[0] < horizon:
             self._times.popleft()
@@ -41,7 +41,7 @@ class Crossing:
 
 
 def table(crossings: Iterable[Crossing], title: str) -> Table:
-    """The crossings as they stand."""
+    """Return a table of the counters."""
     shown = Table(title=title, expand=True)
     shown.add_column("no.", justify="right", no_wrap=True)
     shown.add_column("payload", no_wrap=True)
@@ -64,7 +64,7 @@ def table(crossings: Iterable[Crossing], title: str) -> Table:
 
 
 def brief(values: dict[str, Any]) -> str:
-    """The first fields of a message on one line."""
+    """Return the first fields of a message on one line."""
     parts = [f"{name} {_short(value)}" for name, value in list(values.items())[:_SHOWN_FIELDS]]
     return ", ".join([*parts, "…"] if len(values) > _SHOWN_FIELDS else parts)
 

@@ -1,4 +1,4 @@
-"""The boards and the basestation as sockets: they send what a scenario gives, and count what the bridge sends them."""
+"""Sockets of simulated boards and basestation: they send a scenario's datagrams and count those received."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _LARGEST = 65_536
 
 
 class Senders:
-    """The sockets from which the peers send: one for each life of each peer. A context manager."""
+    """Sending sockets of the peers, a new one after each restart of a peer. A context manager."""
 
     def __init__(self, bridge: tuple[str, int]) -> None:
         self._bridge = bridge
         self._sockets: dict[tuple[str, int], socket.socket] = {}
 
     def send(self, emission: Emission) -> bool:
-        """Send a datagram; False where our own network refuses it."""
+        """Send a datagram; return false if this host's network refuses it."""
         key = emission.peer, emission.life
         sock = self._sockets.get(key)
         if sock is None:
@@ -43,7 +43,7 @@ class Senders:
 
 
 class Arrivals:
-    """The ports at which the peers listen, each emptied by a thread. A context manager."""
+    """Receiving sockets of the peers, each read by a thread. A context manager."""
 
     def __init__(self, registry: Registry) -> None:
         self._count = 0
@@ -54,12 +54,12 @@ class Arrivals:
 
     @property
     def count(self) -> int:
-        """Datagrams that arrived at all peers."""
+        """Datagrams received by all peers."""
         return self._count
 
     @property
     def lost(self) -> int:
-        """Datagrams that the kernel dropped because we were too slow."""
+        """Datagrams that the kernel dropped because this process was too slow."""
         return sum(udp.kernel_drops(sock) for sock in self._sockets.values())
 
     def __enter__(self) -> Arrivals:

@@ -1,4 +1,4 @@
-"""Reckoning up a run: every datagram that was sent is found again, as delivered, or as dropped with its reason."""
+"""Final check of a simulated run: every datagram sent must be delivered, or dropped with a known reason."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _OF_THE_BRIDGE = (
     Reason.OVER_RATE,
     Reason.STOPPED,
 )
-"""Reasons that do not lie in a datagram alone."""
+"""Reasons that depend on more than the datagram itself."""
 _WARMED_UP = 0.25
 _MOST_GROWTH = 8 * 1024 * 1024
 
 
-def fate(datagram: bytes, translator: Translator, longest: int) -> str:
-    """What a bridge that has room for everything does with a datagram: ``published``, or the reason of its drop."""
+def predict(datagram: bytes, translator: Translator, longest: int) -> str:
+    """Predict the result of a datagram in a bridge with enough room: ``published``, or the reason of its drop."""
     if len(datagram) > longest:
         return Reason.OVERSIZED.value
     try:
@@ -38,28 +38,28 @@ def fate(datagram: bytes, translator: Translator, longest: int) -> str:
 
 
 @dataclass
-class Reckoning:
-    """What was sent to a bridge, and what came of it."""
+class RunTotals:
+    """Totals of a run: datagrams sent to a bridge, and their results."""
 
     sent: Counter[str] = field(default_factory=Counter)
-    """Datagrams to the bridge, by their fate."""
+    """Datagrams sent to the bridge, by predicted result."""
     seconds: float = 0.0
-    """How long it took."""
+    """Duration of the run in seconds."""
     unsendable: int = 0
-    """Datagrams that our own network refused."""
+    """Datagrams that this host's network refused."""
     commands: int = 0
-    """Messages published for the bridge to take."""
+    """Messages published on topics that the bridge subscribes."""
     arrived: int = 0
-    """Datagrams that the peers got of the bridge."""
+    """Datagrams that the peers received from the bridge."""
     lost_at_peers: int = 0
-    """Datagrams that the kernel dropped at the peers, who were too slow."""
+    """Datagrams that the kernel dropped at the peers' sockets, because this process was too slow."""
     account: dict[str, Any] = field(default_factory=dict)
-    """What the bridge says, as `roverlink.runtime.bridge.account.Account.as_dict`."""
+    """Counters of the bridge, as `roverlink.runtime.bridge.account.Account.as_dict`."""
     memory: list[int] = field(default_factory=list)
-    """Resident bytes of the bridge's process, a second apart."""
+    """Resident memory of the bridge's process in bytes, one value per second."""
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it as plain values, for JSON."""
+        """Return everything as plain values, for JSON."""
         return {
             "sent": dict(sorted(self.sent.items())),
             "seconds": round(self.seconds, 3),
@@ -72,52 +72,59 @@ class Reckoning:
         }
 
     def lines(self) -> Iterator[str]:
-        """Where every datagram went."""
+        """Yield the lines of the report."""
         account = self.account
         hertz = self.sent.total() / self.seconds if self.seconds else 0
-        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second:"
-        ends = {PUBLISHED: account["published"], **account["dropped"], "lost in the kernel": account["kernel_drops"]}
+        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; the bridge counted:"
+        ends = {PUBLISHED: account["published"], **account["dropped"], "dropped by the kernel": account["kernel_drops"]}
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
-        yield f"  {sum(ends.values()):>12} in all"
-        yield f"{self.commands} messages were published for it to send:"
+        yield f"  {sum(ends.values()):>12} in total"
+        yield f"{self.commands} messages were published on topics to peers; the bridge counted:"
         ends = {"sent": account["sent"], **{name: sum(account[name].values()) for name in _ENDS_OF_COMMANDS}}
-        ends["overwritten in ROS 2's queues"] = self.commands - account["taken"]
+        ends["overwritten in ROS 2 queues"] = self.commands - account["taken"]
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
-        yield f"{self.arrived} datagrams reached the peers: {account['sent']} of topics, "
-        yield f"  {account['forwarded']} forwarded raw, {sum(account['stops'].values())} to stop"
+        yield f"{self.arrived} datagrams reached the peers: {account['sent']} made from topics, "
+        yield f"  {account['forwarded']} forwarded raw, {sum(account['stops'].values())} stops"
         if self.memory:
             first, last = _mebibytes(self.memory[0]), _mebibytes(self.memory[-1])
             yield f"memory of the bridge: {first} after 1 s, {last} at the end"
 
     def faults(self) -> list[str]:
-        """Where the sums do not agree, or memory has grown; empty where all is well."""
-        return [*self._lost(), *discrepancies(self.account), *self._misjudged(), *self._astray(), *self._grown()]
+        """Return the sums that do not agree, and growth of memory; an empty list if all is well."""
+        return [
+            *self._lost_before_bridge(),
+            *discrepancies(self.account),
+            *self._mispredicted(),
+            *self._lost_behind_bridge(),
+            *self._memory_growth(),
+        ]
 
-    def _lost(self) -> Iterator[str]:
+    def _lost_before_bridge(self) -> Iterator[str]:
         found = self.account["received"] + self.account["kernel_drops"]
         if found != self.sent.total():
-            yield f"{self.sent.total()} datagrams were sent, but {found} received or lost in the kernel"
+            yield f"{self.sent.total()} datagrams were sent, but {found} were received or dropped by the kernel"
 
-    def _misjudged(self) -> Iterator[str]:
-        """Drops for a reason that lies in the datagram alone are known beforehand, but for those lost before."""
+    def _mispredicted(self) -> Iterator[str]:
+        """Yield reasons whose count differs from the prediction by more than the datagrams lost earlier explain."""
         dropped = self.account["dropped"]
         for reason in Reason:
             expected, counted = self.sent[reason.value], dropped.get(reason.value, 0)
             spared = self.account["kernel_drops"] + sum(dropped.get(other.value, 0) for other in _BEFORE_PARSING)
             if reason not in _OF_THE_BRIDGE and not expected - spared <= counted <= expected:
-                yield f"{expected} datagrams were {reason.value}, but {counted} counted as that"
+                yield f"{expected} datagrams should be dropped as {reason.value}, but {counted} were"
 
-    def _astray(self) -> Iterator[str]:
+    def _lost_behind_bridge(self) -> Iterator[str]:
         out = self.account["sent"] + self.account["forwarded"] + sum(self.account["stops"].values())
         found = self.arrived + self.lost_at_peers
         if out != found:
-            yield f"the bridge sent {out} datagrams to the peers, but {found} arrived or were lost in the kernel"
+            yield f"the bridge sent {out} datagrams to the peers, but {found} arrived or were dropped by the kernel"
         if self.account["taken"] > self.commands:
-            yield f"{self.commands} messages were published, but {self.account['taken']} taken"
+            yield f"{self.commands} messages were published, but {self.account['taken']} received by the bridge"
 
-    def _grown(self) -> Iterator[str]:
+    def _memory_growth(self) -> Iterator[str]:
+        # The first quarter is warm-up: caches fill and pools grow.
         warm = self.memory[int(len(self.memory) * _WARMED_UP) :]
         if warm and warm[-1] - warm[0] > _MOST_GROWTH:
             yield f"the bridge's memory grew from {_mebibytes(warm[0])} to {_mebibytes(warm[-1])}"
@@ -128,7 +135,7 @@ _BEFORE_PARSING = (Reason.UNKNOWN_SOURCE, Reason.OVER_RATE, Reason.STOPPED)
 
 
 def resident_bytes(pid: int) -> int | None:
-    """The memory that a process has in RAM; None where the system does not say."""
+    """Return the resident memory of a process in bytes; None if the system does not report it."""
     try:
         pages = Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1]
     except OSError:

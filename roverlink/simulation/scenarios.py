@@ -1,7 +1,7 @@
-"""What simulated boards and a simulated basestation say, in good days and in bad ones.
+"""Scenarios: datagrams of simulated boards and a simulated basestation, with faults on request.
 
-A scenario is a function from a stream of datagrams to a stream of datagrams, so that scenarios can be combined. All
-chance comes from one seeded generator: the same seed gives the same stream.
+A scenario is a function from a stream of datagrams to a stream of datagrams, so scenarios can be combined. All random
+choices come from one seeded generator: the same seed gives the same stream.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from roverlink.runtime.core.wire_format import DELIMITED, VARINT
 
 @dataclass(frozen=True, slots=True)
 class Emission:
-    """One datagram that a peer sends."""
+    """Datagram that a peer sends."""
 
     at: float
     """Seconds since the start."""
     peer: str
     name: str
-    """The payload that it has, or was made from."""
+    """Payload of the datagram, or from which it was made."""
     datagram: bytes
     life: int = 0
-    """How often the peer has been started anew; every life has a port of its own."""
+    """Number of restarts of the peer; it sends from a new port after each."""
 
 
 Stream = Iterator[Emission]
@@ -39,31 +39,31 @@ Stream = Iterator[Emission]
 
 @dataclass(frozen=True)
 class World:
-    """What scenarios know besides the stream."""
+    """Context of the scenarios besides the stream."""
 
     registry: Registry
     rng: random.Random
     longest: int
-    """The longest datagram in bytes that the bridge takes."""
+    """Length in bytes of the longest datagram that the bridge accepts."""
 
     def datagram(self, name: str, seconds: float) -> bytes:
-        """The envelope with a payload as it is some time after its peer was started."""
+        """Return the envelope with a payload as it is some seconds after its peer's start."""
         payload = payload_at(self.registry.by_name[name].payload_type, seconds)
         return bytes(self.registry.envelope(**{name: payload}).SerializeToString())
 
     @property
     def inbound(self) -> list[AnyHandler]:
-        """The rows that peers send."""
+        """Rows that peers send."""
         return [handler for handler in self.registry.handlers if handler.route.inbound]
 
     def unused_number(self) -> int:
-        """A number that no row has; a retired one where there is any."""
+        """Return a number without a row, preferably a retired one."""
         candidates = itertools.chain(self.registry.retired, itertools.count(1))
         return next(number for number in candidates if number not in self.registry.by_number)
 
 
 def steady(world: World, rate: float) -> Stream:
-    """Every row that peers send, one after the other, ``rate`` datagrams a second in all. Endless."""
+    """Yield all inbound rows in turn, endlessly, with ``rate`` datagrams a second in total."""
     rows = world.inbound
     for index in itertools.count():
         route = rows[index % len(rows)].route
@@ -75,7 +75,7 @@ def steady(world: World, rate: float) -> Stream:
 
 
 def lossy(stream: Stream, world: World) -> Stream:
-    """A radio link: a tenth is lost, some come twice, some late and out of order."""
+    """Radio link: a tenth of the datagrams is lost, some arrive twice, late or out of order."""
     late: list[tuple[float, int, Emission]] = []
     for index, emission in enumerate(stream):
         while late and late[0][0] <= emission.at:
@@ -96,7 +96,7 @@ _LOST, _LATE, _TWICE, _DELAY_S = 0.1, 0.05, 0.05, 0.2
 
 
 def stale(stream: Stream, world: World) -> Stream:
-    """A program on a board that hangs behind its sender: the same values, for seconds."""
+    """Stuck program on a board: it repeats the same values for seconds."""
     held: dict[str, Emission] = {}
     for emission in stream:
         before = held.get(emission.name)
@@ -106,7 +106,7 @@ def stale(stream: Stream, world: World) -> Stream:
 
 
 def old_schema(stream: Stream, world: World) -> Stream:
-    """Boards with other protos than the rover's: fields that it does not know, others missing, payloads of no row."""
+    """Boards with other protos than the rover: unknown fields, missing fields, payloads without a row."""
     for emission in stream:
         chance = world.rng.random()
         if chance < _OF_NO_ROW:
@@ -123,7 +123,7 @@ _NEWER_FIELD = 1000
 
 
 def _of_other_protos(emission: Emission, world: World) -> bytes:
-    """A payload without its last field, and with one more that the rover does not know."""
+    """Return the payload without its last field, and with a field that the rover does not know."""
     handler = world.registry.by_name[emission.name]
     payload = payload_at(handler.payload_type, emission.at)
     fields = handler.payload_type.DESCRIPTOR.fields
@@ -150,7 +150,7 @@ def _varint(value: int) -> bytes:
 
 
 def padded(stream: Stream, world: World) -> Stream:
-    """Boards that send their whole buffer, others that strip trailing zeros, and some that do neither."""
+    """Boards that pad datagrams with zeros, strip trailing zeros, or do neither."""
     for emission in stream:
         datagram = emission.datagram
         size = world.rng.choice((0, 0, _BUFFER))
@@ -164,7 +164,7 @@ _BUFFER = 256
 
 
 def malformed(stream: Stream, world: World) -> Stream:
-    """A fifth is no envelope any more: cut, with a flipped bit, too long, empty, noise, or of the other direction."""
+    """Damaged datagrams, one in five: cut, bit flipped, too long, empty, random, or of the other direction."""
     for emission in stream:
         if emission.datagram and world.rng.random() < _DAMAGED:
             damage = world.rng.choice(_DAMAGES)
@@ -202,7 +202,7 @@ _DAMAGES = (_cut, _flipped, _too_long, _noise, _of_the_other_direction)
 
 
 def flood(stream: Stream, world: World) -> Stream:
-    """One row gone mad: each of its datagrams comes a hundred times."""
+    """Flooding: each datagram of one row is sent a hundred times."""
     mad = world.rng.choice(world.inbound).route.name
     for emission in stream:
         yield from itertools.repeat(emission, _MANY if emission.name == mad else 1)
@@ -212,7 +212,7 @@ _MANY = 100
 
 
 def reboot(stream: Stream, world: World) -> Stream:
-    """Peers that are silent for a second now and then, and start again at 0, from another port."""
+    """Peers that stop for a second now and then, and restart at time 0 from another port."""
     lives: dict[str, tuple[int, float, float]] = {}
     for emission in stream:
         life, born, dies = lives.get(emission.peer, (0, 0.0, world.rng.uniform(2, 6)))
@@ -238,7 +238,7 @@ SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
 
 
 def emissions(world: World, rate: float, names: list[str]) -> Stream:
-    """The stream of some scenarios, each applied to what the one before it gives. Endless, in the order of time."""
+    """Combine scenarios: each changes the stream of the one before. Endless, in order of time."""
     stream = steady(world, rate)
     for name in names:
         stream = SCENARIOS[name](stream, world)

@@ -1,1 +1,1 @@
-"""The bridge: datagrams from the peers to topics, and topics to datagrams for the peers."""
+"""Bridge between UDP and ROS 2: datagrams of peers to topics, and topics to datagrams for peers."""

@@ -1,4 +1,4 @@
-"""The account of a bridge: what came, what went where, and what was dropped for which reason."""
+"""Counters of a bridge: datagrams and messages received, sent and dropped, with the reason of each drop."""
 
 from __future__ import annotations
 
@@ -15,41 +15,45 @@ WARNING_INTERVAL_S = 2.0
 
 @dataclass
 class Account:
-    """Counts since the start. Each counter is written by one thread; readers see it a moment late."""
+    """Counts since the start.
+
+    Each counter is written by one thread, or under a lock; other threads may read a value that is slightly old. A row's
+    counters are kept by the name of its payload, which is its field in the envelope's oneof.
+    """
 
     received: int = 0
-    """Datagrams that were taken from the socket."""
+    """Datagrams read from the socket."""
     published: Counter[str] = field(default_factory=Counter)
-    """Messages to topics, by the name of the payload."""
+    """Messages published on the rows' own topics, by payload."""
     fed: Counter[str] = field(default_factory=Counter)
-    """Messages to the further topics of rows, by topic."""
+    """Messages published on extra topics, by topic."""
     unfed: Counter[str] = field(default_factory=Counter)
-    """Messages that a further topic did not get, by topic: a value did not fit, or its subscribers were too slow."""
+    """Messages not published on an extra topic, by topic: a value did not fit, or a subscriber was too slow."""
     sent: Counter[str] = field(default_factory=Counter)
-    """Datagrams made from messages of topics, by the name of the payload."""
+    """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
-    """Raw datagrams handed on, by the name of the peer."""
+    """Raw datagrams forwarded, by the receiving peer."""
     dropped: Counter[str] = field(default_factory=Counter)
-    """Datagrams that were not bridged, by reason."""
+    """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
-    """Of those, the ones whose payload is known: by its name and the reason."""
+    """Those of `dropped` whose payload is known, by payload and reason."""
     unsent: Counter[str] = field(default_factory=Counter)
-    """Datagrams that the network refused, by the name of the peer."""
+    """Datagrams that the network refused to send, by peer."""
     taken: Counter[str] = field(default_factory=Counter)
-    """Messages that topics gave, by the name of the payload."""
+    """Messages received from topics, by payload."""
     refused: Counter[str] = field(default_factory=Counter)
-    """Messages of topics that did not become a datagram, by the name of the payload."""
+    """Messages of topics that could not be converted to a datagram, by payload."""
     superseded: Counter[str] = field(default_factory=Counter)
-    """Messages of topics that a newer one took the place of, by the name of the payload."""
+    """Messages of topics that a newer message replaced before they were sent (``max_rate``), by payload."""
     failed: Counter[str] = field(default_factory=Counter)
-    """Messages of topics whose datagram the network refused, by the name of the payload."""
+    """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
-    """Datagrams that told a peer to stop, by the name of the payload; no message stands behind them."""
+    """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
     kernel_drops: int = 0
-    """Datagrams that the kernel dropped because nobody had read the earlier ones yet."""
+    """Datagrams that the kernel dropped because the socket's receive buffer was full."""
 
     def as_dict(self) -> dict[str, Any]:
-        """The account as plain values, for JSON."""
+        """Return the counters as plain values, for JSON."""
         return {
             "received": self.received,
             "published": self.published.total(),
@@ -72,11 +76,11 @@ class Account:
         }
 
     def discrepancies(self) -> list[str]:
-        """As the function of this name, of the counts as they stand. Only at rest do they have to agree."""
+        """Return the sums that disagree at this moment. They must agree only while the bridge is at rest."""
         return discrepancies(self.as_dict())
 
     def summary(self) -> str:
-        """The account in one line."""
+        """Return the main counters as one line of text."""
         dropped = ", ".join(f"{reason} {count}" for reason, count in sorted(self.dropped.items()) if count) or "none"
         return (
             f"received {self.received}, published {self.published.total()}, sent {self.sent.total()}, "
@@ -84,11 +88,12 @@ class Account:
         )
 
 
+# Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
-    """Where the sums of an account (`Account.as_dict`) do not agree; empty where they do.
+    """Return the sums of an account (`Account.as_dict`) that disagree; an empty list if all agree.
 
-    Every datagram that was received is published or dropped for a reason; every message that a topic gave is sent,
-    refused, superseded, or failed in the network.
+    Every datagram received is published or dropped for a reason. Every message of a topic is sent, refused, superseded,
+    or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
@@ -100,31 +105,32 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
 
 
 class ThrottledWarnings:
-    """Warns of each subject at most every two seconds, and says how many warnings it kept back."""
+    """Log of warnings that repeats each subject at most every two seconds and counts the suppressed ones."""
 
     def __init__(self, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._logger, self._clock = logger, clock
         self._next: dict[str, float] = {}
         self._last: dict[str, str] = {}
-        self._kept_back: Counter[str] = Counter()
+        self._suppressed: Counter[str] = Counter()
         self._lock = threading.Lock()
 
     def warn(self, subject: str, message: str) -> None:
-        """Log a warning about a subject, or count it where one was logged a moment ago."""
+        """Log a warning, or count it if one of the same subject was logged less than two seconds ago."""
         now = self._clock()
+        # Warnings come from several threads. Logging happens after the lock is released, since a log handler may block.
         with self._lock:
             if now < self._next.get(subject, now):
-                self._kept_back[subject] += 1
+                self._suppressed[subject] += 1
                 return
             self._next[subject] = now + WARNING_INTERVAL_S
             self._last[subject] = message
-            kept_back = self._kept_back.pop(subject, 0)
+            kept_back = self._suppressed.pop(subject, 0)
         self._log(subject, message, kept_back)
 
-    def tell_rest(self) -> None:
-        """Say how many warnings were kept back since the last of each subject: nothing more may come."""
+    def log_suppressed(self) -> None:
+        """Log how many warnings of each subject were suppressed since its last one. Call at the end of the run."""
         with self._lock:
-            rest, self._kept_back = self._kept_back, Counter()
+            rest, self._suppressed = self._suppressed, Counter()
         for subject, kept_back in rest.items():
             self._log(subject, self._last[subject], kept_back)
 

@@ -1,4 +1,4 @@
-"""What becomes of datagrams where the table restricts who may speak: each sender has the payloads of its peers."""
+"""Access control by sender address: each sender may send only the payloads of the peers at its address."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from roverlink.runtime.net.sources import Address, SourceGate
 
 
 class Admission:
-    """Sorts datagrams by what their senders may say. For one thread."""
+    """Assigns each datagram the translator for its sender. To be used from one thread."""
 
     def __init__(self, registry: Registry, drop: Callable[[DatagramError], None]) -> None:
-        """``drop`` is told of what nobody may say."""
+        """Call ``drop`` for every datagram that its sender may not send."""
         self._registry, self._drop = registry, drop
         self._gate = SourceGate(registry.peers)
         self._translators: dict[frozenset[str], Translator] = {}
 
     def sort(self, batch: Iterable[tuple[bytes, Address]], now: float) -> Mapping[Translator, list[bytes]]:
-        """The datagrams that are taken, by the translator that knows no more than their senders may say."""
+        """Group the admitted datagrams by translator; each translator accepts only the payloads of its peers."""
         admitted: defaultdict[Translator, list[bytes]] = defaultdict(list)
         for datagram, source in batch:
             try:
@@ -33,6 +33,7 @@ class Admission:
         return admitted
 
     def _translator(self, peers: frozenset[str]) -> Translator:
+        # Senders with the same peers share a translator, so there are at most as many as there are sets of peers.
         if peers not in self._translators:
             self._translators[peers] = Translator(self._registry, peers)
         return self._translators[peers]

@@ -1,9 +1,12 @@
-"""The bridge: datagrams from the peers to topics, and topics to datagrams for the peers.
+"""The bridge: datagrams of peers to topics, and topics to datagrams for peers.
 
-Two threads do the work. `Receiver` takes datagrams from the socket, and there they are translated, published and
-forwarded; publishing never waits (see `Publisher`), so neither does receiving. The middleware's thread calls back with
-what topics say, and there it is translated and sent. Where the table limits rates, or tells what stops a peer, a third
-one keeps the time.
+Two threads do the work.
+- `udp.Receiver` reads datagrams; on its thread they are translated, published and forwarded. Publishing never blocks
+(see `Publisher`), so a slow subscriber cannot delay the socket.
+- The middleware's thread calls back with messages of topics; on it they are translated and sent.
+
+A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``; a fourth watches the publishers of
+topics with ``deadman``.
 """
 
 from __future__ import annotations
@@ -18,37 +21,40 @@ from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.forwarding import Forwarding
-from roverlink.runtime.bridge.timekeeper import Tended, Timekeeper
-from roverlink.runtime.bridge.to_peer import Outlet, PublisherWatch, Send
-from roverlink.runtime.bridge.to_topic import Inlet, PacedInlet
+from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
+from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
+from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import AnyHandler, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
-from roverlink.runtime.net.sources import restrict
+from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
 
 NODE = "udp_forwarder"
-"""The bridge's name on the ROS 2 graph, where nobody gives it another."""
+"""Default node name of the bridge in the ROS 2 graph."""
 
 
 Handle = Callable[[udp.Batch], None]
 
 
 class Observer(Protocol):
-    """Hears what passes a bridge. It is asked at start: a bridge without observers does nothing for them."""
+    """Observer of the datagrams that pass a bridge.
+
+    It wraps functions when the bridge starts, so a bridge without observers pays nothing for them.
+    """
 
     def receiving(self, handle: Handle) -> Handle:
-        """What handles batches of received datagrams in the place of ``handle``, and calls it."""
+        """Wrap the handler of received batches; the returned function must call ``handle``."""
 
     def sending(self, peer: str, send: Send) -> Send:
-        """What sends datagrams made from a topic to a peer in the place of ``send``, and calls it."""
+        """Wrap the function that sends datagrams to a peer; the returned function must call ``send``."""
 
 
 class Bridge:
-    """One running bridge. A context manager; `run` works until `stop` is called."""
+    """One bridge: a context manager. Inside it, `run` works until `stop` is called."""
 
     def __init__(
         self,
@@ -59,7 +65,11 @@ class Bridge:
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
     ) -> None:
-        """``topic`` gives the fully qualified name of a row's topic. Raises `SetupError` for port and destination."""
+        """Bind the UDP port and resolve the peers' addresses.
+
+        ``topic`` maps a row's topic to its fully qualified name. Raises `SetupError` if the port is in use or an
+        address does not resolve.
+        """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
         self._logger = logger
@@ -70,38 +80,38 @@ class Bridge:
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
         self._receiver = self._receiver_of(parameters)
-        self._inlets: dict[str, Inlet] = {}
-        self._outlets: list[Outlet] = []
-        self._paced: list[PacedInlet] = []
-        self._feeding = extra_topics.Feeding(self.account, self._counters.warnings)
+        self._inbound_rows: dict[str, InboundRow] = {}
+        self._outbound_rows: list[OutboundRow] = []
+        self._paced: list[PacedInboundRow] = []
+        self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
         self._forwarding = Forwarding(registry, self._destinations, parameters.forward_policy, self._send, self.account)
         self._failure: BaseException | None = None
 
     @property
     def port(self) -> int:
-        """The UDP port that the bridge listens on."""
+        """UDP port on which the bridge listens."""
         port: int = self._socket.getsockname()[1]
         return port
 
     def socket_state(self) -> udp.SocketState:
-        """How full the socket is, and what the kernel dropped."""
+        """Return the fill level of the socket's receive buffer and the number of datagrams that the kernel dropped."""
         return udp.socket_state(self._socket)
 
     def __enter__(self) -> Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
-            self._inlets[handler.route.name] = self._inlet(handler)
+            self._inbound_rows[handler.route.name] = self._inbound_row(handler)
         for feed in self._registry.feeds:
             if feed.route.inbound:
-                self._feeding.open(feed, self._publisher(feed).publish)
+                self._extra_topics.open(feed, self._publisher(feed).publish)
         handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.feeds)
         outbound = [handler for handler in handlers if not handler.route.inbound]
-        self._outlets = [self._outlet(handler) for handler in outbound]
-        tended: list[Tended] = [*self._paced, *(outlet for outlet in self._outlets if outlet.is_tended)]
-        self._timekeeper = Timekeeper("timekeeper", tended, self._fail)
-        for inlet in self._paced:
-            inlet.wake = self._timekeeper.wake
-        watches = [self._subscribe(handler, outlet) for handler, outlet in zip(outbound, self._outlets)]
+        self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
+        tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
+        self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
+        for paced in self._paced:
+            paced.wake = self._timekeeper.wake
+        watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         self._watch = Timekeeper("publisher-watch", [watch for watch in watches if watch], self._fail)
         self._warn_of_small_buffer()
         self._timekeeper.__enter__()
@@ -110,27 +120,29 @@ class Bridge:
         return self
 
     def __exit__(self, *_: object) -> None:
+        # The order matters: first no datagram comes in, then no timer fires, then the waiting messages are published
+        # and the topics closed. The stops go out last, because nothing may follow them.
         self._receiver.__exit__()
-        self._counters.leave(self._receiver.left)
+        self._counters.count_unhandled(self._receiver.left)
         self._watch.__exit__()
         self._timekeeper.__exit__()
-        for inlet in self._paced:
-            inlet.end()
+        for paced in self._paced:
+            paced.end()
         self._middleware.close()
-        for outlet in self._outlets:
-            outlet.end()
-        self._counters.look_at_kernel_drops()
-        self._counters.warnings.tell_rest()
+        for row in self._outbound_rows:
+            row.end()
+        self._counters.read_kernel_drops()
+        self._counters.warnings.log_suppressed()
         self._socket.close()
         for destination in self._destinations.values():
             destination.close()
 
     def stop(self) -> None:
-        """Let `run` handle what has arrived and return. May be called from a signal handler."""
+        """Make `run` handle the datagrams that have arrived and return. Safe to call from a signal handler."""
         self._receiver.stop()
 
     def run(self) -> None:
-        """Bridge until `stop` is called. Raises whatever unforeseen ended the bridging, in either direction."""
+        """Bridge until `stop` is called. Raises the unexpected error that ended a thread of the bridge, if any."""
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -138,86 +150,95 @@ class Bridge:
     # --- peers to topics ---
 
     def _receiver_of(self, parameters: Parameters) -> udp.Receiver[Any]:
-        """The receiver; only where the table restricts who may speak does it look at addresses."""
+        """Return the receiver.
+
+        It reads sender addresses only if the table restricts senders, because that costs time.
+        """
         size = parameters.max_datagram + 1
-        if parameters.source_policy == "any" or not restrict(self._registry.peers):
+        if parameters.source_policy == "any" or not restricts_sources(self._registry.peers):
             return udp.Receiver(self._socket, size, self._observed(self._handle))
-        self._admission = Admission(self._registry, self._counters.drop)
+        self._admission = Admission(self._registry, self._counters.count_dropped)
         self._admitted: dict[Translator, Handle] = {}
-        return udp.Receiver(self._socket, size, self._handle_sourced, udp.source_reader)
+        return udp.Receiver(self._socket, size, self._handle_with_sources, udp.source_reader)
 
     def _observed(self, handle: Handle) -> Handle:
-        """The same with the observers before it."""
+        """Wrap a handler of batches with all observers."""
         for observer in self._observers:
             handle = observer.receiving(handle)
         return handle
 
     def _handle(self, batch: udp.Batch) -> None:
-        self._counters.receive(len(batch))
+        self._counters.count_received(len(batch))
         self._dispatch(batch, self._translator)
 
-    def _handle_sourced(self, batch: list[udp.Sourced]) -> None:
-        """Bridge what comes from who may speak, each as far as it may; observers hear nothing else."""
-        self._counters.receive(len(batch))
+    def _handle_with_sources(self, batch: list[udp.SourcedDatagram]) -> None:
+        """Bridge the datagrams whose senders are admitted; observers see only these."""
+        self._counters.count_received(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
             if translator not in self._admitted:
                 self._admitted[translator] = self._observed(partial(self._dispatch, translator=translator))
             self._admitted[translator](datagrams)
 
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
+        # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
         translation = translator.receive_all(fitting, extra_topics.now())
         for refusal in translation.refusals:
-            self._counters.drop(refusal)
+            self._counters.count_dropped(refusal)
         self._publish(translation)
+        # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names)
 
     def _without_oversized(self, batch: udp.Batch) -> udp.Batch:
         longest = self._parameters.max_datagram
         fitting = [datagram for datagram in batch if len(datagram) <= longest]
         for _ in range(len(batch) - len(fitting)):
-            self._counters.drop(DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes"))
+            self._counters.count_dropped(
+                DatagramError(Reason.OVERSIZED, f"a datagram of more than {longest} bytes (parameter max_datagram)")
+            )
         return fitting
 
     def _publish(self, translation: Translation) -> None:
         for name, messages in translation.messages.items():
-            self._inlets[name].take(messages)
+            self._inbound_rows[name].take(messages)
         if translation.fed:
-            self._feeding.publish(translation.fed)
+            self._extra_topics.publish(translation.fed)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)
 
-    def _inlet(self, handler: AnyHandler) -> Inlet:
+    def _inbound_row(self, handler: AnyHandler) -> InboundRow:
         route = handler.route
         publisher = self._publisher(handler)
         if route.max_rate is None:
-            return Inlet(route, publisher, self.account, self._counters.drop)
-        self._paced.append(PacedInlet(route, publisher, self.account, self._counters.drop, route.max_rate))
-        return self._paced[-1]
+            return InboundRow(route, publisher, self.account, self._counters.count_dropped)
+        row = PacedInboundRow(route, publisher, self.account, self._counters.count_dropped, route.max_rate)
+        self._paced.append(row)
+        return row
 
     # --- topics to peers ---
 
     def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
-        """Send datagrams to a peer, and return how many the network took."""
+        """Send datagrams to a peer and return how many the network took."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
-            self._counters.fail_to_send(destination, error)
+            self._counters.count_unsent(destination, error)
         return len(datagrams) - len(refusals)
 
-    def _outlet(self, handler: AnyHandler) -> Outlet:
+    def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
         destination = self._destinations[handler.route.peer]
         send: Send = partial(self._send, destination=destination)
         for observer in self._observers:
             send = observer.sending(destination.peer, send)
-        return Outlet(handler, self._translator, send, self.account, self._counters.warnings)
+        return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)
 
-    def _subscribe(self, handler: AnyHandler, outlet: Outlet) -> PublisherWatch | None:
+    def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> PublisherWatch | None:
         route = handler.route
 
         def take(messages: Sequence[bytes]) -> None:
             try:
-                outlet.take(messages)
+                row.take(messages)
+            # It would end only the middleware's thread, and the bridge would run on without its topics.
             except BaseException as failure:
                 self._fail(failure)
                 raise
@@ -225,10 +246,10 @@ class Bridge:
         subscription = self._middleware.subscribe(
             self._topic(route.topic), handler.message_type, route.qos, take, route.priority
         )
-        return outlet.connect(subscription, self._timekeeper.wake)
+        return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
-        """Something unforeseen ended another thread; whoever waits in `run` has to hear of it."""
+        """Stop the bridge because a thread of it failed; `run` raises the error."""
         self._failure = failure
         self.stop()
 
@@ -236,8 +257,8 @@ class Bridge:
         got, wanted = udp.receive_buffer(self._socket), self._parameters.receive_buffer
         if got < wanted:
             self._logger.warning(
-                "the receive buffer is %d bytes where %d were asked for: bursts may be lost; "
-                "raise it with `sysctl -w net.core.rmem_max=%d`",
+                "the UDP receive buffer has %d bytes instead of %d: datagrams of a burst may be lost; "
+                "allow more with `sysctl -w net.core.rmem_max=%d`",
                 got,
                 wanted,
                 wanted,

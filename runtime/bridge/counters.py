@@ -1,4 +1,4 @@
-"""Counting what passes a bridge, with a warning for what is lost."""
+"""Counting of datagrams at a bridge, with a throttled warning for each kind of loss."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Counters:
-    """The account of a bridge, its warnings, and what the kernel drops at its socket. For all threads of the bridge."""
+    """The account of a bridge, its warnings, and the kernel's drop counter. Used by all threads of the bridge."""
 
     def __init__(self, sock: socket.socket, logger: logging.Logger) -> None:
         self.account = Account()
@@ -23,36 +23,38 @@ class Counters:
         self._next_look = 0.0
         self._lock = threading.Lock()
 
-    def receive(self, count: int) -> None:
-        """Count datagrams taken from the socket; from time to time, look at what the kernel dropped there."""
+    def count_received(self, count: int) -> None:
+        """Count datagrams read from the socket; every two seconds also read the kernel's drop counter."""
         self.account.received += count
         if time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + WARNING_INTERVAL_S
-            self.look_at_kernel_drops()
+            self.read_kernel_drops()
 
-    def drop(self, error: DatagramError) -> None:
-        """Count a datagram that is not bridged, by its reason and its row."""
-        with self._lock:  # the receiving thread and the timekeeper's come here
+    def count_dropped(self, error: DatagramError) -> None:
+        """Count a datagram that is not bridged, by its reason and its row, and warn."""
+        with self._lock:  # called by the receiving thread and by the timekeeper
             self.account.dropped[error.reason.value] += 1
             if error.row:
                 self.account.dropped_of_row[error.row, error.reason.value] += 1
         self.warnings.warn(error.reason.value, f"dropped: {error}")
 
-    def leave(self, count: int) -> None:
-        """Count what had arrived when there was no time left to handle it."""
+    def count_unhandled(self, count: int) -> None:
+        """Count datagrams that were still unhandled when the time to stop was over."""
         if count:
             self.account.received += count
             self.account.dropped[Reason.STOPPED.value] += count
 
-    def fail_to_send(self, destination: Destination, error: OSError) -> None:
-        """Count a datagram that the network refused."""
-        with self._lock:  # all threads come here
+    def count_unsent(self, destination: Destination, error: OSError) -> None:
+        """Count a datagram that the network refused to send, and warn."""
+        with self._lock:  # called by every thread of the bridge
             self.account.unsent[destination.peer] += 1
         self.warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
 
-    def look_at_kernel_drops(self) -> None:
-        """Read how many datagrams the kernel dropped before they reached us, and warn where that has grown."""
+    def read_kernel_drops(self) -> None:
+        """Read the kernel's drop counter of the socket, and warn if it has grown."""
         before = self.account.kernel_drops
         self.account.kernel_drops = udp.kernel_drops(self._socket)
         if lost := self.account.kernel_drops - before:
-            self.warnings.warn("lost", f"the kernel dropped {lost} datagrams: they arrive faster than they are handled")
+            self.warnings.warn(
+                "lost", f"the kernel dropped {lost} datagrams: they arrive faster than the bridge handles them"
+            )

@@ -1,9 +1,10 @@
-"""When a peer has to be told to stop, because the topic that commands it has fallen silent.
+"""Watchdog of a topic that commands a peer (table key ``deadman``): says when to send the stop.
 
-Times are arguments, in seconds of a clock that never goes back. Silent is a topic of which no message passed on for a
-while, for whatever reason: its publisher hangs, was killed or is gone; its messages cannot be converted; or the thread
-that takes them stands still. What commanded the peer before the bridge started is not known, so a topic that has not
-spoken since then is silent as well.
+A topic is silent if no message has passed on to the peer for a while, whatever the cause: the publisher hangs, was
+killed or has left; its messages cannot be converted; or the thread that receives them is blocked. At start the topic
+counts as silent, because nobody knows which command the peer got before.
+
+Times are arguments, in seconds of a monotonic clock.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ import threading
 
 
 class Watchdog:
-    """Watches one topic. May be called from several threads."""
+    """Watchdog of one topic. Safe to call from several threads."""
 
     def __init__(self, after_s: float, repeat_s: float, now: float) -> None:
-        """The topic may be silent for ``after_s``; then the stop is due, and again every ``repeat_s``."""
+        """Let the stop be due after ``after_s`` of silence, and again every ``repeat_s``."""
         self._after_s, self._repeat_s = after_s, repeat_s
         self._due = now + after_s
         self._silent = True
@@ -24,27 +25,31 @@ class Watchdog:
 
     @property
     def silent(self) -> bool:
-        """Whether the topic has said nothing since the last stop, or since the start."""
+        """True if no message has passed since the last stop, or since the start."""
         return self._silent
 
     @property
     def next_due(self) -> float:
-        """When `is_due` is true next, if the topic says nothing until then."""
+        """Time at which `is_due` becomes true if no message passes before."""
         return self._due
 
-    def spoke(self, now: float) -> None:
-        """A message of the topic passes on to the peer."""
+    def message_passed(self, now: float) -> None:
+        """Note that a message has passed on to the peer."""
         with self._lock:
             self._silent, self._due = False, now + self._after_s
 
     def lost_publisher(self) -> None:
-        """Nobody publishes on the topic any more: the stop is due at once, unless the peer was told already."""
+        """Make the stop due now, because the topic's last publisher has left.
+
+        Nothing changes if a stop was sent already.
+        """
         with self._lock:
+            # While the topic is silent, the stop has been sent already and is repeated anyway.
             if not self._silent:
                 self._due = -math.inf
 
     def is_due(self, now: float) -> bool:
-        """Whether the stop has to be sent now; whoever is told so sends it."""
+        """Return true if the stop must be sent now; the caller then has to send it."""
         with self._lock:
             if now < self._due:
                 return False

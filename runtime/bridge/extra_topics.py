@@ -1,4 +1,4 @@
-"""The rows' further topics: what each gets of a batch is published, and what it does not get is counted."""
+"""Extra topics of rows: publish each batch and count the messages that a topic did not get."""
 
 from __future__ import annotations
 
@@ -12,30 +12,31 @@ from roverlink.runtime.interfaces import Time
 
 
 def now() -> Time:
-    """The time of day, for what is received at this moment."""
+    """Return the wall-clock time as the receive stamp of the current batch."""
     return Time(*divmod(time.time_ns(), 1_000_000_000))
 
 
-class Feeding:
-    """Publishes to the further topics that were opened."""
+class ExtraTopics:
+    """Publishers of all extra topics."""
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:
         self._account, self._warnings = account, warnings
         self._publish: dict[AnyFeed, Callable[[Sequence[bytes]], int]] = {}
 
     def open(self, feed: AnyFeed, publish: Callable[[Sequence[bytes]], int]) -> None:
-        """Publish what a feed makes by a function that says how many it took."""
+        """Add an extra topic; ``publish`` returns how many messages it accepted."""
         self._publish[feed] = publish
 
     def publish(self, fed: Iterable[tuple[AnyFeed, Serialized]]) -> None:
-        """Publish a batch, each topic's messages in one run."""
+        """Publish a batch, with one publish call per topic."""
+        # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
         for feed, (messages, misfits) in fed:
             for error in misfits.values():
                 self._missed(feed, 1, str(error))
             accepted = self._publish[feed](messages) if messages else 0
             self._account.fed[feed.route.topic] += accepted
             if accepted < len(messages):
-                self._missed(feed, len(messages) - accepted, f"{feed.route.topic}: its subscribers are too slow")
+                self._missed(feed, len(messages) - accepted, f"{feed.route.topic}: a subscriber is too slow")
 
     def _missed(self, feed: AnyFeed, count: int, why: str) -> None:
         self._account.unfed[feed.route.topic] += count

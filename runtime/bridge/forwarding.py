@@ -1,4 +1,4 @@
-"""Raw datagrams of peers, handed on to other peers as they are."""
+"""Forwarding of raw datagrams from peers to other peers (table key ``forward``)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Forwarding:
-    """Sends datagrams on to the peers that their rows name, or to all peers. For one thread."""
+    """Forwards datagrams to the peers that their rows name, or to all peers. To be used from one thread."""
 
     def __init__(
         self,
@@ -21,7 +21,10 @@ class Forwarding:
         send: Callable[[Sequence[bytes], Destination], int],
         account: Account,
     ) -> None:
-        """``policy`` is ``mapping`` or ``all``; ``send`` returns how many datagrams went out."""
+        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
+
+        ``send`` returns how many datagrams went out.
+        """
         self._send, self._account = send, account
         self._to_all = tuple(destinations.values()) if policy == "all" else ()
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
@@ -30,7 +33,8 @@ class Forwarding:
                 self._rows[destinations[peer]].add(handler.route.name)
 
     def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
-        """Send datagrams on whose payloads have these names; None where a payload was refused."""
+        """Forward datagrams; ``names`` are their payloads, None for a refused one."""
+        # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
         for destination, rows in self._rows.items():
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
         for destination in self._to_all:

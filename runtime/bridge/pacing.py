@@ -1,6 +1,6 @@
-"""A limit of rate under which the newest wins: what comes too early waits, and only the newest waits.
+"""Rate limit that keeps the newest value: a value that comes too early waits, and a newer one replaces it.
 
-Times are arguments, in seconds of a clock that never goes back.
+Times are arguments, in seconds of a monotonic clock.
 """
 
 from __future__ import annotations
@@ -12,35 +12,36 @@ T = TypeVar("T")
 
 
 class Pacer(Generic[T]):
-    """Lets at most so many things a second pass on. May be called from several threads."""
+    """Limits values to a rate. Safe to call from several threads."""
 
     def __init__(self, rate: float) -> None:
-        """``rate`` is the number of things a second."""
+        """Allow ``rate`` values a second."""
         self._interval = 1 / rate
         self._slot = 0.0
         self._waiting: T | None = None
         self._lock = threading.Lock()
         self.superseded = 0
-        """Things that a newer one took the place of."""
+        """Number of values that a newer one has replaced."""
 
     @property
     def next_slot(self) -> float | None:
-        """When what waits may pass on; None where nothing waits."""
+        """Time at which the waiting value may pass; None if no value waits."""
         return self._slot if self._waiting is not None else None
 
     def offer(self, thing: T, now: float) -> bool:
-        """Whether a thing may pass on at once. If not, it waits for `take`, in the place of what has waited."""
+        """Return true if a value may pass now; otherwise keep it for `take`, in place of the one that waited."""
         with self._lock:
             if self._waiting is not None:
                 self.superseded += 1
             if now < self._slot:
                 self._waiting = thing
                 return False
+            # From now and not from the last slot: after a pause, a burst must not catch up.
             self._waiting, self._slot = None, now + self._interval
             return True
 
     def take(self, now: float) -> T | None:
-        """What has waited long enough; None where nothing has."""
+        """Return the waiting value if its time has come, else None."""
         with self._lock:
             if now < self._slot or self._waiting is None:
                 return None
@@ -49,7 +50,7 @@ class Pacer(Generic[T]):
             return thing
 
     def withdraw(self) -> T | None:
-        """What waits, which then waits no more; None where nothing does."""
+        """Remove and return the waiting value; None if there is none."""
         with self._lock:
             thing, self._waiting = self._waiting, None
             return thing

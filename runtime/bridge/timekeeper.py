@@ -1,8 +1,10 @@
-"""The thread that looks after what has a time: messages that wait for theirs, and topics that have fallen silent.
+"""Thread that runs timed tasks: messages that wait for their slot, and watchdogs of topics.
 
-It is a thread of its own so that a thread that stands still, in the middleware or in the network, counts as silent too.
-It goes by CLOCK_MONOTONIC, which nobody sets, and waits in poll(2), whose timeout does too: a wait for a lock does not
-(before Python 3.11), and would last for an hour where the clock is set back by one.
+It is a thread of its own so that a blocked middleware or network thread still counts as silence.
+
+It uses CLOCK_MONOTONIC, which is never set, and waits in poll(2), whose timeout uses that clock too. Before Python
+3.11, waiting for a lock with a timeout uses the wall clock (bpo-41710): if somebody set the clock back by an hour, it
+would wait for an hour.
 """
 
 from __future__ import annotations
@@ -17,39 +19,40 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 _LOOK_S = 0.1
-"""How often it looks up without being asked to: whether publishers have gone, say."""
-_WAKES = 4096  # bytes; one is sent each time it is woken
+"""Longest sleep between two rounds; it bounds how late a lost publisher is noticed."""
+_WAKES = 4096  # bytes read at once; each call of `wake` writes one
 
 
-class Tended(Protocol):
-    """Something that has a time."""
+class TimedTask(Protocol):
+    """A task that has to run at certain times."""
 
-    def tend(self, now: float) -> None:
-        """Do what is due. Never waits for anybody."""
+    def run_due(self, now: float) -> None:
+        """Run whatever is due. Must never block."""
 
     @property
     def next_due(self) -> float:
-        """When something is due next, in seconds of the monotonic clock; infinity for nothing."""
+        """Time of the next run in seconds of the monotonic clock; infinity for none."""
 
 
 class Timekeeper:
-    """Tends what it is given. A context manager; of nothing it makes no thread."""
+    """Runs timed tasks on one thread. A context manager; it starts no thread if there are no tasks."""
 
-    def __init__(self, name: str, tended: Sequence[Tended], fail: Callable[[BaseException], None]) -> None:
-        """``name`` is the thread's; ``fail`` is told what ended the thread before it was asked to end."""
-        self._tended, self._fail = tended, fail
+    def __init__(self, name: str, tasks: Sequence[TimedTask], fail: Callable[[BaseException], None]) -> None:
+        """Name the thread; ``fail`` is called with the error if the thread dies."""
+        self._tasks, self._fail = tasks, fail
         self._wake, self._woken = socket.socketpair()
+        # `wake` must never block its caller.
         self._wake.setblocking(False)
         self._stopping = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def wake(self) -> None:
-        """Something is due earlier than it was."""
-        with contextlib.suppress(OSError):  # it was told so often that no more fits, or it has ended
+        """Make the thread compute its next wake-up time again, because a task is due earlier."""
+        with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 
     def __enter__(self) -> Timekeeper:
-        if self._tended:
+        if self._tasks:
             self._thread.start()
         return self
 
@@ -67,11 +70,11 @@ class Timekeeper:
         try:
             while not self._stopping:
                 now = time.monotonic()
-                for one in self._tended:
-                    one.tend(now)
-                due = min(one.next_due for one in self._tended)
+                for one in self._tasks:
+                    one.run_due(now)
+                due = min(one.next_due for one in self._tasks)
                 wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
                 if poll.poll(math.ceil(wait_s * 1000)):  # in milliseconds
                     self._woken.recv(_WAKES)
-        except BaseException as failure:  # noqa: BLE001  # handed to whoever waits for the bridge
+        except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it
             self._fail(failure)

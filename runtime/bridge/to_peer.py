@@ -1,7 +1,8 @@
-"""One row's way from its topic to its peer: translated, at its rate, watched, sent and counted.
+"""One row from its topic to its peer: translate, limit the rate, watch for silence, send and count.
 
-`take` is called by the middleware's thread, `tend` by the timekeeper's. The lock keeps what is sent in order; `tend`
-never waits for it, since the other thread may stand still while it holds it, and that is when the stop has to go out.
+The middleware's thread calls `take`, the timekeeper's thread calls `run_due`. A lock keeps datagrams in order.
+`run_due` only tries to get the lock: the other thread may be blocked while it holds it, and exactly then the stop
+has to go out.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Subscription
 from roverlink.runtime.text.assignments import payload_from_assignments
 
-_FAREWELLS = 3
-"""How often a peer is told to stop at the end: nobody will repeat it, and a datagram may be lost."""
-_FAREWELL_PAUSE_S = 0.02
+_STOP_COPIES = 3
+"""Number of stop datagrams at shutdown: nobody repeats them afterwards, and UDP may lose one."""
+_STOP_PAUSE_S = 0.02
 
 Send = Callable[[Sequence[bytes]], int]
-"""Sends datagrams to the row's peer; returns how many the network took."""
+"""Function that sends datagrams to the row's peer and returns how many the network took."""
 
 
-class Outlet:
-    """Takes the messages of one topic and sends them to a peer."""
+class OutboundRow:
+    """Sends the messages of one topic to its peer."""
 
     def __init__(
         self, handler: AnyHandler, translator: Translator, send: Send, account: Account, warnings: ThrottledWarnings
@@ -47,17 +48,17 @@ class Outlet:
         self._wake: Callable[[], None] = lambda: None
 
     @property
-    def is_tended(self) -> bool:
-        """Whether a timekeeper has to look after it."""
+    def is_timed(self) -> bool:
+        """True if a timekeeper has to run this row."""
         return self._pacer is not None or self._guard is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
-        """Know whom to wake when something is due earlier; gives what looks after the publishers of a guarded topic."""
+        """Set the function that wakes the timekeeper; return the publishers' watch if the topic has a watchdog."""
         self._wake = wake
         return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Send what the topic says; at a limited rate, the newest of it."""
+        """Send messages of the topic; with a rate limit, only the newest."""
         with self._lock:
             self._account.taken[self._name] += len(messages)
             if self._pacer is not None:
@@ -65,8 +66,8 @@ class Outlet:
             if messages:
                 self._pass_on(messages)
 
-    def tend(self, now: float) -> None:
-        """Send what has waited for its time; tell the peer to stop where the topic has fallen silent."""
+    def run_due(self, now: float) -> None:
+        """Send the stop if the topic is silent; otherwise send the message whose slot has come."""
         if self._guard and self._guard.is_due(now):
             self._tell_to_stop(self._guard.stop)
         elif self._pacer is not None and self._lock.acquire(blocking=False):
@@ -78,25 +79,26 @@ class Outlet:
 
     @property
     def next_due(self) -> float:
-        """When `tend` has something to do, if nothing happens until then."""
+        """Time at which `run_due` is due if nothing happens before."""
         slot = self._pacer.next_slot if self._pacer else None
         stop = self._guard.watchdog.next_due if self._guard else math.inf
         return stop if slot is None else min(slot, stop)
 
     def end(self) -> None:
-        """The topic says nothing more: send what waits, or tell the peer to stop."""
+        """Finish after the last message of the topic: send the waiting message, or the stop if there is a watchdog."""
         message = self._pacer.withdraw() if self._pacer else None
         if self._guard is None:
             if message is not None:
                 self._pass_on([message])
             return
+        # A command that waits must not go out: the stop has to be the last word.
         self._account.superseded[self._name] += message is not None
-        for _ in range(_FAREWELLS):
+        for _ in range(_STOP_COPIES):
             self._account.stops[self._name] += self._send([self._guard.stop])
-            time.sleep(_FAREWELL_PAUSE_S)
+            time.sleep(_STOP_PAUSE_S)
 
     def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
-        """The newest message, if its time has come; the others are superseded."""
+        """Return the newest message if its slot has come, else nothing; the others count as superseded."""
         before = pacer.superseded
         passes = pacer.offer(messages[-1], time.monotonic())
         self._account.superseded[self._name] += len(messages) - 1 + pacer.superseded - before
@@ -114,33 +116,36 @@ class Outlet:
                 self._account.refused[self._name] += 1
                 self._warnings.warn(self._name, f"not sent: {error}")
         sent = self._send(datagrams)
+        # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
             self._account.sent[self._name] += sent
             if self._guard:
-                self._guard.watchdog.spoke(time.monotonic())
+                self._guard.watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
             self._account.failed[self._name] += failed
 
     def _tell_to_stop(self, stop: bytes) -> None:
-        """Send the stop, and nothing older behind it."""
+        """Send the stop and discard the waiting message, so that no older command follows the stop."""
         if self._pacer is not None and self._lock.acquire(blocking=False):
             self._account.superseded[self._name] += self._pacer.withdraw() is not None
             self._lock.release()
         self._account.stops[self._name] += self._send([stop])
 
     def _warn_of_silence(self) -> None:
-        self._warnings.warn(f"silent {self._name}", f"{self._name}: the topic is silent; its peer is told to stop")
+        self._warnings.warn(
+            f"silent {self._name}", f"{self._name}: the topic is silent; the bridge sends the stop to the peer"
+        )
 
 
 class _Guard:
-    """Watches one topic, and knows what stops its peer."""
+    """Watchdog of a topic together with the datagram that stops its peer."""
 
     def __init__(self, deadman: Deadman, stop: bytes, warn: Callable[[], None]) -> None:
         self.stop, self._warn = stop, warn
         self.watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
 
     def is_due(self, now: float) -> bool:
-        """Whether the peer has to be told to stop now."""
+        """Return true if the stop must be sent now; warn when a silence begins."""
         was_silent = self.watchdog.silent
         if not self.watchdog.is_due(now):
             return False
@@ -150,9 +155,10 @@ class _Guard:
 
 
 class PublisherWatch:
-    """Tells a watchdog when the last publisher of its topic has gone.
+    """Reports to a watchdog when the last publisher of its topic leaves.
 
-    Asking the middleware may wait for a thread of its own that stands still, so whoever sends the stop does not ask.
+    It runs on its own thread, because asking the middleware for publishers can block on a middleware thread that hangs,
+    and the thread that sends the stop must not wait.
     """
 
     next_due = math.inf
@@ -161,8 +167,8 @@ class PublisherWatch:
         self._subscription, self._watchdog, self._wake = subscription, watchdog, wake
         self._published = False
 
-    def tend(self, _: float) -> None:
-        """Look who publishes."""
+    def run_due(self, _: float) -> None:
+        """Compare the publishers with those of the last call."""
         published = self._subscription.has_publishers()
         if self._published and not published:
             self._watchdog.lost_publisher()
@@ -171,5 +177,5 @@ class PublisherWatch:
 
 
 def _stop_of(handler: AnyHandler, deadman: Deadman, translator: Translator) -> bytes:
-    """The datagram that stops a peer."""
+    """Return the datagram that stops a peer."""
     return translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))

@@ -1,4 +1,4 @@
-"""One row's way from its peer to its topic: at its rate, published and counted."""
+"""One row from its peer to its topic: limit the rate, publish and count."""
 
 from __future__ import annotations
 
@@ -16,23 +16,26 @@ from roverlink.runtime.middleware import Publisher
 Drop = Callable[[DatagramError], None]
 
 
-class Inlet:
-    """Publishes the messages of one row. For the receiving thread."""
+class InboundRow:
+    """Publishes the messages of one row. To be used from the receiving thread."""
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop) -> None:
         self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Publish messages, in order."""
+        """Publish messages in order; count those that the middleware did not accept as dropped."""
         accepted = self._publish(messages)
         self._account.published[self._route.name] += accepted
         for _ in messages[accepted:]:
             what = f"{self._route.name} ({self._route.number})"
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: its subscribers are too slow", self._route.name))
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: a subscriber is too slow", self._route.name))
 
 
-class PacedInlet(Inlet):
-    """Publishes at a limited rate, and the newest wins. For the receiving thread and the timekeeper's."""
+class PacedInboundRow(InboundRow):
+    """Publishes at most ``rate`` messages a second; a newer message replaces the waiting one.
+
+    Used from the receiving thread and the timekeeper's.
+    """
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
         super().__init__(route, publisher, account, drop)
@@ -41,7 +44,7 @@ class PacedInlet(Inlet):
         self.wake: Callable[[], None] = lambda: None
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Publish the newest message, or let it wait; the others are superseded."""
+        """Publish the newest message now or when its slot comes; the others count as superseded."""
         with self._lock:
             before = self._pacer.superseded
             passes = self._pacer.offer(messages[-1], time.monotonic())
@@ -49,11 +52,13 @@ class PacedInlet(Inlet):
             self._account.dropped[Reason.SUPERSEDED.value] += superseded
             if passes:
                 super().take(messages[-1:])
+        # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
         if not passes:
             self.wake()
 
-    def tend(self, now: float) -> None:
-        """Publish what has waited for its time."""
+    def run_due(self, now: float) -> None:
+        """Publish the waiting message if its slot has come."""
+        # If the receiving thread holds the lock, it is publishing right now; the next round looks again.
         if self._lock.acquire(blocking=False):
             try:
                 if (message := self._pacer.take(now)) is not None:
@@ -63,11 +68,11 @@ class PacedInlet(Inlet):
 
     @property
     def next_due(self) -> float:
-        """When `tend` has something to do."""
+        """Time at which the waiting message may be published; infinity if none waits."""
         slot = self._pacer.next_slot
         return math.inf if slot is None else slot
 
     def end(self) -> None:
-        """Nothing more arrives: publish what waits."""
+        """Publish the waiting message, because no more datagrams arrive."""
         if (message := self._pacer.withdraw()) is not None:
             super().take([message])

@@ -1,4 +1,7 @@
-"""A google.protobuf.Any that holds one of the messages that the table lists."""
+"""Conversion of a google.protobuf.Any that holds one of the message types listed in the table.
+
+``place`` is the dotted path of the field, for errors.
+"""
 
 from __future__ import annotations
 
@@ -16,36 +19,39 @@ P = TypeVar("P", bound="ProtoMessage")
 
 
 def holds(payload: Any, type: type[ProtoMessage]) -> bool:
-    """Whether an Any says that it holds a message of the type."""
+    """Return true if the type URL of an Any names this message type.
+
+    As protobuf does, it compares only the name after the last slash.
+    """
     _, slash, name = payload.type_url.rpartition("/")
     return bool(slash) and name == type.DESCRIPTOR.full_name
 
 
 def unpacked(payload: Any, type: type[P], place: str) -> P:
-    """The message that an Any holds, which is of the type.
-
-    Raises `ConversionError`, which starts with ``place``, where its bytes are none.
-    """
+    """Parse the message in an Any. Raises `ConversionError` if its bytes are not a message of the type."""
     try:
         return type.FromString(payload.value)
     except DecodeError as error:
-        raise ConversionError(f"its {len(payload.value)} bytes are no {type.DESCRIPTOR.full_name}", place) from error
+        raise ConversionError(
+            f"its {len(payload.value)} bytes are not a valid {type.DESCRIPTOR.full_name}", place
+        ) from error
 
 
 def packed(message: ProtoMessage) -> Any:
-    """An Any that holds a message; the same message gives the same bytes."""
+    """Pack a message into an Any. Serialization is deterministic: equal messages give equal bytes."""
     payload = Any()
+    # Without it, map entries come in random order, and recordings of equal messages would differ.
     payload.Pack(message, deterministic=True)
     return payload
 
 
 def check_empty(payload: Any, place: str) -> None:
-    """Raise `ConversionError` where an Any holds something: none of what a ROS 2 message has a field for."""
+    """Raise `ConversionError` if an Any holds a message for which the ROS 2 message has no field."""
     if payload.type_url or payload.value:
         raise ConversionError(f"it holds {payload.type_url!r}, for which the ROS 2 message has no field", place)
 
 
 def check_none(which: int, place: str) -> None:
-    """Raise `ConversionError` where a number says that something is held: none of what the table lists."""
+    """Raise `ConversionError` if ``which`` is a number that stands for no message of the table."""
     if which:
-        raise ConversionError(f"{which} stands for none of the messages that it may hold", f"{place}.which")
+        raise ConversionError(f"{which} is not the number of a message that this field may hold", f"{place}.which")

@@ -1,4 +1,4 @@
-"""Fields of payloads that are named by keywords of Python."""
+"""Proto fields whose names are Python keywords."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ from typing import Any
 
 
 def keywords(fields: dict[str, Any]) -> dict[str, Any]:
-    """Fields as keyword arguments, whatever their names and their types."""
+    """Return a dict typed so that it can be passed as keyword arguments of any type: ``Payload(**keywords({...}))``."""
     return fields

@@ -1,4 +1,4 @@
-"""Maps, which are sequences of entries in ROS 2."""
+"""Protobuf maps, which are sequences of entries in ROS 2."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ V = TypeVar("V")
 
 
 def mapping(entries: Iterable[tuple[K, V]], field: str) -> dict[K, V]:
-    """The map that has the entries. Raises `ConversionError` where a key stands twice: a map would lose the first."""
+    """Build a map from its entries. Raises `ConversionError` if a key occurs twice: a map would lose one entry."""
     made: dict[K, V] = {}
     for key, value in entries:
         if key in made:
-            raise ConversionError(f"the key {key!r} stands twice", field)
+            raise ConversionError(f"the key {key!r} occurs twice", field)
         made[key] = value
     return made

@@ -1,6 +1,6 @@
-"""Oneofs: which member is set, as a number of the ROS 2 message and as a name of the payload.
+"""Protobuf oneofs: convert between the member that is set and the constant in the ROS 2 message.
 
-``members`` maps the name of each member that the ROS message has to its number there; 0 stands for none of them.
+``members`` maps each member's name to its constant in the ROS 2 message; 0 means that no member is set.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
 
 
 def number(payload: ProtoMessage, oneof: str, members: Mapping[str, int]) -> int:
-    """The number of the member that is set."""
+    """Return the constant of the member that is set; 0 if none is set."""
     name = payload.WhichOneof(oneof)
     return 0 if name is None else members.get(name, 0)
 
 
 def member(number: int, members: Mapping[str, int], field: str) -> str | None:
-    """The name of the member that a number says is set.
+    """Return the member's name for a constant, None for 0.
 
-    Raises `ConversionError`, with the field that holds the number, where it stands for none.
+    Raises `ConversionError` for ``field`` if the constant is unknown.
     """
     for name, known in members.items():
         if known == number:
             return name
     if number:
         others = "".join(f", {known} ({name})" for name, known in members.items())
-        raise ConversionError(f"{number} stands for no member; there are 0 (none){others}", field)
+        raise ConversionError(f"{number} is not the number of a member (known: 0 (none){others})", field)
     return None

@@ -1,4 +1,4 @@
-"""Quaternions and angles: about the fixed axes x, y and z in this order, in radians, as REP-103 has them."""
+"""Quaternions and Euler angles in radians: roll, pitch, yaw about the fixed axes x, y, z, in this order (REP 103)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol
 
 
 class Quaternion(Protocol):
-    """What has the four parts of a quaternion."""
+    """An object with the four components of a quaternion."""
 
     x: float
     y: float
@@ -16,7 +16,7 @@ class Quaternion(Protocol):
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """The parts x, y, z and w of a rotation."""
+    """Return the components x, y, z, w of the rotation."""
     sin_roll, cos_roll = sin(roll * 0.5), cos(roll * 0.5)
     sin_pitch, cos_pitch = sin(pitch * 0.5), cos(pitch * 0.5)
     sin_yaw, cos_yaw = sin(yaw * 0.5), cos(yaw * 0.5)
@@ -31,12 +31,14 @@ def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, flo
 
 
 def angles(rotation: Quaternion) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a rotation; straight up or down, where roll and yaw are one turn, it is all yaw.
+    """Return roll, pitch and yaw of a rotation.
 
-    A quaternion of any length but zero is taken for the one of length 1; of zero, as a new message of some ROS has
-    it, every angle is zero.
+    At a pitch of +-90 degrees only the sum or difference of roll and yaw is defined (gimbal lock): roll is 0 there, and
+    yaw takes all. A quaternion of any length but zero is normalized. For a zero quaternion, the default of a new
+    message in some ROS libraries, every angle is 0.
     """
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
+    # The formulas divide by the squared length instead of normalizing first, which avoids a square root.
     square = x * x + y * y + z * z + w * w
     if not square:
         return 0.0, 0.0, 0.0
@@ -48,4 +50,4 @@ def angles(rotation: Quaternion) -> tuple[float, float, float]:
 
 
 _STRAIGHT = 1 - 1e-15
-"""A sine of the pitch at which the other two angles cannot be told apart."""
+"""Sine of the pitch from which roll and yaw cannot be told apart in double precision."""

@@ -1,1 +1,1 @@
-"""Datagram bytes to envelope, handler and message, and back: no sockets, no clock, no ROS."""
+"""Protocol core: datagram to envelope, handler and ROS 2 message, and back. No sockets, no clock, no ROS."""

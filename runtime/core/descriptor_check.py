@@ -1,7 +1,7 @@
-"""Does what is loaded agree with what the code was generated from? Called by ``generated/checks.py`` at start.
+"""Check at start that the loaded protobuf descriptors are those from which the code was generated.
 
-Two copies of one .proto tree at two commits, both importable, are enough to make a program read bytes with numbers
-that its code does not mean; nothing else would notice.
+``generated/checks.py`` calls it. If two copies of one .proto tree at different commits are importable, a program can
+load the wrong one and then read fields by the wrong numbers; no other check would notice.
 """
 
 from __future__ import annotations
@@ -37,13 +37,14 @@ def check_descriptors(messages: Mapping[str, Fields], enums: Mapping[str, Values
     Raises `RegistryError` with a list of the differences.
     """
     pool = descriptor_pool.Default()
+    # All differences are listed, since one of them alone rarely shows which copy of the protos was loaded.
     differences = [
         *_differences(messages, lambda name: describe(pool.FindMessageTypeByName(name))),
         *_differences(enums, lambda name: describe_enum(pool.FindEnumTypeByName(name))),
     ]
     if differences:
         raise RegistryError(
-            "the protobuf modules that are loaded are not those from which this code was generated:\n  "
+            "the loaded protobuf modules are not those from which this code was generated:\n  "
             + "\n  ".join(differences)
             + "\nrun `roverlink generate`, and look for a second copy of the modules on the import path"
         )
@@ -54,13 +55,17 @@ def _differences(generated: Mapping[str, Parts], load: Callable[[str], Parts]) -
         try:
             loaded = load(name)
         except KeyError:
-            yield f"{name}: not loaded at all"
+            yield f"{name}: not loaded"
             continue
         yield from (
-            f"{name}: {_shown(part)} was generated, but is not loaded" for part in expected if part not in loaded
+            f"{name}: the generated code has {_shown(part)}, the loaded module does not"
+            for part in expected
+            if part not in loaded
         )
         yield from (
-            f"{name}: {_shown(part)} is loaded, but was not generated" for part in loaded if part not in expected
+            f"{name}: the loaded module has {_shown(part)}, the generated code does not"
+            for part in loaded
+            if part not in expected
         )
 
 
@@ -86,5 +91,5 @@ def _describe_field(field: FieldDescriptor) -> tuple[int, str, str]:
 
 
 def scalar_name(field: FieldDescriptor) -> str:
-    """The type of a scalar field, as a .proto spells it."""
+    """Return the type of a scalar field as a .proto file spells it."""
     return _SCALARS[field.type]

@@ -1,4 +1,4 @@
-"""Errors, typed by whose fault they are: ours at start, the peer's at run time, or a value's."""
+"""Exceptions by cause: our own setup, a datagram of a peer, or a value that does not fit."""
 
 from __future__ import annotations
 
@@ -6,29 +6,31 @@ import difflib
 from collections.abc import Iterable
 from enum import Enum
 
-_NAMED = 30  # choices that an error lists
+_NAMED = 30  # most names that an error lists
 
 
 class RoverlinkError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base class of all exceptions that this package raises on purpose."""
 
 
 class RegistryError(RoverlinkError):
-    """The generated code, the loaded descriptors and the table do not belong together. Fatal at start."""
+    """Generated code, loaded descriptors and table that do not match. Fatal at start."""
 
 
 class SetupError(RoverlinkError):
-    """The bridge cannot start: a port in use, a name that does not resolve, a wrong parameter."""
+    """A bridge that cannot start: a port in use, a name that does not resolve, a wrong parameter."""
 
 
 class MiddlewareError(RoverlinkError):
-    """A ROS 2 middleware that was asked for is not there, or refuses what is asked of it."""
+    """A ROS 2 middleware that is not installed, or that reports an error."""
 
 
 class ConversionError(RoverlinkError):
-    """A value does not fit the type it is converted to. Nothing is ever clamped in silence.
+    """A value that does not fit its target type.
 
-    ``field`` is the dotted path of the field in the message, empty where it is not known.
+    Values are never clamped silently.
+
+    ``field`` is the dotted path of the field in the message; empty if unknown.
     """
 
     def __init__(self, message: str, field: str = "") -> None:
@@ -37,7 +39,7 @@ class ConversionError(RoverlinkError):
 
 
 class Reason(str, Enum):
-    """Why a datagram was not bridged; the counters are kept by these."""
+    """Reason why a datagram was not bridged; counters are kept by reason."""
 
     EMPTY = "empty"
     OVERSIZED = "oversized"
@@ -54,19 +56,19 @@ class Reason(str, Enum):
 
 
 class DatagramError(RoverlinkError):
-    """A datagram that cannot be bridged: the peer's fault. It is counted by reason and the loop goes on."""
+    """A datagram that cannot be bridged because of its content or sender. It is counted, and the bridge goes on."""
 
     def __init__(self, reason: Reason, message: str, row: str = "") -> None:
-        """``row`` is the name of the payload, where it is known."""
+        """Name the payload in ``row`` if it is known."""
         super().__init__(message)
         self.reason, self.row = reason, row
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """``did you mean ...?`` with the known word nearest to one that is not; else all that are known."""
+    """Return ``did you mean ...?`` with the nearest known word, or else the list of known words."""
     choices = list(known)
     found = difflib.get_close_matches(word, choices, 1)
     if found:
         return f"did you mean {found[0]}?"
     more = len(choices) - _NAMED
-    return f"there are {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"
+    return f"known: {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"

@@ -1,7 +1,6 @@
-"""What the generated feeds derive from: handlers whose ROS 2 message is one of the common interfaces.
+"""Base class of generated feeds: conversions to and from standard ROS 2 messages on extra topics (table key ``also``).
 
-A feed takes a time beside the payload: that at which the bridge took the datagram from the socket, for the header of
-the message. It has no clock of its own.
+A feed takes a receive time beside the payload, for the message's header. It has no clock of its own.
 """
 
 from __future__ import annotations
@@ -22,29 +21,30 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 _TOO_LARGE = 2.0**128 - 2.0**103
-"""From here on, a number is nearer to what no float of 32 bits holds than to the largest one."""
+"""Smallest number that rounds to infinity in float32: halfway between the largest float32 and 2**128."""
 
 
 class Feed(Handler[P, M]):
-    """A conversion between a payload and a standard message, with a topic of its own."""
+    """Conversion between a payload and a standard message on an extra topic."""
 
     @staticmethod
     @abstractmethod
     def to_ros(payload: P, stamp: Time = UNSTAMPED) -> M:
-        """The message that says what the payload says."""
+        """Convert a payload to the standard message; ``stamp`` goes into its header."""
 
     def pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """The serialized message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
+        """Serialize the message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
 
-        Feeds whose varying fields have a fixed size override this with one `struct` call. It may raise what those
-        raise; use `to_cdr` for an error that names the field.
+        Feeds whose varying fields have a fixed size override this with one `struct` call. It may raise any of
+        `MISFITS`; use `to_cdr` for an error that names the field.
         """
         return cdr.encode(self.to_ros(payload, stamp))
 
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """The serialized message of a payload; `ConversionError` names row, topic and what does not fit."""
+        """Serialize the message of a payload. Raises `ConversionError` that names row, topic and field."""
         try:
             return self.pack(payload, stamp)
+        # The fast path gives no field name. Repeat on the slow path, which does; this happens only for errors.
         except MISFITS:
             pass
         try:
@@ -60,27 +60,30 @@ class Feed(Handler[P, M]):
 
 
 class Counterparts(dict[K, V]):
-    """What each value becomes; a value without a counterpart is a `ConversionError`."""
+    """Map from values of one side to those of the other; a missing value raises `ConversionError`."""
 
     def __init__(self, field: str, values: Mapping[K, V]) -> None:
         super().__init__(values)
         self._field = field
 
     def __missing__(self, key: K) -> V:
-        raise ConversionError(f"{key!r} has no counterpart", self._field)
+        raise ConversionError(f"{key!r} is not among the values that the table lists for it", self._field)
 
     def back(self, field: str) -> Counterparts[V, K]:
-        """The other way round; ``field`` is where its values are from."""
+        """Return the inverse map; ``field`` is the field that its keys come from."""
         return Counterparts(field, {value: key for key, value in self.items()})
 
 
 def nanoseconds(time: Time | Duration) -> int:
-    """A time as one number."""
+    """Return a time or duration in nanoseconds."""
     return time.sec * 1_000_000_000 + time.nanosec
 
 
 def single(value: float) -> float:
-    """A number for a `float` of protobuf's, which would take one that is too large for infinite."""
+    """Check that a number fits protobuf's `float`, which would silently store one that is too large as infinity.
+
+    Raises `ConversionError`.
+    """
     if abs(value) >= _TOO_LARGE and not math.isinf(value):
-        raise ConversionError(f"{value!r} does not fit a float of 32 bits")
+        raise ConversionError(f"{value!r} is too large for float32")
     return value

@@ -1,6 +1,6 @@
-"""What the generated handlers derive from: a route of the table, and the conversion both ways.
+"""Base class of generated handlers: one row of the table and its conversion in both directions.
 
-A handler owns no socket and no node: it turns a protobuf payload into a ROS 2 message and back, as values or as
+A handler owns no socket and no node. It converts a protobuf payload to a ROS 2 message and back, as objects or as
 serialized bytes.
 """
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 UNSTAMPED = Time()
-"""The time of a payload that came from nowhere."""
+"""Time zero: the receive time of a payload that was not received from a peer."""
 
 MISFITS = (struct.error, ConversionError, ValueError, TypeError, OverflowError)
-"""What converting and packing a value that does not fit may raise."""
+"""Exceptions that converting or packing a value may raise if it does not fit."""
 
 P = TypeVar("P", bound="ProtoMessage")
 M = TypeVar("M", bound=Message)
@@ -32,7 +32,7 @@ M = TypeVar("M", bound=Message)
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """The quality of service of a topic; the defaults are rclcpp's."""
+    """Quality of service of a topic; the defaults are those of rclcpp."""
 
     reliability: str = "reliable"
     durability: str = "volatile"
@@ -42,61 +42,61 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class Deadman:
-    """What a peer is told when the topic that commands it falls silent."""
+    """Stop that a peer gets when the topic that commands it falls silent."""
 
     after_ms: int
-    """How long the topic may be silent."""
+    """Silence in milliseconds after which the stop is sent."""
     send: Mapping[str, Any]
-    """The payload that stops it: values by the dotted path of the proto field; the others are zero."""
+    """Payload of the stop: values by the dotted path of the proto field; all other fields are zero."""
     repeat_ms: int = 1000
-    """How often that is sent again while the topic is silent."""
+    """Interval in milliseconds at which the stop is repeated while the topic is silent."""
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """One row of the table: what travels under which number, between which peer and which topic."""
+    """One row of the table: number, payload, topic and direction, with the row's options."""
 
     number: int
-    """The field number in the envelope's oneof. Permanent."""
+    """Field number in the envelope's oneof. It never changes."""
     name: str
-    """The field's name in the envelope's oneof."""
+    """Field name in the envelope's oneof."""
     topic: str
-    """The ROS 2 topic, relative to the node's namespace unless it starts with a slash."""
+    """ROS 2 topic; relative to the node's namespace unless it starts with a slash."""
     direction: str
     """``<peer>_to_ros`` or ``ros_to_<peer>``."""
     qos: Qos = Qos()
     forward: tuple[str, ...] = ()
-    """Peers that also get the raw datagram."""
+    """Peers that also receive the raw datagram."""
     deadman: Deadman | None = None
     max_rate: int | None = None
-    """Most messages a second, of which the newest pass; None for any number."""
+    """Most messages a second; a newer message replaces a waiting one. None for no limit."""
     priority: int = 0
-    """Topics to peers are served by it, the largest first."""
+    """Priority of a topic to a peer; topics with larger numbers are served first."""
     expect_rate: int | None = None
-    """Messages a second that diagnostics expect at least; None for any number."""
+    """Messages a second that diagnostics expect at least; None for no expectation."""
 
     @property
     def inbound(self) -> bool:
-        """Whether the payload comes from a peer and goes to a topic."""
+        """True if the payload comes from a peer and goes to a topic."""
         return self.direction.endswith("_to_ros")
 
     @property
     def peer(self) -> str:
-        """The peer at the other end."""
+        """Peer at the other end."""
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
 
 class Serialized(NamedTuple):
-    """What became of several payloads."""
+    """Result of serializing several payloads."""
 
     messages: list[bytes]
-    """The serialized messages of those that fit, in order."""
+    """Serialized messages of the payloads that fit, in order."""
     misfits: Mapping[int, ConversionError]
-    """The others, by their places among the payloads."""
+    """Errors of the others, by the payload's index."""
 
 
 class Handler(ABC, Generic[P, M]):
-    """One row's conversion between its protobuf payload and its ROS 2 message."""
+    """Conversion of one row between its protobuf payload and its ROS 2 message."""
 
     route: ClassVar[Route]
     payload_type: type[P]
@@ -105,25 +105,27 @@ class Handler(ABC, Generic[P, M]):
     @staticmethod
     @abstractmethod
     def to_ros(payload: P) -> M:
-        """The ROS 2 message that says what the payload says."""
+        """Convert a payload to its ROS 2 message."""
 
     @staticmethod
     @abstractmethod
     def from_ros(message: M) -> P:
-        """The payload that says what the ROS 2 message says."""
+        """Convert a ROS 2 message to its payload."""
 
     def pack(self, payload: P) -> bytes:
-        """The serialized ROS 2 message of a payload: ``cdr.encode(to_ros(payload))``.
+        """Serialize the ROS 2 message of a payload: ``cdr.encode(to_ros(payload))``.
 
-        Generated handlers of messages of fixed size override this with one `struct` call, the bridge's hot path. It
-        may raise `struct.error`; use `to_cdr` for an error that names the field.
+        Generated handlers of fixed-size messages override this with one `struct` call, since the bridge does it for
+        every datagram. It may raise `struct.error`; use `to_cdr` for an error that names the field.
         """
         return cdr.encode(self.to_ros(payload))
 
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # feeds need it
-        """The serialized ROS 2 message of a payload; `ConversionError` names route and field that do not fit.
+        """Serialize the ROS 2 message of a payload.
 
-        ``stamp`` is when the payload was received, for messages that have a header.
+        Raises `ConversionError` that names row and field.
+
+        ``stamp`` is the receive time, for messages with a header.
         """
         try:
             return self.pack(payload)
@@ -131,7 +133,10 @@ class Handler(ABC, Generic[P, M]):
             return self._explained(payload)
 
     def all_to_cdr(self, payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
-        """As `to_cdr` of each of several payloads, at the price of `pack`; nothing is raised for those that misfit."""
+        """Serialize several payloads; collect the errors instead of raising them.
+
+        It costs no more than `pack` for each payload, unless one does not fit.
+        """
         try:
             return Serialized(self._pack_all(payloads, stamp), {})
         except MISFITS:
@@ -157,13 +162,14 @@ class Handler(ABC, Generic[P, M]):
             raise self._named(error) from error
 
     def from_cdr(self, data: bytes) -> P:
-        """The payload of a serialized ROS 2 message; `ConversionError` names route and what does not fit."""
+        """Parse a serialized ROS 2 message into a payload. Raises `ConversionError` that names row and field."""
         try:
             return self.from_ros(cdr.decode(self.message_type, data))
         except MISFITS as error:
             raise self._named(error) from error
 
     def _named(self, error: Exception) -> ConversionError:
-        """An error with the route before it, and before the field where it names one."""
+        """Prefix an error with the row's name, as part of the field's path if it has one."""
+        # "imu_info.accel_x: ..." for a field, "imu_info: ..." for an error of the whole message.
         names_field = isinstance(error, ConversionError) and error.field
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")

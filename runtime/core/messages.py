@@ -1,4 +1,4 @@
-"""ROS 2 messages as dataclasses whose annotations are the ROS types.
+"""ROS 2 messages as dataclasses whose annotations are ROS types.
 
 A message class is a dataclass that derives from `Message` and names its type in ``__msgtype__``::
 
@@ -9,8 +9,8 @@ A message class is a dataclass that derives from `Message` and names its type in
         x: UInt32 = 0
         corners: list[Float32] = dataclasses.field(default_factory=list)
 
-To a type checker ``x`` is an ``int``; to `fields_of`, and through it to the CDR codec and to the middlewares,
-it is a ``uint32``. ``uint8[]`` is ``bytes``, a nested message is its class, a bound or a length is an annotation
+A type checker sees ``x`` as an ``int``; `fields_of`, and through it the CDR codec and the middlewares, see a
+``uint32``. ``uint8[]`` is ``bytes``, a nested message is its class, and a bound or a length is an annotation
 (``Annotated[list[Float32], Bound(8)]``, ``Annotated[bytes, Length(4)]``).
 """
 
@@ -26,12 +26,12 @@ R = TypeVar("R")
 
 
 class Message:
-    """Base of every ROS 2 message class."""
+    """Base class of every ROS 2 message class."""
 
     __slots__ = ()
     __msgtype__: ClassVar[str]
     __typehash__: ClassVar[str] = ""
-    """By which ROS 2 from Iron on knows whether two nodes mean the same by the type; empty where it is not known."""
+    """Type hash (REP 2016, ``RIHS01_...``), which ROS 2 compares from Iron on; empty if unknown."""
 
 
 def how_to_install(message_type: type[Message]) -> str:
@@ -45,7 +45,7 @@ def how_to_install(message_type: type[Message]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """A ROS primitive of fixed size: its ROS name, its `struct` format character, its size in bytes."""
+    """ROS primitive of fixed size: its ROS name, `struct` format character, and size in bytes."""
 
     name: str
     format: str
@@ -54,14 +54,14 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """The largest number of elements of a sequence, or of characters of a string."""
+    """Largest number of elements of a sequence, or of bytes of a string."""
 
     count: int
 
 
 @dataclass(frozen=True, slots=True)
 class Length:
-    """The number of elements of a fixed-size array."""
+    """Number of elements of a fixed-size array."""
 
     count: int
 
@@ -87,21 +87,21 @@ PRIMITIVES: dict[str, Any] = {
         *(Float32, Float64),
     )
 }
-"""The annotations above, by the names that ROS has for them."""
+"""Annotations of all primitives, by ROS name."""
 
 UINT8 = Primitive("uint8", "B", 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A ``string``, of at most ``bound`` bytes where one is given."""
+    """``string``, of at most ``bound`` bytes if a bound is given."""
 
     bound: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """A sequence, of at most ``bound`` elements where one is given. Of ``uint8`` it is held as ``bytes``."""
+    """Sequence, of at most ``bound`` elements if a bound is given. A ``uint8`` sequence is held as ``bytes``."""
 
     element: FieldType
     bound: int | None = None
@@ -109,7 +109,7 @@ class Sequence:
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """An array of exactly ``length`` elements. Of ``uint8`` it is held as ``bytes``."""
+    """Array of exactly ``length`` elements. A ``uint8`` array is held as ``bytes``."""
 
     element: FieldType
     length: int
@@ -120,24 +120,29 @@ FieldType = Union[Primitive, Text, Sequence, Array, "type[Message]"]
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message: its name and its ROS type."""
+    """Field of a message: its name and its ROS type."""
 
     name: str
     type: FieldType
 
 
-def once_a_type(function: Callable[P, R]) -> Callable[P, R]:
-    """`functools.cache`, typed as the function it wraps; mypy does not take a message class for hashable."""
+def cached_by_type(function: Callable[P, R]) -> Callable[P, R]:
+    """Cache a function as `functools.cache` does, and keep its type.
+
+    mypy does not accept a message class as hashable, so the typed `cache` would reject the calls.
+    """
+    # Message classes are few and live as long as the process, so an unbounded cache is safe.
     remembered: Callable[..., R] = cache(function)
     return remembered
 
 
-@once_a_type
+@cached_by_type
 def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
-    """The fields of a message class, in the order in which they are serialized.
+    """Return the fields of a message class in wire order.
 
-    Raises `TypeError` where an annotation is not a ROS type.
+    Raises `TypeError` if an annotation is not a ROS type.
     """
+    # `from __future__ import annotations` makes them strings; get_type_hints evaluates them in the class's module.
     hints = get_type_hints(message_type, include_extras=True)
     return tuple(
         Field(name, type_of(hint))
@@ -147,7 +152,7 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
 
 
 def type_of(hint: Any) -> FieldType:
-    """The ROS type that an annotation stands for. Raises `TypeError` where it stands for none."""
+    """Return the ROS type of an annotation. Raises `TypeError` if it has none."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)
@@ -174,7 +179,7 @@ def _element_type(hint: Any) -> FieldType:
 
 
 def default_of(field_type: FieldType) -> Callable[[], Any]:
-    """A function that makes the value a field of this type has in a new message: zero, or empty."""
+    """Return a function that makes the default value of a type: zero, or empty."""
     if isinstance(field_type, Primitive):
         return {"?": bool, "f": float, "d": float}.get(field_type.format, int)
     if isinstance(field_type, Text):

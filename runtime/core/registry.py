@@ -1,4 +1,4 @@
-"""The registry: what the generated code says of the table, as the bridge reads it."""
+"""Registry: the table as the bridge sees it, made by the generated code."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ AnyFeed = Feed[Any, Any]
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """A machine at the other end of the datagrams."""
+    """Machine at the other end of the link."""
 
     name: str
     port_parameter: str
-    """The node's parameter that holds the peer's UDP port."""
+    """Node parameter that holds the peer's UDP port."""
     port: int
-    """The default of that parameter."""
+    """Default of that parameter."""
     strip_trailing_zeros: bool = False
-    """Whether datagrams to this peer are sent without their trailing zero bytes."""
+    """True if datagrams to this peer are sent without their trailing zero bytes."""
     sources: tuple[str, ...] = ()
-    """IPv4 addresses and networks from which it speaks; empty for any."""
+    """IPv4 addresses and networks from which the peer sends; empty for any."""
     source_rate: int | None = None
-    """Datagrams a second that are taken from each of its sources; None for any number."""
+    """Datagrams a second accepted from each of its addresses; None for no limit."""
 
 
 @dataclass(frozen=True)
 class Registry:
-    """Every row's handler, by number and by name, with the envelope they travel in."""
+    """All handlers of a table with the envelope that carries their payloads."""
 
     package: str
     envelope: type[ProtoMessage]
@@ -51,73 +51,80 @@ class Registry:
     peers: tuple[Peer, ...]
     handlers: tuple[AnyHandler, ...]
     fingerprint: str
-    """SHA-256 over the table and the wire schema from which the code was generated."""
+    """SHA-256 of the table and the wire schema from which the code was generated."""
     feeds: tuple[AnyFeed, ...] = ()
-    """The rows' further topics, with messages of the common interfaces."""
+    """Handlers of extra topics, with standard messages."""
     retired: Mapping[int, str] = field(default_factory=dict)
-    """Numbers that were used once and never will be again, with the name that each had."""
+    """Retired numbers, with the name that each had. They are never used again."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:
-        """The handlers by their number in the envelope."""
+        """Handlers by number in the envelope."""
         return {handler.route.number: handler for handler in self.handlers}
 
     @cached_property
     def by_name(self) -> dict[str, AnyHandler]:
-        """The handlers by their name in the envelope's oneof."""
+        """Handlers by name in the envelope's oneof."""
         return {handler.route.name: handler for handler in self.handlers}
 
     @cached_property
     def by_topic(self) -> dict[str, AnyHandler]:
-        """The handlers and the feeds by their topic, as the table spells it."""
+        """Handlers and feeds by topic, as the table spells it."""
         return {handler.route.topic: handler for handler in (*self.handlers, *self.feeds)}
 
     @cached_property
     def peers_by_name(self) -> dict[str, Peer]:
-        """The peers by name."""
+        """Peers by name."""
         return {peer.name: peer for peer in self.peers}
 
 
 def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:
-    """Import the generated registry and check that it fits the descriptors that are loaded.
+    """Import the generated registry and check that it matches the loaded descriptors.
 
-    ``project`` is the folder of the table; without it, the package is taken from the import path. ``package`` is the
-    import name of the generated package, as the table has it under ``python``. Raises `RegistryError` if there is no
-    generated code, if it does not import, if a package of that name is loaded from elsewhere (of two projects in one
-    process, each needs a name of its own), or if a loaded descriptor is not the one from which it was generated.
+    ``project`` is the folder of the table; without it, the package comes from the import path. ``package`` is the
+    import name of the generated package (key ``python.package`` of the table).
+
+    Raises `RegistryError` if there is no generated code, if it does not import, if a package of the same name from
+    another project is loaded (two projects in one process need two names), or if a loaded descriptor differs from the
+    one at generation.
     """
     if project is not None:
         _put_first(Path(project).resolve(), package)
     try:
         registry = importlib.import_module(f"{package}.registry").REGISTRY
         check: Callable[[], None] = importlib.import_module(f"{package}.checks").check
+    # VersionError: the protobuf runtime is older than the one that generated the modules. TypeError: descriptors clash.
     except (ImportError, SyntaxError, TypeError, AttributeError, VersionError) as error:
         if isinstance(error, ModuleNotFoundError) and _concerns(str(error.name), package):
             where = project if project is not None else "the import path"
             raise RegistryError(f"no generated code in {where} ({error}); run `roverlink generate`") from error
-        raise RegistryError(f"the generated code does not load: {error}; run `roverlink generate`") from error
+        raise RegistryError(f"the generated code does not import: {error}; run `roverlink generate`") from error
     if not isinstance(registry, Registry):
-        raise RegistryError(f"{package}.registry.REGISTRY is no registry; run `roverlink generate`")
+        raise RegistryError(f"{package}.registry.REGISTRY is not a Registry; run `roverlink generate`")
     check()
     return registry
 
 
 def _concerns(module: str, package: str) -> bool:
-    """Return whether a module is the package, holds it, or is in it."""
+    """Return true if a module is the package, contains it, or is inside it."""
     return f"{package}.".startswith(f"{module}.") or module.startswith(f"{package}.")
 
 
 def _put_first(project: Path, package: str) -> None:
-    """Let the import of the package find the project's own code before any other of that name."""
+    """Put the project first on the import path, so that its own generated code is imported."""
     if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
         raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
     folder = project
     for name in itertools.accumulate(package.split("."), "{}.{}".format):
         folder /= name.rpartition(".")[2]
         loaded = [Path(path).resolve() for path in getattr(sys.modules.get(name), "__path__", [folder])]
+        # Python keeps modules by name. A second project with the same package name would silently get the first one's
+        # code.
         if folder not in loaded:
             what = "generated code" if name == package else f"package {name}"
             where = ", ".join(map(str, loaded))
-            raise RegistryError(f"the {what} of another project is loaded already: {where}; one process loads one")
+            raise RegistryError(
+                f"the {what} of another project is loaded already: {where}; a process can load only one"
+            )
     if str(project) not in sys.path:
         sys.path.insert(0, str(project))

@@ -1,4 +1,4 @@
-"""Dispatches datagrams to handlers: bytes to serialized ROS 2 messages, and back. No socket, no ROS, no clock."""
+"""Translator of datagrams to serialized ROS 2 messages, and back: no sockets, no ROS, no clock."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Translation:
-    """What became of a batch of datagrams."""
+    """Result of translating a batch of datagrams."""
 
     names: list[str | None]
-    """The payload of each datagram; None where it was refused."""
+    """Payload name of each datagram; None if it was refused."""
     messages: dict[str, list[bytes]] = field(default_factory=dict)
-    """The serialized messages of each row, by the name of its payload."""
+    """Serialized messages of each row, by payload name."""
     fed: list[tuple[AnyFeed, Serialized]] = field(default_factory=list)
-    """What the rows' further topics get; a value that does not fit one of them keeps no other topic waiting."""
+    """Messages for extra topics. A value that does not fit one topic does not affect the others."""
     refusals: list[DatagramError] = field(default_factory=list)
 
 
 class Translator:
-    """Translates by the registry alone; it knows no message."""
+    """Translates by the registry alone; it knows no message type itself."""
 
     def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
-        """``peers`` are those for which the sender of what is received may speak; None for all."""
+        """Accept only payloads of ``peers``, those whose address the sender has; None for all."""
         self._registry, self._peers = registry, peers
         self._parse = registry.envelope.FromString
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
@@ -45,10 +45,10 @@ class Translator:
         self._feeds = {name: tuple(f for f in registry.feeds if f.route.name == name) for name in self._inbound}
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
-        """The name of the payload in a datagram from a peer, and the serialized ROS 2 message to publish.
+        """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
 
-        ``stamp`` is when it was received. Raises `DatagramError` with the reason, and number and name of the payload
-        where they are known.
+        ``stamp`` is the receive time. Raises `DatagramError` with the reason, and with number and name of the payload
+        if known.
         """
         translation = self.receive_all([datagram], stamp)
         for refusal in translation.refusals:
@@ -57,9 +57,9 @@ class Translator:
         return name, message
 
     def receive_all(self, datagrams: Sequence[bytes], stamp: Time) -> Translation:
-        """As `receive`, of datagrams that were received together.
+        """Translate a batch of datagrams; collect the errors instead of raising them.
 
-        Those with the same payload are converted in one go: what is done once a batch is not done for each of them.
+        Datagrams with the same payload are converted together, because some work is then done once per batch.
         """
         translation = Translation([])
         payloads = self._sort(datagrams, translation)
@@ -74,7 +74,7 @@ class Translator:
         return translation
 
     def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:
-        """The payloads that are bridged, by their names; the names and the refusals go into the translation."""
+        """Parse datagrams and group the payloads by name; names and refusals go into ``translation``."""
         payloads: defaultdict[str, list[ProtoMessage]] = defaultdict(list)
         names = translation.names
         for datagram in datagrams:
@@ -89,15 +89,15 @@ class Translator:
         return payloads
 
     def _parsed(self, datagram: bytes) -> tuple[str, ProtoMessage]:
-        """The name of a payload that is bridged, and the payload. Raises `DatagramError` for any other."""
+        """Return name and payload of a datagram. Raises `DatagramError` if the payload is not bridged."""
         message = self.parse(datagram)
-        name = self._which(message, self._oneof)  # looked up on a message, it would be sought among its fields first
+        name = self._which(message, self._oneof)  # the class's method: a field could have the same name
         if name not in self._inbound:
             raise self._refusal(name, datagram)
         return name, getattr(message, name)
 
     def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
-        """Take note of payloads that cannot be converted, by their places among those of their name."""
+        """Record payloads that cannot be converted; ``misfits`` counts only the payloads of this name."""
         places = [place for place, other in enumerate(translation.names) if other == name]
         number = self._inbound[name].route.number
         for index, error in misfits.items():
@@ -107,9 +107,11 @@ class Translator:
             translation.refusals.append(refusal)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
-        """The envelope in a datagram, whatever was done to its trailing zeros. Raises `DatagramError`.
+        """Parse the envelope in a datagram, with any treatment of trailing zeros.
 
-        A stripped or padded envelope never parses as it stands, so the ordinary one costs one parse and no more.
+        Raises `DatagramError`.
+
+        A stripped or padded envelope never parses as it is, so a normal one costs only one parse.
         """
         try:
             return self._parse(datagram)
@@ -122,18 +124,18 @@ class Translator:
         except DecodeError as error:
             start = datagram[:8].hex(" ")
             raise DatagramError(
-                Reason.MALFORMED, f"no {self._name} in {len(datagram)} bytes starting {start}"
+                Reason.MALFORMED, f"not a valid {self._name}: {len(datagram)} bytes that start with {start}"
             ) from error
 
     def send(self, handler: AnyHandler, cdr: bytes) -> bytes:
-        """The datagram for a peer that says what a serialized ROS 2 message says.
+        """Convert a serialized ROS 2 message to the datagram for the peer.
 
-        Raises `ConversionError` with route and field where a value does not fit.
+        Raises `ConversionError` with row and field if a value does not fit.
         """
         return self.datagram(handler, handler.from_cdr(cdr))
 
     def datagram(self, handler: AnyHandler, payload: ProtoMessage) -> bytes:
-        """The datagram for a peer with a payload. Raises `ConversionError` where a required field is not set."""
+        """Return the datagram with a payload. Raises `ConversionError` if a required field (proto2) is not set."""
         try:
             datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
         except EncodeError as error:  # a `required` field of proto2 that nothing has set
@@ -151,23 +153,29 @@ class Translator:
             return self._refusal_of_known(name)
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         if not numbers:
-            return DatagramError(Reason.EMPTY, f"an empty {self._name} ({len(datagram)} bytes)")
+            return DatagramError(Reason.EMPTY, f"the {self._name} has no payload ({len(datagram)} bytes)")
+        # With several members on the wire, the last one wins (protobuf encoding, "Last One Wins").
         number = numbers[-1]
         retired = self._registry.retired.get(number)
         explained = f"{number} (retired: {retired})" if retired else str(number)
-        return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {explained}")
+        return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no row of the table has payload {explained}")
 
     def _refusal_of_known(self, name: str) -> DatagramError:
-        """Why a payload that the envelope knows is not bridged."""
+        """Return the reason why a payload in the envelope is not bridged."""
         number = self._registry.envelope.DESCRIPTOR.fields_by_name[name].number
         handler = self._registry.by_name.get(name)
         if handler is None:
-            return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name})")
+            return DatagramError(
+                Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name}); the table does not bridge it"
+            )
+        # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:
             speakers = ", ".join(sorted(self._peers or ()))
             return DatagramError(
-                Reason.WRONG_SOURCE, f"{name} ({number}) is of {handler.route.peer}, not of {speakers}"
+                Reason.WRONG_SOURCE, f"{name} ({number}) belongs to peer {handler.route.peer}, but came from {speakers}"
             )
         return DatagramError(
-            Reason.WRONG_DIRECTION, f"{name} ({number}) goes {handler.route.direction}, but came from a peer", name
+            Reason.WRONG_DIRECTION,
+            f"{name} ({number}) has the direction {handler.route.direction}, but came from a peer",
+            name,
         )

@@ -10,7 +10,7 @@ from roverlink.runtime.core.messages import Int32, Message, UInt32
 
 @dataclass(slots=True)
 class Time(Message):
-    """builtin_interfaces/msg/Time: seconds since 1970, and what is to be added to them."""
+    """builtin_interfaces/msg/Time: seconds since 1970, plus nanoseconds."""
 
     __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Time"
 
@@ -20,7 +20,7 @@ class Time(Message):
 
 @dataclass(slots=True)
 class Duration(Message):
-    """builtin_interfaces/msg/Duration: seconds, rounded down, and what is to be added to them."""
+    """builtin_interfaces/msg/Duration: seconds, rounded down, plus nanoseconds."""
 
     __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Duration"
 

@@ -22,7 +22,7 @@ class KeyValue(Message):
 
 @dataclass(slots=True)
 class DiagnosticStatus(Message):
-    """diagnostic_msgs/msg/DiagnosticStatus: how one thing is."""
+    """diagnostic_msgs/msg/DiagnosticStatus: the state of one component."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticStatus"
 

@@ -1,4 +1,4 @@
-"""Messages of ROS 2's common interfaces, as classes made at run time from the definitions in the rosbags package."""
+"""Classes of standard ROS 2 messages, made at run time from the definitions in the rosbags package."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
 def full_name(type_name: str) -> str:
-    """``sensor_msgs/Imu`` as ``sensor_msgs/msg/Imu``. Raises `SetupError` for what is no type name."""
+    """Return ``sensor_msgs/Imu`` as ``sensor_msgs/msg/Imu``. Raises `SetupError` if it is not a type name."""
     parts = type_name.split("/")
     if len(parts) == 2:
         parts.insert(1, "msg")
@@ -28,15 +28,15 @@ def full_name(type_name: str) -> str:
 
 @cache
 def message_type(type_name: str) -> type[Message]:
-    """The class of a standard message, by its full name.
+    """Return the class of a standard message by its full name.
 
-    Raises `SetupError` where rosbags is not installed, or does not know the type.
+    Raises `SetupError` if rosbags is not installed or does not know the type.
     """
     store = _store()
     if type_name not in store.fielddefs:
         from roverlink.runtime.core.errors import nearest
 
-        raise SetupError(f"no standard ROS 2 type {type_name!r}; {nearest(type_name, store.fielddefs)}")
+        raise SetupError(f"unknown ROS 2 type {type_name!r}; {nearest(type_name, store.fielddefs)}")
     _, definitions = store.fielddefs[type_name]
     fields = [_field(name, definition) for name, definition in definitions if name != _PLACEHOLDER]
     name = type_name.rpartition("/")[2]
@@ -52,6 +52,7 @@ def _store() -> Typestore:
         raise SetupError(
             "standard ROS 2 types need the rosbags package; install it with `pip install 'roverlink[standard]'`"
         ) from error
+    # Some standard messages differ between distributions, and with them their type hashes.
     distribution = os.environ.get("ROS_DISTRO", "humble").upper()
     return get_typestore(getattr(Stores, f"ROS2_{distribution}", Stores.ROS2_HUMBLE))
 
@@ -62,7 +63,7 @@ def _field(name: str, definition: Any) -> tuple[str, Any, Any]:
 
 
 def _annotation(definition: Any) -> Any:
-    """The annotation of a definition as rosbags has it: its kind, and what belongs to the kind."""
+    """Return the annotation of a rosbags definition, which is a kind and the details of the kind."""
     kind, detail = definition
     if kind.name == "NAME":
         return message_type(detail)
@@ -80,5 +81,5 @@ def _annotation(definition: Any) -> Any:
 
 def _text(base: str, bound: int) -> Any:
     if base == "wstring":
-        raise SetupError("wide strings have no conversion yet")
+        raise SetupError("the message type has a wide string (wstring), which is not supported")
     return Annotated[str, Bound(bound)] if bound else str

@@ -1,4 +1,4 @@
-"""Messages of the ROS 2 package vision_msgs, as they are since Humble."""
+"""Messages of the ROS 2 package vision_msgs, in the form that Humble introduced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ROS 2 side: middlewares that all speak serialized messages, so that one bridge serves each of them."""
+"""Middlewares: the connection to ROS 2. They all exchange serialized messages, so one bridge serves each of them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ NAMES = ("auto", "dds", "rclpy", "memory")
 
 
 def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:
-    """Connect to ROS 2 by name; ``auto`` takes rclpy where it imports, else dds.
+    """Connect to ROS 2; ``auto`` takes rclpy if it imports, else dds.
 
-    ``parameters`` are shown as the node's own where the middleware can (rclpy). Raises `MiddlewareError` that says how
-    to get what is missing.
+    rclpy shows ``parameters`` as those of the node. Raises `MiddlewareError` that says how to install missing parts.
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
+    # Imports are inside the branches: rclpy and Cyclone DDS are optional and slow to import.
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
 
@@ -31,11 +31,11 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
         return _open_rclpy(node, parameters or {})
     if name == "dds":
         return _open_dds(node)
-    raise MiddlewareError(f"no middleware {name!r}; there are {', '.join(NAMES)}")
+    raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
 def _imports(package: str) -> bool:
-    """Whether a package imports; one that was built for another Python is found, and does not."""
+    """Return true if a package imports. Finding it is not enough: it may be built for another Python version."""
     try:
         importlib.import_module(package)
     except ImportError:

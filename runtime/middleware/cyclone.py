@@ -1,13 +1,12 @@
-"""What Cyclone DDS can do and its Python package does not offer: the one place that reaches beneath its public API.
+"""Features of Cyclone DDS that its Python package does not offer; the only module that uses its private parts.
 
-- *Raw writes and takes*: the package's writers and readers make bytes of sample objects, and those of bytes; here bytes
-  are all that is wanted.
-- *Batching*: a writer that collects samples until it is flushed, then sends them in one packet. The packet, and waking
-  the subscriber for it, cost several times as much as everything else that is done for a sample.
-- *Acknowledgement*: the package's own function for it (11.0.1) fails where it should return False.
-- *Deleting*: the package deletes an entity when nothing refers to it any more, which at the end of a program is never,
-  so that others would see it for ten more seconds; or it is when Python has begun to go. A thread of Cyclone DDS that
-  then asks for Python, to free the type of a topic, is ended by it, and who waits for that thread waits for ever.
+- *Raw writes and reads*: the package's writers and readers convert sample objects, while we have bytes.
+- *Batching*: a writer collects samples until it is flushed, and sends them in one packet. The packet and waking the
+subscriber cost several times as much as all other work for a sample.
+- *Acknowledgement*: the package's own function for it fails in version 11.0.1 where it should return False.
+- *Deletion*: the package deletes an entity when its last reference is gone. At the end of a program that is never, and
+others see the node for ten more seconds; or it happens while Python shuts down. Then a thread of Cyclone DDS that needs
+Python to free a topic's type is ended by Python, and joining that thread blocks forever.
 """
 
 from __future__ import annotations
@@ -39,15 +38,15 @@ _wait_for_acks.argtypes, _wait_for_acks.restype = (dds_c_t.entity, dds_c_t.durat
 _delete = _library.dds_delete
 _delete.argtypes, _delete.restype = (dds_c_t.entity,), dds_c_t.returnv
 
-_WORD = 4  # bytes; Cyclone DDS takes samples in whole words
+_WORD = 4  # bytes; Cyclone DDS takes serialized samples in multiples of this
 EVERYTHING = SampleState.Any | ViewState.Any | InstanceState.Any
-"""Which samples of a reader are meant."""
+"""Mask that selects all samples of a reader."""
 
-_PADDING = tuple(bytes(-length % _WORD) for length in range(_WORD))  # by what a sample is longer than whole words
+_PADDING = tuple(bytes(-length % _WORD) for length in range(_WORD))  # by a sample's length modulo _WORD
 
 
 class WriterBatching(BasePolicy):  # type: ignore[no-untyped-call]  # its base declares no types
-    """The writer collects samples until it is flushed."""
+    """QoS policy: the writer collects samples until it is flushed."""
 
     __scope__ = "WriterBatching"
 
@@ -56,65 +55,68 @@ def _set_policy(_: object, qos: Any, __: WriterBatching) -> None:
     _set_batching(qos, True)
 
 
-# The package turns a policy into a call by the name of its scope.
+# The package finds the setter of a policy by the name of its scope.
 _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defined]  # added here
 
 
 class RawWriter:
-    """Writes serialized samples through a writer that batches."""
+    """Writes serialized samples through a DDS writer with batching."""
 
     def __init__(self, writer: DataWriter[Any]) -> None:
-        self._writer = writer  # which would delete itself where nobody held it
+        self._writer = writer  # deletes itself without a reference
         self._reference = writer._ref
         self._topic = writer.topic.name
 
     def write(self, samples: Sequence[bytes]) -> int:
-        """Write samples and send them; returns how many were accepted, in order, before one would have had to wait.
+        """Write and send samples; return how many were accepted.
 
-        Raises `MiddlewareError` where Cyclone DDS fails.
+        A reliable writer whose queue is full would have to wait; the samples from there on are not accepted. Raises
+        `MiddlewareError` if Cyclone DDS reports an error.
         """
         accepted = 0
         whole = [sample + _PADDING[len(sample) % _WORD] for sample in samples]
         for code in map(ddspy_write, repeat(self._reference), whole):
+            # max_blocking_time is 0 (`dds_qos`), so a full queue of a reliable writer returns at once with a timeout.
             if code == DDSException.DDS_RETCODE_TIMEOUT:
                 break
             if code < 0:
-                raise MiddlewareError(f"Cyclone DDS does not write on {self._topic}: {DDSException(code)}")
+                raise MiddlewareError(f"Cyclone DDS cannot write on {self._topic}: {DDSException(code)}")
             accepted += 1
+        # One packet and one wake-up of the subscriber for the whole batch, see "Batching" above.
         _flush(self._reference)
         return accepted
 
     def wait_for_acknowledgement(self, seconds: float) -> bool:
-        """Wait until every reliable reader has acknowledged all that was written; False where one has not."""
+        """Wait until every reliable reader has acknowledged all samples; return false if the time runs out."""
         return bool(_wait_for_acks(self._reference, duration(seconds=seconds)) == 0)
 
 
 class RawReader:
-    """Takes serialized samples."""
+    """Takes serialized samples from a DDS reader."""
 
     def __init__(self, reader: DataReader[Any]) -> None:
-        self._reader = reader  # which would delete itself where nobody held it
+        self._reader = reader  # deletes itself without a reference
         self._reference = reader._ref
         self._topic = reader.topic.name
 
     def take(self, most: int) -> list[bytes]:
-        """The oldest samples that have come, and take them away. Raises `MiddlewareError` where Cyclone DDS fails."""
+        """Take at most ``most`` samples, the oldest first. Raises `MiddlewareError` if Cyclone DDS reports an error."""
         taken = ddspy_take(self._reference, EVERYTHING, most)
         if isinstance(taken, int):
-            raise MiddlewareError(f"Cyclone DDS does not read {self._topic}: {DDSException(taken)}")
-        # One without valid data is an instance's end, which ROS does not know.
+            raise MiddlewareError(f"Cyclone DDS cannot read {self._topic}: {DDSException(taken)}")
+        # A sample without valid data says that an instance was disposed; ROS topics have no instances.
         return [data for data, info in taken if info.valid_data]
 
     def has_publishers(self) -> bool:
-        """Whether any writer matches."""
+        """Return true if the reader matches a writer."""
         return bool(self._reader.get_matched_publications())
 
 
 def delete(entity: Entity) -> None:
-    """Delete an entity, and all that was made from it, now."""
+    """Delete an entity and everything that was created from it, now."""
     _delete(entity._ref)
 
 
 def delete_at_exit(entity: Entity) -> None:
-    """Delete an entity when the program ends, while Python still runs."""
+    """Delete an entity when the program ends, while Python still works."""
     atexit.register(delete, entity)

@@ -1,7 +1,9 @@
-"""ROS 2 over plain DDS (Cyclone DDS from PyPI): no ROS has to be installed.
+"""ROS 2 over plain DDS (Cyclone DDS from PyPI), without a ROS installation.
 
-To a ROS 2 node we are an ordinary publisher and subscriber: topic ``rt/...``, type ``pkg::msg::dds_::Name_``, plain
-XCDR1.
+A ROS 2 node sees an ordinary publisher or subscriber. The rules of the ROS 2 middlewares:
+- The DDS topic of ``/imu`` is ``rt/imu``; the type of ``comms/msg/Imu`` is ``comms::msg::dds_::Imu_``.
+- Samples are plain XCDR1, as `roverlink.runtime.core.cdr` writes them.
+- The node's name is announced on the topic ``ros_discovery_info`` (module `discovery`).
 """
 
 from __future__ import annotations
@@ -36,48 +38,49 @@ _LOCALHOST_ONLY = (
     '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>'
     "</Domain></CycloneDDS>"
 )
-# Else every single writer that is deleted would wait for a subscriber that hangs.
+# Otherwise the deletion of each writer waits for a subscriber that hangs.
 _NO_LINGERING = (
     "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
 )
-_LARGEST_DOMAIN = 232  # the ports of a larger one would lie beyond 65535 (RTPS 2.2, 9.6.1)
-_TAKE = 64  # samples taken at a time
-_TAKE_BEHIND = 8  # of a topic that others come before: they wait as long as these take
-_LEAVE_S = 0.3  # that subscribers have to acknowledge what was written last
+_LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
+_TAKE = 64  # most samples taken at a time
+_TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
+_LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
 
 class DdsPublisher:
-    """A DDS writer that is given serialized messages."""
+    """DDS writer for serialized messages."""
 
     def __init__(self, writer: DataWriter[Any], raw_writer: RawWriter) -> None:
         self._writer = writer
         self.publish = raw_writer.write
 
     def has_subscribers(self) -> bool:
-        """Whether any reader matches."""
+        """Return true if the writer matches a reader."""
         return bool(self._writer.get_matched_subscriptions())
 
 
 class _Topic(NamedTuple):
-    """A topic that is read."""
+    """Topic with a reader."""
 
     reader: RawReader
     callback: Callback
     priority: int
 
     def serve(self, most: int) -> None:
-        """Hand on the oldest messages that have come."""
+        """Pass the oldest received messages to the callback."""
         if messages := self.reader.take(most):
             self.callback(messages)
 
 
 class DdsMiddleware:
-    """One DDS participant that shows itself as a ROS 2 node, and a thread that takes what its readers receive."""
+    """DDS participant that appears as a ROS 2 node, with a thread that takes samples from its readers."""
 
     def __init__(self, node: NodeIdentity) -> None:
         domain_id = _domain_id()
         try:
             _configure(domain_id)
+            # The user data that ROS 2 sets on its participants: the default security enclave.
             self._participant = DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
@@ -93,7 +96,7 @@ class DdsMiddleware:
         self._thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
-        """A writer on a fully qualified topic."""
+        """Create a writer on a fully qualified topic."""
         policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
         writer = DataWriter(self._participant, self._topic(topic, message_type), qos=policies)
         self._announcer.add_writer(writer)
@@ -104,7 +107,7 @@ class DdsMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> RawReader:
-        """Call ``callback`` with the serialized messages of a fully qualified topic, from the taking thread."""
+        """Call ``callback`` with serialized messages of a fully qualified topic, from the taking thread."""
         policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__)
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
@@ -117,12 +120,14 @@ class DdsMiddleware:
         return raw_reader
 
     def close(self) -> None:
-        """Take the node away, once subscribers have had a moment to acknowledge what was written last."""
+        """Leave the graph, after subscribers had a moment to acknowledge the last messages."""
         if not self._open:
             return
         self._open = False
+        # The guard condition wakes the taking thread, which else waits without a limit.
         self._stopped.set(True)
         self._thread.join()
+        # One deadline for all writers together: leaving must not take longer with more topics.
         deadline = time.monotonic() + _LEAVE_S
         for writer in self._writers:
             writer.wait_for_acknowledgement(max(0.0, deadline - time.monotonic()))
@@ -144,9 +149,9 @@ class DdsMiddleware:
 
 
 def _serve(topics: Sequence[_Topic]) -> None:
-    """A batch of each in turn: a topic that is never empty delays no other, and not the end.
+    """Pass on one batch of each topic in turn, so that a busy topic blocks neither another one nor `close`.
 
-    Before each, those of a higher priority have another turn, so that they wait for one small batch and no more.
+    Before each topic, those with a higher priority have another turn; so they wait for one small batch at most.
     """
     for index, topic in enumerate(topics):
         urgent = [other for other in topics[:index] if other.priority > topic.priority]
@@ -158,12 +163,14 @@ def _serve(topics: Sequence[_Topic]) -> None:
 def _domain_id() -> int:
     text = os.environ.get("ROS_DOMAIN_ID", "") or "0"
     if not text.isdecimal() or int(text) > _LARGEST_DOMAIN:
-        raise MiddlewareError(f"ROS_DOMAIN_ID is {text!r}; it must be a number from 0 to {_LARGEST_DOMAIN}")
+        raise MiddlewareError(f"ROS_DOMAIN_ID is {text!r}; set it to a number from 0 to {_LARGEST_DOMAIN}")
     return int(text)
 
 
 def _configure(domain_id: int) -> None:
-    """Keep to this host where ROS 2's environment says so, and no Cyclone DDS configuration of the user's own does."""
+    """Restrict the domain to this host if ROS 2's environment asks for it and CYCLONEDDS_URI is not set."""
+    # A user's own configuration has priority. ROS_LOCALHOST_ONLY is the variable up to Humble, the range is from Iron
+    # on.
     users_own = os.environ.get("CYCLONEDDS_URI", "")
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
     local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach == "LOCALHOST"
@@ -172,12 +179,14 @@ def _configure(domain_id: int) -> None:
 
 @cache
 def _domain(domain_id: int, configuration: str) -> Domain | None:
-    """A domain is configured once a process, before its first participant, and lives as long as the process."""
+    """Configure a domain: once per process, before its first participant, for the life of the process."""
     try:
         domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
     except DDSException as error:
-        # Another part of the program was in the domain before us, and has configured it.
-        logging.getLogger("roverlink").warning("DDS domain %d keeps the configuration it has: %s", domain_id, error)
+        # Another part of the program has joined the domain before us and has configured it.
+        logging.getLogger("roverlink").warning(
+            "DDS domain %d is in use by this process already and keeps its configuration: %s", domain_id, error
+        )
         return None
     delete_at_exit(domain)
     return domain

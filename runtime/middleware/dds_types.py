@@ -1,7 +1,7 @@
-"""DDS types and qualities of service for ROS 2 messages.
+"""DDS types and DDS QoS policies for ROS 2 messages.
 
-A type has the real structure of its message, since Cyclone DDS compares structures where both sides announce one; but
-samples are never built from it: what is written and taken are serialized bytes.
+A type has the real structure of its message, because Cyclone DDS compares structures if both sides announce one. But
+samples are never built from it: we write and take serialized bytes.
 """
 
 from __future__ import annotations
@@ -13,14 +13,26 @@ from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
 
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of, once_a_type
+from roverlink.runtime.core.messages import (
+    Array,
+    FieldType,
+    Message,
+    Primitive,
+    Sequence,
+    Text,
+    cached_by_type,
+    fields_of,
+)
 from roverlink.runtime.middleware.cyclone import WriterBatching
 
-_MAX_BLOCKING = 0  # ns that a reliable write may wait for slow readers: a bridge that waited would lose datagrams
+_MAX_BLOCKING = 0  # ns that a reliable write may block for slow readers; a blocked bridge loses datagrams
 _UNLIMITED = -1
 _KEPT_TO_READ = 256
-"""Samples that a reader of ours keeps at least. The thread that takes them is one of several on few cores: it may be
-left waiting for milliseconds, in which more than a topic's usual ten arrive. Nobody else sees this depth."""
+"""Smallest history depth of our readers, in samples.
+
+The taking thread may wait for a core for milliseconds, in which more samples than a topic's usual ten arrive. The depth
+of a reader is local: no other node sees it.
+"""
 
 _DDS_TYPES: dict[str, Any] = {
     "bool": bool,
@@ -40,9 +52,9 @@ _DDS_TYPES: dict[str, Any] = {
 
 
 def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
-    """The DDS policies that ROS 2's own middlewares use for a quality of service, of a writer or of a reader.
+    """Return the DDS policies that the ROS 2 middlewares use for a QoS profile.
 
-    A type's hash goes where they look for it, into what an endpoint tells beside its policies.
+    The type hash goes into the endpoint's USER_DATA, where ROS 2 looks for it from Iron on.
     """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
@@ -52,14 +64,16 @@ def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
         Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
         history,
+        # XCDR1. ROS 2 does not match an endpoint that offers XCDR2 only, the default for appendable types.
         Policy.DataRepresentation(use_cdrv0_representation=True),
     ]
     if latched:
-        # What is kept for those who come late has a history of its own.
+        # The samples kept for late subscribers have their own history policy.
         policies.append(Policy.DurabilityService(0, history, _UNLIMITED, _UNLIMITED, _UNLIMITED))
     if type_hash:
         policies.append(Policy.Userdata(f"typehash={type_hash};".encode()))
     if writing:
+        # The ROS 2 middlewares set autodispose to false: a publisher that leaves must not dispose its instance.
         policies += [Policy.WriterDataLifecycle(autodispose=False), WriterBatching()]
     return DdsQos(*policies)
 
@@ -70,14 +84,14 @@ _array: Any = types.array.__class_getitem__
 _bounded_text: Any = types.bounded_str.__class_getitem__
 
 
-@once_a_type
+@cached_by_type
 def dds_type(message_type: type[Message]) -> type[IdlStruct]:
-    """The DDS type of a ROS 2 message."""
+    """Return the DDS type of a ROS 2 message."""
     return make_idl_struct(*_declaration(message_type))
 
 
 def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]:
-    """Class name, DDS type name and fields of a message, as ROS 2's IDL has them."""
+    """Return class name, DDS type name and fields of a message, following ROS 2's IDL."""
     package, kind, name = message_type.__msgtype__.split("/")
     fields = {field.name: _field_type(field.type) for field in fields_of(message_type)}
     return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}

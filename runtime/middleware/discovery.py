@@ -1,7 +1,8 @@
-"""Being seen as a node: the topic ``ros_discovery_info``, from which ``ros2 node list`` knows who has which endpoint.
+"""Visibility as a ROS 2 node: announce our node and endpoints on the topic ``ros_discovery_info``.
 
-ROS 2's own middlewares write there, per participant, the nodes it has and the GUIDs of their readers and writers. The
-type is ``rmw_dds_common/msg/ParticipantEntitiesInfo``; its GIDs are 24 bytes up to Humble and 16 from Iron on.
+`ros2 node list` reads it. ROS 2's own middlewares write there, for each participant, its nodes and the GUIDs of their
+readers and writers, in a ``rmw_dds_common/msg/ParticipantEntitiesInfo``. Its GIDs have 24 bytes up to Humble and 16
+bytes from Iron on; the topic has no ``rt/`` prefix.
 """
 
 from __future__ import annotations
@@ -25,16 +26,17 @@ from roverlink.runtime.middleware.protocol import NodeIdentity
 _LONG_GID_DISTRIBUTIONS = frozenset({"dashing", "eloquent", "foxy", "galactic", "humble"})
 _GUID_BYTES = 16
 _LONG_GID_BYTES = 24
+# Transient local, so that nodes and tools that start later get it too.
 _QOS = Qos(durability="transient_local", depth=1)
 
 
 def _message(name: str, fields: list[tuple[str, Any]]) -> Any:
-    """A message class of the package rmw_dds_common."""
+    """Make a message class of the package rmw_dds_common."""
     return make_dataclass(name, fields, bases=(Message,), namespace={"__msgtype__": f"rmw_dds_common/msg/{name}"})
 
 
 class GraphTypes:
-    """The messages about the graph, with GIDs of one of the two sizes."""
+    """Messages of rmw_dds_common with GIDs of one of the two sizes."""
 
     def __init__(self, gid_bytes: int) -> None:
         name = Annotated[str, Bound(256)]
@@ -49,7 +51,7 @@ class GraphTypes:
 
 
 class GraphAnnouncer:
-    """Keeps the ROS 2 graph told of one node and its endpoints."""
+    """Announces one node and its endpoints to the ROS 2 graph."""
 
     def __init__(self, participant: DomainParticipant, node: NodeIdentity) -> None:
         long = os.environ.get("ROS_DISTRO", "humble") in _LONG_GID_DISTRIBUTIONS
@@ -64,19 +66,20 @@ class GraphAnnouncer:
         self._announce()
 
     def add_reader(self, reader: Entity) -> None:
-        """Tell of one more subscription."""
+        """Announce a new subscription."""
         self._readers.append(self._gid(reader))
         self._announce()
 
     def add_writer(self, writer: Entity) -> None:
-        """Tell of one more publisher."""
+        """Announce a new publisher."""
         self._writers.append(self._gid(writer))
         self._announce()
 
     def _gid(self, entity: Entity) -> Any:
-        """A GUID, and zeros up to the size of a GID."""
+        """Return an entity's GUID, padded with zeros to the size of a GID."""
         return self._types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
 
     def _announce(self) -> None:
+        # The topic keeps one sample for each participant, so each announcement lists all endpoints.
         node = self._types.node(self._node.namespace, self._node.name, self._readers, self._writers)
         self._writer.write([cdr.encode(self._types.participant(self._gid(self._participant), [node]))])

@@ -1,4 +1,4 @@
-"""A middleware inside one process: for tests, and where there is no ROS 2 at all."""
+"""Middleware inside one process, for tests and for machines without ROS 2."""
 
 from __future__ import annotations
 
@@ -15,42 +15,43 @@ Callbacks = list[Callback]
 
 @dataclass
 class Graph:
-    """The topics of one process, and who listens to each. Middlewares that share a graph see each other."""
+    """Topics of one process with their subscribers. Middlewares that share a graph see each other."""
 
     callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
     publishers: Counter[str] = field(default_factory=Counter)
 
 
 class MemoryPublisher:
-    """Calls every subscriber of its topic at once, in the publishing thread."""
+    """Publisher that calls every subscriber of its topic directly, on the publishing thread."""
 
     def __init__(self, callbacks: Callbacks) -> None:
         self._callbacks = callbacks
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Hand the messages to each subscriber."""
+        """Pass the messages to each subscriber."""
+        # A copy: a callback may subscribe or unsubscribe.
         for callback in tuple(self._callbacks):
             callback(messages)
         return len(messages)
 
     def has_subscribers(self) -> bool:
-        """Whether anyone subscribed."""
+        """Return true if the topic has a subscriber."""
         return bool(self._callbacks)
 
 
 class MemorySubscription:
-    """Knows who publishes on its topic."""
+    """Subscription that counts the publishers of its topic."""
 
     def __init__(self, graph: Graph, topic: str) -> None:
         self._graph, self._topic = graph, topic
 
     def has_publishers(self) -> bool:
-        """Whether any middleware that is open publishes."""
+        """Return true if an open middleware publishes on the topic."""
         return self._graph.publishers[self._topic] > 0
 
 
 class MemoryMiddleware:
-    """Topics within one process."""
+    """Connection to the topics of one process."""
 
     def __init__(self, graph: Graph | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
@@ -58,7 +59,7 @@ class MemoryMiddleware:
         self._published: list[str] = []
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> MemoryPublisher:
-        """A writer on a topic."""
+        """Create a publisher on a topic."""
         self._published.append(topic)
         self._graph.publishers[topic] += 1
         return MemoryPublisher(self._graph.callbacks[topic])
@@ -66,14 +67,14 @@ class MemoryMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> MemorySubscription:
-        """Call ``callback`` with the messages of a topic, from the thread that publishes them."""
+        """Call ``callback`` with messages of a topic, on the publishing thread."""
         callbacks = self._graph.callbacks[topic]
         callbacks.append(callback)
         self._own.append((callbacks, callback))
         return MemorySubscription(self._graph, topic)
 
     def close(self) -> None:
-        """Unsubscribe, and publish no more."""
+        """Unsubscribe from all topics and remove the publishers."""
         self._graph.publishers.subtract(self._published)
         self._published.clear()
         for callbacks, callback in self._own:

@@ -1,4 +1,4 @@
-"""The middleware: a connection to the ROS 2 graph that speaks serialized messages, whichever way it reaches it."""
+"""Interface of a middleware: a connection to the ROS 2 graph that exchanges serialized messages."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 
 Callback = Callable[[Sequence[bytes]], None]
-"""What is called with serialized messages (CDR with its header) of one topic, oldest first: as many as have come."""
+"""Function called with all messages of one topic that have arrived, serialized (CDR with header), oldest first."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeIdentity:
-    """Who we are on the ROS 2 graph."""
+    """Name and namespace of our node."""
 
     name: str
     namespace: str = "/"
-    """Fully qualified, starting with a slash."""
+    """Fully qualified, with a leading slash."""
 
     def topic(self, name: str) -> str:
-        """The fully qualified name of a topic: ``~/x`` is below the node, ``x`` in its namespace."""
+        """Return the fully qualified name of a topic: ``~/x`` is below the node, ``x`` in its namespace."""
         if name.startswith("/"):
             return name
         if name.startswith("~/"):
@@ -31,46 +31,46 @@ class NodeIdentity:
 
     @property
     def full_name(self) -> str:
-        """Namespace and name, as ``ros2 node list`` prints it."""
+        """Namespace and name, as ``ros2 node list`` prints them."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
 class Publisher(Protocol):
-    """One topic to write to."""
+    """Publisher on one topic."""
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Write serialized messages (CDR with its header), in order. Never waits for a subscriber.
+        """Publish serialized messages (CDR with header) in order, without ever waiting for a subscriber.
 
-        Returns how many were accepted; the others would have had to wait.
+        Returns how many were accepted. A full queue makes it stop; the caller counts the remaining messages as lost.
         """
 
     def has_subscribers(self) -> bool:
-        """Whether anyone is known to listen."""
+        """Return true if a subscriber is known."""
 
 
 class Subscription(Protocol):
-    """One topic to read from."""
+    """Subscription of one topic."""
 
     def has_publishers(self) -> bool:
-        """Whether anyone is known to publish. A publisher that was killed is known for some seconds more."""
+        """Return true if a publisher is known. A killed publisher stays known for some seconds."""
 
 
 class Middleware(Protocol):
-    """A connection to the ROS 2 graph, as one node. A context manager: leaving it takes the node away."""
+    """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
-        """A writer on a fully qualified topic."""
+        """Create a publisher on a fully qualified topic."""
 
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> Subscription:
-        """Call ``callback`` with the serialized messages of a fully qualified topic, from a thread of ours.
+        """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
-        Topics of a larger ``priority`` are served before others, where the middleware lets us decide that.
+        Topics with a larger ``priority`` are served first, if the middleware lets us choose.
         """
 
     def close(self) -> None:
-        """Take the node away. More than once does no harm."""
+        """Leave the graph. A second call does nothing."""
 
     def __enter__(self) -> Middleware: ...
 

@@ -24,39 +24,39 @@ from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
 
 
 class RclpyPublisher:
-    """A publisher of rclpy's that is given serialized messages."""
+    """rclpy publisher for serialized messages."""
 
     def __init__(self, publisher: Any) -> None:
         self._publisher = publisher
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Write serialized messages; rclpy takes bytes for a message that is serialized already."""
+        """Publish serialized messages; rclpy publishes an argument of type bytes without serializing it."""
         for message in messages:
             self._publisher.publish(message)
         return len(messages)
 
     def has_subscribers(self) -> bool:
-        """Whether any subscription matches."""
+        """Return true if a subscription matches."""
         return bool(self._publisher.get_subscription_count())
 
 
 class RclpySubscription:
-    """Knows who publishes on its topic."""
+    """rclpy subscription of one topic."""
 
     def __init__(self, node: Any, topic: str) -> None:
         self._node, self._topic = node, topic
 
     def has_publishers(self) -> bool:
-        """Whether the graph has any publisher of the topic."""
+        """Return true if the graph has a publisher of the topic."""
         return bool(self._node.count_publishers(self._topic))
 
 
 class RclpyMiddleware:
-    """One rclpy node, spun by a thread of its own."""
+    """rclpy node, spun by its own thread."""
 
     def __init__(self, node: NodeIdentity, parameters: Mapping[str, Any]) -> None:
         self._context = rclpy.Context()
-        # Signals stay with the program, which has resolved remaps and parameters as well.
+        # Signals, remappings and parameters stay with our command line, which has handled them already.
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
             node.name, namespace=node.namespace, context=self._context, use_global_arguments=False
@@ -70,7 +70,7 @@ class RclpyMiddleware:
         self._thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
-        """A writer on a fully qualified topic."""
+        """Create a publisher on a fully qualified topic."""
         return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
 
     def subscribe(
@@ -81,14 +81,15 @@ class RclpyMiddleware:
         callback: Callback,
         priority: int = 0,  # noqa: ARG002  # rclpy's executor takes one message of each topic in turn
     ) -> RclpySubscription:
-        """Call ``callback`` with each serialized message of a topic, from the spinning thread."""
+        """Call ``callback`` with each serialized message of a topic, on the spinning thread."""
+        # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
         self._node.create_subscription(
             _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
         )
         return RclpySubscription(self._node, topic)
 
     def close(self) -> None:
-        """Stop spinning and take the node away."""
+        """Stop spinning and destroy the node."""
         if not self._open:
             return
         self._open = False
@@ -104,13 +105,13 @@ class RclpyMiddleware:
         self.close()
 
     def _spin(self) -> None:
-        # ROS 2 may be shut down from outside; the program hears of it by its own signal.
+        # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
             self._executor.spin()
 
 
 def _ros_class(message_type: type[Message]) -> Any:
-    """The class of the installed interface package that has this message's type support."""
+    """Return the class of the installed interface package that has the type support of a message."""
     package, _, name = message_type.__msgtype__.split("/")
     try:
         return getattr(importlib.import_module(f"{package}.msg"), name)

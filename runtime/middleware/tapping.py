@@ -1,4 +1,4 @@
-"""A middleware around the middleware: others hear what passes, and the bridge on top of it does not know."""
+"""Middleware wrapper that passes every message to a listener too, without changes to the bridge."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.protocol import Callback, Middleware, Publisher, Subscription
 
 Tap = Callable[[Sequence[bytes]], None]
-"""Takes messages of one topic, oldest first, and returns at once."""
+"""Function that takes messages of one topic, oldest first. It must return at once."""
 
 
 class Listener(Protocol):
-    """Somebody who hears every topic: a recorder, a viewer."""
+    """Listener to all topics, such as a recorder or a viewer."""
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
-        """Where to put the serialized messages of a topic; asked once for each, at start."""
+        """Return the function that takes a topic's serialized messages. Called once per topic, at start."""
 
 
 class TappedMiddleware:
-    """Another middleware, and a listener that hears what goes through it."""
+    """Middleware whose messages also go to a listener."""
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
-        """A writer whose messages are heard once they are accepted."""
+        """Create a publisher whose messages reach the listener once they are accepted."""
         return _TappedPublisher(
             self._middleware.publisher(topic, message_type, qos), self._listener.topic(topic, message_type, qos)
         )
@@ -35,17 +35,17 @@ class TappedMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> Subscription:
-        """A reader whose messages are heard before they are handled."""
+        """Subscribe; messages reach the listener before the callback."""
         tap = self._listener.topic(topic, message_type, qos)
 
-        def heard(messages: Sequence[bytes]) -> None:
+        def tapped(messages: Sequence[bytes]) -> None:
             tap(messages)
             callback(messages)
 
-        return self._middleware.subscribe(topic, message_type, qos, heard, priority)
+        return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
 
     def close(self) -> None:
-        """Take the node away."""
+        """Leave the graph."""
         self._middleware.close()
 
     def __enter__(self) -> TappedMiddleware:
@@ -60,11 +60,11 @@ class _TappedPublisher:
         self._publish, self._tap = publisher.publish, tap
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Write, and let hear what was accepted."""
+        """Publish messages, and pass the accepted ones to the listener."""
         accepted = self._publish(messages)
         self._tap(messages if accepted == len(messages) else messages[:accepted])
         return accepted
 
     def has_subscribers(self) -> bool:
-        """The listener does, whoever else."""
+        """Return true, because the listener counts as a subscriber."""
         return True

@@ -1,5 +1,5 @@
-"""How a bridge is doing, for people and programs that watch it.
+"""State of a running bridge, for people and programs that watch it.
 
-A thread looks at the bridge's account a few times a second and works out rates and ages; the bridge's own thread does
-nothing for it but to measure how long each batch took.
+A thread reads the bridge's counters a few times a second and computes rates and ages. The bridge's own threads only
+measure how long each batch took.
 """

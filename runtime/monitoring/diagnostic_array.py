@@ -1,4 +1,4 @@
-"""The state of a bridge as ``diagnostic_msgs/msg/DiagnosticArray``, and back: a status for the node, and one a row."""
+"""State of a bridge as ``diagnostic_msgs/msg/DiagnosticArray``: one status for the node, and one for each row."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ QOS = Qos(depth=10)
 def publisher(
     middleware: Middleware, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
 ) -> Callable[[State], None]:
-    """A function that publishes a state. Raises `MiddlewareError` where diagnostic_msgs are not there (rclpy)."""
+    """Return a function that publishes a state. Raises `MiddlewareError` if rclpy lacks diagnostic_msgs."""
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
 
-    def tell(state: State) -> None:
-        publish([cdr.encode(array_of(state, clock()))])  # what a slow subscriber has no room for comes in a second
+    def publish_state(state: State) -> None:
+        publish([cdr.encode(array_of(state, clock()))])  # if a queue is full: the next one follows in a second
 
-    return tell
+    return publish_state
 
 
 def array_of(state: State, now: int) -> DiagnosticArray:
-    """The message, stamped with nanoseconds since 1970."""
+    """Return the message with a stamp in nanoseconds since 1970."""
     header = Header(Time(now // 10**9, now % 10**9))
     return DiagnosticArray(header, [_node_status(state), *(_row_status(state.node, row) for row in state.rows)])
 

@@ -1,4 +1,4 @@
-"""The topics of a bridge live in Foxglove, over its WebSocket protocol, with their schemas."""
+"""Live topics of a bridge in Foxglove, over its WebSocket protocol, with ROS 2 message definitions as schemas."""
 
 from __future__ import annotations
 
@@ -12,17 +12,22 @@ from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
-"""Where Foxglove looks, unless it is told otherwise."""
+"""Default port of Foxglove."""
 
 
 class FoxgloveServer:
-    """A server to which Foxglove connects. A context manager, and a `Listener` of topics.
+    """Server to which Foxglove connects.
 
-    Messages are handed to the SDK on the bridge's thread, which queues them; only topics that somebody has opened are.
+    A context manager, and a `Listener` of topics.
+
+    The bridge's thread hands messages to the SDK, which queues them; topics that no viewer has opened are skipped.
     """
 
     def __init__(self, name: str, address: str, port: int) -> None:
-        """Port 0 takes a free one. Raises `SetupError` where foxglove-sdk is missing, or the port cannot be had."""
+        """Start the server; port 0 takes a free one.
+
+        Raises `SetupError` if foxglove-sdk is missing or the port is not available.
+        """
         try:
             import foxglove
         except ImportError as error:
@@ -34,11 +39,11 @@ class FoxgloveServer:
         try:
             self._server = foxglove.start_server(name=name, host=address, port=port, context=self._context)
         except (RuntimeError, OSError, ValueError) as error:
-            raise SetupError(f"Foxglove cannot be served on TCP port {port} of {address}: {error}") from error
+            raise SetupError(f"cannot serve Foxglove on TCP port {port} of {address}: {error}") from error
         self.port: int = self._server.port
 
-    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # a socket has none
-        """Offer a topic."""
+    def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # WebSocket has no QoS
+        """Offer a topic to viewers."""
         schema = self._foxglove.Schema(
             name=message_type.__msgtype__, encoding="ros2msg", data=definition_of(message_type).encode()
         )
@@ -46,6 +51,7 @@ class FoxgloveServer:
         wanted, log, now = channel.has_sinks, channel.log, time.time_ns
 
         def tap(messages: Sequence[bytes]) -> None:
+            # Checked for each batch, since viewers come and go.
             if wanted():
                 for message in messages:
                     log(message, now())

@@ -1,4 +1,4 @@
-"""How long batches took, in buckets."""
+"""Histogram of the time that a bridge needs for a batch of datagrams."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from roverlink.runtime.bridge.to_peer import Send
 from roverlink.runtime.net import udp
 
 BOUNDS_S = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.5)
-"""Upper bounds of the buckets, in seconds; one more bucket has what took longer."""
+"""Upper bounds of the buckets in seconds; one more bucket holds longer times."""
 
 
 @dataclass(frozen=True, slots=True)
 class Latencies:
-    """A histogram as it stood."""
+    """Histogram at one moment."""
 
     counts: Sequence[int]
-    """Datagrams in each bucket of `BOUNDS_S`, and above the last."""
+    """Datagrams in each bucket of `BOUNDS_S`, and in the one above."""
     sum_s: float
 
     @property
     def total(self) -> int:
-        """All datagrams."""
+        """Number of datagrams in all buckets."""
         return sum(self.counts)
 
     def quantile(self, share: float) -> float | None:
-        """The bound below which a share of the datagrams lies, in seconds.
+        """Return the bucket bound in seconds below which this share (0 to 1) of the datagrams lies.
 
-        None where there are none, or where it lies above all bounds.
+        None if there are no datagrams, or if it lies above the last bound.
         """
         wanted, seen = share * self.total, 0
         for bound, count in zip(BOUNDS_S, self.counts):
@@ -42,30 +42,31 @@ class Latencies:
 
 
 class LatencyProbe:
-    """Measures a bridge's batches: from when they were read until they were published and forwarded."""
+    """Observer that measures a bridge's batches, from reading them to publishing and forwarding them."""
 
     def __init__(self) -> None:
         self._counts = [0] * (len(BOUNDS_S) + 1)
         self._sum_s = 0.0
 
     def receiving(self, handle: Handle) -> Handle:
-        """Time a batch; each of its datagrams counts as long as the whole of it."""
+        """Measure the time of a batch; it counts once for each datagram in it."""
         counts, now = self._counts, time.perf_counter
 
         def timed(batch: udp.Batch) -> None:
             start = now()
             handle(batch)
             took = now() - start
+            # No lock: only the receiving thread writes, and a reader may see a count that is one batch old.
             counts[bisect_left(BOUNDS_S, took)] += len(batch)
             self._sum_s += took * len(batch)
 
         return timed
 
-    def sending(self, peer: str, send: Send) -> Send:  # noqa: ARG002  # as an observer is asked
-        """Leave the other way as it is."""
+    def sending(self, peer: str, send: Send) -> Send:  # noqa: ARG002  # part of the Observer interface
+        """Return ``send`` unchanged: only received datagrams are measured."""
         return send
 
     @property
     def latencies(self) -> Latencies:
-        """The histogram as it stands."""
+        """Histogram of all batches up to now."""
         return Latencies(tuple(self._counts), self._sum_s)

@@ -1,4 +1,4 @@
-"""Watches the account of a bridge, and says how the bridge is doing."""
+"""Monitor of a bridge: reads its counters periodically and computes rates, ages and levels."""
 
 from __future__ import annotations
 
@@ -15,39 +15,39 @@ from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
-LOOK_S = 0.25
-"""How often the account is looked at: what an age may be wrong by."""
+SAMPLE_S = 0.25
+"""Interval in seconds at which the counters are read; the largest error of an age."""
 WINDOW_S = 2.0
-"""Over which rates are taken, and in which a drop makes a warning."""
-TELL_S = 1.0
-"""How often whoever wants to know is told."""
+"""Time window in seconds for rates, and for drops that raise a warning."""
+REPORT_S = 1.0
+"""Interval in seconds at which listeners get the state."""
 
-_LOW = 0.8  # of the expected rate, from where on it is too low
-_SILENT_PERIODS = 3.0  # of the expected rate, after which a row is stale; and never before WINDOW_S
+_LOW = 0.8  # share of the expected rate below which a row gets a warning
+_SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale, but at least WINDOW_S
 
 
 class Watched(Protocol):
-    """A bridge, as the monitor sees it."""
+    """Part of a bridge that the monitor reads."""
 
     account: Account
 
     def socket_state(self) -> SocketState:
-        """How full the socket is, and what the kernel dropped."""
+        """Return the fill level of the socket's receive buffer and the kernel's drop counter."""
 
 
-class _Look(NamedTuple):
-    """The counters at one moment."""
+class _Sample(NamedTuple):
+    """Counters at one moment."""
 
     time: float
     crossed: Counter[str]
     dropped: Counter[tuple[str, str]]
     received: int
     lost: int
-    """Everything that did not get through."""
+    """Sum of all losses."""
 
 
 class Monitor:
-    """Watches one bridge. A context manager, whose thread looks and tells."""
+    """Monitor of one bridge. A context manager; its thread reads counters and calls listeners."""
 
     def __init__(
         self,
@@ -60,16 +60,16 @@ class Monitor:
     ) -> None:
         self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
         self._recording, self._clock = recording, clock
-        self._looks: deque[_Look] = deque()
-        self._last: dict[str, float] = {}  # when each row was last seen to have crossed
-        self._tellings: list[Callable[[State], None]] = []
+        self._samples: deque[_Sample] = deque()
+        self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
+        self._listeners: list[Callable[[State], None]] = []
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
-        self.look()
+        self.sample()
 
-    def tell(self, listener: Callable[[State], None]) -> None:
-        """Have a listener told once a second, from the monitor's thread. Before the monitor is entered."""
-        self._tellings.append(listener)
+    def add_listener(self, listener: Callable[[State], None]) -> None:
+        """Call ``listener`` with the state once a second, on the monitor's thread. Use before entering the monitor."""
+        self._listeners.append(listener)
 
     def __enter__(self) -> Monitor:
         self._thread.start()
@@ -80,32 +80,33 @@ class Monitor:
         self._thread.join()
 
     def _run(self) -> None:
-        next_telling = self._clock()
-        while not self._ending.wait(LOOK_S):
-            self.look()
-            if self._clock() >= next_telling:
-                next_telling += TELL_S
+        next_report = self._clock()
+        while not self._ending.wait(SAMPLE_S):
+            self.sample()
+            if self._clock() >= next_report:
+                next_report += REPORT_S
                 state = self.state()
-                for listener in self._tellings:
+                for listener in self._listeners:
                     listener(state)
 
-    def look(self) -> None:
-        """Take the counters down."""
+    def sample(self) -> None:
+        """Read the counters once."""
         account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
         dropped = Counter(account.dropped_of_row)
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
-        before = self._looks[-1].crossed if self._looks else crossed
+        before = self._samples[-1].crossed if self._samples else crossed
         self._last.update({name: now for name, count in crossed.items() if count != before[name]})
         lost = account.dropped.total() + account.refused.total() + account.unsent.total()
-        lost += self._bridge.socket_state().drops  # the account learns of them with the next datagram
-        self._looks.append(_Look(now, crossed, dropped, account.received, lost))
-        while len(self._looks) > 2 and self._looks[1].time <= now - WINDOW_S:
-            self._looks.popleft()
+        lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
+        self._samples.append(_Sample(now, crossed, dropped, account.received, lost))
+        # Keep one sample older than the window, so that rates cover the whole window.
+        while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
+            self._samples.popleft()
 
     def state(self) -> State:
-        """How the bridge was doing at the last look."""
-        account, first, last = self._bridge.account, self._looks[0], self._looks[-1]
+        """Return the state of the bridge at the last reading."""
+        account, first, last = self._bridge.account, self._samples[0], self._samples[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
         level, message = self._overall(recording)
@@ -114,7 +115,7 @@ class Monitor:
             fingerprint=self._registry.fingerprint,
             rows=tuple(self._row(handler.route) for handler in self._registry.handlers),
             received=last.received,
-            received_rate=(last.received - first.received) / max(last.time - first.time, LOOK_S),
+            received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
             forwarded=dict(account.forwarded),
             unsent=dict(account.unsent),
             dropped=dict(account.dropped),
@@ -129,19 +130,23 @@ class Monitor:
 
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
-            return Level.ERROR, f"the recording has ended: {recording.failure}"
-        lost = self._looks[-1].lost - self._looks[0].lost
-        return (Level.WARN, f"{lost} lost in the last {WINDOW_S:.0f} s") if lost else (Level.OK, "nothing lost")
+            return Level.ERROR, f"the recording stopped: {recording.failure}"
+        lost = self._samples[-1].lost - self._samples[0].lost
+        return (
+            (Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s")
+            if lost
+            else (Level.OK, "nothing lost")
+        )
 
     def _row(self, route: Route) -> RowState:
-        first, last = self._looks[0], self._looks[-1]
-        name, span = route.name, max(last.time - first.time, LOOK_S)
+        first, last = self._samples[0], self._samples[-1]
+        name, span = route.name, max(last.time - first.time, SAMPLE_S)
         rate = (last.crossed[name] - first.crossed[name]) / span
         seen = self._last.get(name)
         age = None if seen is None else self._clock() - seen
         dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
         fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
-        level, message = _judged(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
+        level, message = _assess(route.expect_rate, rate, age, {reason: n for reason, n in fresh.items() if n})
         return RowState(
             number=route.number,
             name=name,
@@ -158,17 +163,18 @@ class Monitor:
         )
 
 
-def _judged(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
-    """How a row is, and why."""
+def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
+    """Return the level of a row and the reason."""
     if fresh:
-        told = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
-        return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {told}"
+        drops = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
+        return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {drops}"
     if expected is None:
-        return Level.OK, "" if age is not None else "nothing yet"
+        return Level.OK, "" if age is not None else "no message yet"
     silence = max(_SILENT_PERIODS / expected, WINDOW_S)
     if age is None or age > silence:
-        since = "nothing yet" if age is None else f"silent for {age:.1f} s"
-        return Level.STALE, f"{since}; {expected:g}/s are expected"
+        since = "no message yet" if age is None else f"silent for {age:.1f} s"
+        return Level.STALE, f"{since}; {expected:g}/s expected"
+    # Below 1.5 Hz the window of two seconds holds too few messages to judge a rate; only silence counts then.
     if rate < _LOW * expected and expected * WINDOW_S >= _SILENT_PERIODS:
-        return Level.WARN, f"{rate:.1f}/s where {expected:g}/s are expected"
+        return Level.WARN, f"{rate:.1f}/s; {expected:g}/s expected"
     return Level.OK, ""

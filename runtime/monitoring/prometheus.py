@@ -1,4 +1,4 @@
-"""The state of a bridge as Prometheus's metrics, and the port where they are scraped."""
+"""State of a bridge as Prometheus metrics, and the HTTP server where Prometheus scrapes them."""
 
 from __future__ import annotations
 
@@ -28,20 +28,21 @@ Samples = list[tuple[Mapping[str, Any], float]]
 
 
 def text_of(state: State) -> str:
-    """Render every counter, rate and age as Prometheus reads them."""
+    """Return all metrics of a state in the Prometheus text format."""
+    # A new registry for each scrape: the global one would add metrics of this process, and two bridges would clash.
     registry = CollectorRegistry()
     registry.register(_StateCollector(state))
     return generate_latest(registry).decode()
 
 
 class _StateCollector(Collector):
-    """The metrics of one state."""
+    """Collector of the metrics of one state."""
 
     def __init__(self, state: State) -> None:
         self._state = state
 
     def collect(self) -> Iterator[Metric]:
-        """Make every metric, with the prefix of our name."""
+        """Yield all metrics, with the prefix ``roverlink_``."""
         for name, help, samples in _families(self._state):
             family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
             metric = family(f"roverlink_{name}", help, labels=list(samples[0][0]) if samples else ())
@@ -52,35 +53,37 @@ class _StateCollector(Collector):
 
 
 def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
-    """Yield name, help and samples of every metric but the histogram; counters are those that end with ``_total``."""
-    yield "info", "The node and the table it bridges by.", [({"node": state.node, "fingerprint": state.fingerprint}, 1)]
-    yield "received_total", "Datagrams taken from the socket.", [({}, state.received)]
-    yield "kernel_drops_total", "Datagrams that the kernel dropped.", [({}, state.kernel_drops)]
+    """Yield name, help text and samples of each metric but the histogram; ``_total`` marks counters."""
+    yield "info", "Node name, and fingerprint of its table.", [
+        ({"node": state.node, "fingerprint": state.fingerprint}, 1)
+    ]
+    yield "received_total", "Datagrams read from the socket.", [({}, state.received)]
+    yield "kernel_drops_total", "Datagrams that the kernel dropped because the receive buffer was full.", [
+        ({}, state.kernel_drops)
+    ]
     yield "dropped_total", "Datagrams that were not bridged.", _by("reason", state.dropped)
-    yield "forwarded_total", "Raw datagrams handed on.", _by("peer", state.forwarded)
-    yield "unsent_total", "Datagrams that the network refused.", _by("peer", state.unsent)
-    yield "socket_waiting_bytes", "Bytes that wait in the socket.", [({}, state.socket_waiting)]
-    yield "socket_size_bytes", "Bytes that the socket holds at most.", [({}, state.socket_size)]
+    yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
+    yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
+    yield "socket_waiting_bytes", "Bytes waiting in the socket's receive buffer.", [({}, state.socket_waiting)]
+    yield "socket_size_bytes", "Size of the socket's receive buffer.", [({}, state.socket_size)]
     rows = [({"row": row.name, "number": row.number, "direction": row.direction}, row) for row in state.rows]
-    yield "crossed_total", "Messages that crossed.", [(labels, row.count) for labels, row in rows]
-    yield "row_dropped_total", "Messages of a row that did not cross.", [
+    yield "crossed_total", "Messages bridged, by row.", [(labels, row.count) for labels, row in rows]
+    yield "row_dropped_total", "Messages of a row that were not bridged.", [
         ({**labels, "reason": reason}, count) for labels, row in rows for reason, count in row.dropped.items()
     ]
-    yield "rate", "Messages a second, over two seconds.", [(labels, row.rate) for labels, row in rows]
-    yield "age_seconds", "Time since the last message.", [
+    yield "rate", "Messages a second, averaged over two seconds.", [(labels, row.rate) for labels, row in rows]
+    yield "age_seconds", "Seconds since the row's last message.", [
         (labels, row.age) for labels, row in rows if row.age is not None
     ]
-    yield "expected_rate", "Messages a second that the table expects.", [
+    yield "expected_rate", "Messages a second that the table expects (expect_rate).", [
         (labels, row.expect_rate) for labels, row in rows if row.expect_rate is not None
     ]
-    yield "level", "0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
+    yield "level", "State of the row: 0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
     if recording := state.recording:
-        yield "recording_bytes_total", "Bytes of the recording on disk.", [({}, recording.bytes)]
-        yield "recording_waiting", "Messages that wait for the disk.", [({}, recording.waiting)]
+        yield "recording_bytes_total", "Bytes of the recording written to disk.", [({}, recording.bytes)]
+        yield "recording_waiting", "Messages waiting to be written to the recording.", [({}, recording.waiting)]
         yield "recording_lost_total", "Messages that were not recorded.", [({}, recording.lost)]
-        yield "recording_failed", "1 once the recording has ended before its time.", [
-            ({}, recording.failure is not None)
-        ]
+        yield "recording_failed", "1 if the recording failed, else 0.", [({}, recording.failure is not None)]
 
 
 def _by(label: str, counts: Mapping[str, int]) -> Samples:
@@ -91,22 +94,22 @@ def _histogram(latencies: Latencies) -> HistogramMetricFamily:
     bounds = [*map(floatToGoString, BOUNDS_S), "+Inf"]
     return HistogramMetricFamily(
         "roverlink_handling_seconds",
-        "From when a datagram was read until its batch was published and forwarded.",
+        "Time from reading a datagram until its batch was published and forwarded.",
         buckets=list(zip(bounds, accumulate(latencies.counts))),
         sum_value=latencies.sum_s,
     )
 
 
 class MetricsServer(HttpServer):
-    """An HTTP server with one page, ``/metrics``. A context manager."""
+    """HTTP server with one page, ``/metrics``. A context manager."""
 
     def __init__(self, address: str, port: int, state: Callable[[], State]) -> None:
-        """Port 0 takes a free one. Raises `SetupError` where the port cannot be had."""
+        """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
 
         class Page(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
                 known = self.path.partition("?")[0] in ("/", "/metrics")
-                body = text_of(state()).encode() if known else b"the metrics are at /metrics\n"
+                body = text_of(state()).encode() if known else b"not found; the metrics are at /metrics\n"
                 self.send_response(200 if known else 404)
                 self.send_header("Content-Type", CONTENT_TYPE if known else "text/plain")
                 self.send_header("Content-Length", str(len(body)))
@@ -114,6 +117,6 @@ class MetricsServer(HttpServer):
                 self.wfile.write(body)
 
             def log_message(self, *_: object) -> None:
-                """Scrapes are no news."""
+                """Log nothing: a scrape every few seconds is not worth a line."""
 
         super().__init__(address, port, "metrics", Page)

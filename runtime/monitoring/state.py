@@ -1,4 +1,4 @@
-"""The state of a bridge: what each row does, what is wrong with it, and how full things are."""
+"""State of a bridge at one moment, as values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.runtime.monitoring.histogram import Latencies
 
 
 class Level(IntEnum):
-    """How a thing is, as diagnostic_msgs numbers it."""
+    """Level of a status, with the numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -20,7 +20,7 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class RowState:
-    """One row of the table."""
+    """State of one row of the table."""
 
     number: int
     name: str
@@ -28,22 +28,22 @@ class RowState:
     topic: str
     peer: str
     count: int
-    """Messages that have crossed."""
+    """Messages bridged since the start."""
     rate: float
-    """Messages a second, over the last two seconds."""
+    """Messages a second, averaged over the last two seconds."""
     age: float | None
-    """Seconds since the last one; None where none has crossed."""
+    """Seconds since the last message; None if there was none."""
     expect_rate: float | None
     """Messages a second that the table expects at least."""
     dropped: Mapping[str, int]
-    """What did not cross, by reason."""
+    """Messages that were not bridged, by reason."""
     level: Level
     message: str
 
 
 @dataclass(frozen=True)
 class Recording:
-    """How a recording is doing."""
+    """State of a recording."""
 
     path: str
     waiting: int
@@ -54,7 +54,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class State:
-    """A bridge at one moment."""
+    """State of a bridge."""
 
     node: str
     fingerprint: str
@@ -62,18 +62,18 @@ class State:
     received: int
     received_rate: float
     forwarded: Mapping[str, int]
-    """Raw datagrams handed on, by peer."""
+    """Raw datagrams forwarded, by peer."""
     unsent: Mapping[str, int]
     """Datagrams that the network refused, by peer."""
     dropped: Mapping[str, int]
-    """Datagrams that were not bridged, by reason; of which row is known or not."""
+    """Datagrams that were not bridged, by reason, including those of no known row."""
     kernel_drops: int
     socket_waiting: int
-    """Bytes that wait in the socket."""
+    """Bytes waiting in the socket's receive buffer."""
     socket_size: int
-    """Bytes that the socket holds at most."""
+    """Size of the socket's receive buffer in bytes."""
     level: Level
-    """Of the datagrams as a whole."""
+    """Level of the bridge as a whole."""
     message: str
     latencies: Latencies = field(default=Latencies((), 0.0))
     recording: Recording | None = None

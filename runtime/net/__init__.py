@@ -1,1 +1,1 @@
-"""UDP sockets, addresses, and who may speak."""
+"""UDP sockets, system calls for batches, and access control by sender address."""

@@ -1,4 +1,4 @@
-"""An HTTP server beside what a program does otherwise."""
+"""HTTP server on threads of its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Self = TypeVar("Self", bound="HttpServer")
 
 
 class HttpServer:
-    """Takes requests in a thread of its own, and answers each in another. A context manager."""
+    """HTTP server that accepts requests on one thread and answers each on another. A context manager."""
 
     def __init__(
         self,
@@ -22,11 +22,16 @@ class HttpServer:
         handler: type[BaseHTTPRequestHandler],
         kind: type[ThreadingHTTPServer] = ThreadingHTTPServer,
     ) -> None:
-        """Port 0 takes a free one; `what` is served. Raises `SetupError` where the port cannot be had."""
+        """Bind the port; 0 takes a free one.
+
+        ``what`` names the content in errors.
+
+        Raises `SetupError` if the port is not available.
+        """
         try:
             self._server = kind((address, port), handler)
         except (OSError, OverflowError) as error:
-            raise SetupError(f"the {what} cannot be served on TCP port {port} of {address}: {error}") from error
+            raise SetupError(f"cannot serve the {what} on TCP port {port} of {address}: {error}") from error
         self.port: int = self._server.server_address[1]
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name=what, daemon=True)
 

@@ -1,7 +1,9 @@
-"""Linux's recvmmsg(2): many datagrams for one system call.
+"""Linux's recvmmsg(2): read many datagrams with one system call.
 
-`socket.recv` costs one call a datagram and gives the interpreter lock away each time, which under load means a thread
-switch a datagram. Called through `ctypes.PyDLL` the lock is kept; the call never blocks (``MSG_DONTWAIT``).
+`socket.recv` costs one call per datagram and releases the interpreter lock each time; under load that means a thread
+switch per datagram. A call through `ctypes.PyDLL` keeps the lock. It never blocks, because of ``MSG_DONTWAIT``.
+
+The structures follow recvmmsg(2) and recvmsg(2).
 """
 
 from __future__ import annotations
@@ -37,16 +39,16 @@ class _Mmsghdr(ctypes.Structure):
 
 
 class BatchReader:
-    """Reads what a UDP socket holds, up to ``slots`` datagrams at a time.
+    """Reads the datagrams waiting in a UDP socket, up to ``slots`` at a time.
 
-    A datagram longer than ``size`` bytes comes cut to ``size``; give one byte more than the longest that is wanted, and
-    a length of ``size`` means too long.
+    The kernel cuts a datagram longer than ``size`` bytes. Set ``size`` to one byte more than the longest allowed
+    datagram; a length of ``size`` then means that it is too long.
     """
 
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         self._descriptor = sock.fileno()
         self._size, self._slots = size, slots
-        self._buffer: Any = (ctypes.c_char * (size * slots))()  # slices of it are bytes, which its stubs do not say
+        self._buffer: Any = (ctypes.c_char * (size * slots))()  # Any: the stubs do not know that slices of it are bytes
         self._iovecs = (_Iovec * slots)()
         self._headers = (_Mmsghdr * slots)()
         start = ctypes.addressof(self._buffer)
@@ -58,23 +60,26 @@ class BatchReader:
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
 
     def _length_column(self) -> memoryview:
-        """The ``length`` of each header, as one strided view."""
+        """Return the ``length`` of all headers as one strided view, which is faster than attribute access."""
         words = memoryview(self._headers).cast("B").cast("I")
         stride = ctypes.sizeof(_Mmsghdr) // words.itemsize
         return words[_Mmsghdr.length.offset // words.itemsize :: stride]
 
     def _receive(self) -> int:
-        """How many datagrams were read into the slots."""
+        """Read datagrams into the slots and return their number."""
         count: int = self._recvmmsg(self._descriptor, self._headers, self._slots, socket.MSG_DONTWAIT, None)
         if count >= 0:
             return count
         code = ctypes.get_errno()
+        # Nothing has arrived, or a signal came first: both mean that there is nothing to read now.
         if code in (errno.EAGAIN, errno.EINTR):
             return 0
         raise OSError(code, os.strerror(code))
 
     def read(self) -> list[bytes]:
-        """The datagrams that have arrived, oldest first; empty where there are none. Never waits.
+        """Return the datagrams that have arrived, oldest first; an empty list if there are none.
+
+        Never blocks.
 
         Raises `OSError` as `socket.socket.recv` does.
         """
@@ -85,12 +90,12 @@ class BatchReader:
         ]
 
 
-_SOCKADDR = 16  # bytes of a sockaddr_in
-_ADDRESS_AT = 4  # behind family and port
+_SOCKADDR = 16  # bytes of a sockaddr_in, ip(7): family, port, address, padding
+_ADDRESS_AT = 4  # offset of the address, after family and port
 
 
 class SourceReader(BatchReader):
-    """Reads with each datagram where it comes from."""
+    """Reads datagrams with their senders' addresses."""
 
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         super().__init__(sock, size, slots)
@@ -101,7 +106,7 @@ class SourceReader(BatchReader):
             self._headers[slot].header.namelen = _SOCKADDR
 
     def read_with_sources(self) -> list[tuple[bytes, bytes]]:
-        """As `read`; each datagram with the IPv4 address of its sender, four bytes."""
+        """Read as `read`; return each datagram with its sender's IPv4 address, four bytes."""
         datagrams = self.read()
         names = self._names
         starts = range(_ADDRESS_AT, len(datagrams) * _SOCKADDR, _SOCKADDR)

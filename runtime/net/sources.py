@@ -1,7 +1,7 @@
-"""Who may speak: for which peers an address speaks, and how much of it is taken.
+"""Access control by sender address: which peers have an address, and how many datagrams it may send.
 
-No socket, no clock: an address is its four bytes, a time is in seconds of a clock that never goes back. What is known
-of addresses is bounded; strangers are not remembered at all.
+No socket and no clock: an address is four bytes, a time is in seconds of a monotonic clock. Memory is bounded: only a
+limited number of known addresses is kept, and unknown ones never are, so spoofed addresses cannot exhaust it.
 """
 
 from __future__ import annotations
@@ -16,35 +16,36 @@ from ipaddress import IPv4Network
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import Peer
 
-_REMEMBERED = 4096  # addresses; what is taken of one that was forgotten starts anew
+_REMEMBERED = 4096  # addresses; a forgotten one starts again with a full allowance
 _BURST_S = 0.25
 _SMALLEST_BURST = 32
 
 Address = bytes
-"""An IPv4 address, four bytes."""
+"""IPv4 address, four bytes in network order."""
 
 
-def restrict(peers: Iterable[Peer]) -> bool:
-    """Whether the table says anything about who may speak."""
+def restricts_sources(peers: Iterable[Peer]) -> bool:
+    """Return true if the table restricts the senders of any peer (table key ``sources``)."""
     return any(peer.sources for peer in peers)
 
 
 @dataclass(slots=True)
 class _Source:
-    """An address that may speak."""
+    """Known sender address, with a token bucket for its rate."""
 
     peers: frozenset[str]
     rate: float
-    """Datagrams a second; infinity for any number."""
+    """Datagrams a second; infinity for no limit."""
     burst: float
     allowance: float
     at: float
-    """When the allowance was reckoned."""
+    """Time of the last change of the allowance."""
 
-    def may_speak(self, now: float) -> bool:
-        """Whether one more datagram is taken; it is then counted."""
+    def take_token(self, now: float) -> bool:
+        """Take one token; return false if the bucket is empty."""
         if self.rate == math.inf:
             return True
+        # Token bucket: tokens flow in at `rate`, and at most `burst` are kept.
         self.allowance = min(self.burst, self.allowance + (now - self.at) * self.rate)
         self.at = now
         if self.allowance < 1:
@@ -54,7 +55,7 @@ class _Source:
 
 
 class SourceGate:
-    """Decides by the address that a datagram comes from. For one thread."""
+    """Decides by sender address which datagrams are accepted. To be used from one thread."""
 
     def __init__(self, peers: Iterable[Peer]) -> None:
         self._peers = tuple(peers)
@@ -63,35 +64,38 @@ class SourceGate:
             for peer in self._peers
             for network in map(IPv4Network, peer.sources)
         ]
-        self._anywhere = {peer.name for peer in self._peers if not peer.sources}
+        self._unrestricted = {peer.name for peer in self._peers if not peer.sources}
         self._known: OrderedDict[Address, _Source] = OrderedDict()
 
     def admit(self, address: Address, now: float) -> frozenset[str]:
-        """The peers for which an address speaks.
+        """Return the peers that have this address.
 
-        Raises `DatagramError` where it speaks for none, or has sent more than is taken of it.
+        Raises `DatagramError` if no peer has it, or if it sends more than its rate.
         """
         source = self._known.get(address)
         if source is None:
-            source = self._meet(address, now)
+            source = self._add(address, now)
         else:
             self._known.move_to_end(address)
-        if not source.may_speak(now):
+        if not source.take_token(now):
             raise DatagramError(
                 Reason.OVER_RATE, f"{socket.inet_ntoa(address)} sends more than {source.rate:g} datagrams a second"
             )
         return source.peers
 
-    def _meet(self, address: Address, now: float) -> _Source:
+    def _add(self, address: Address, now: float) -> _Source:
         number = int.from_bytes(address, "big")
         named = {name for name, network, mask in self._networks if number & mask == network}
-        peers = named | self._anywhere
+        peers = named | self._unrestricted
         if not peers:
-            raise DatagramError(Reason.UNKNOWN_SOURCE, f"{socket.inet_ntoa(address)} is no source of any peer")
+            raise DatagramError(
+                Reason.UNKNOWN_SOURCE, f"{socket.inet_ntoa(address)} is not among the sources of any peer"
+            )
         rates = [peer.source_rate or math.inf for peer in self._peers if peer.name in named]
-        rate = max(rates, default=math.inf)  # an address of several peers has what the most generous of them has
+        rate = max(rates, default=math.inf)  # an address of several peers gets the highest of their rates
         burst = max(_SMALLEST_BURST, rate * _BURST_S)
         source = self._known[address] = _Source(frozenset(peers), rate, burst, burst, now)
+        # The least recently used address goes: `move_to_end` above keeps the order of use.
         if len(self._known) > _REMEMBERED:
             self._known.popitem(last=False)
         return source

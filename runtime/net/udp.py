@@ -1,7 +1,7 @@
-"""The UDP side: a bound socket that a thread of its own empties.
+"""UDP reception: a bound socket and the thread that reads it.
 
-Closing a UDP socket does not wake a receive that blocks on it (Linux), so the thread waits on the socket and on a
-wake-up descriptor at once, and stopping drains what had arrived before it.
+On Linux, closing a UDP socket does not wake a thread that is blocked on it. So the thread polls the socket together
+with a wake-up descriptor. When it stops, it first handles the datagrams that have arrived.
 """
 
 from __future__ import annotations
@@ -20,32 +20,37 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import mmsg
 
-_SO_RCVBUFFORCE = 33
-_SO_MEMINFO = 55
+_SO_RCVBUFFORCE = 33  # asm-generic/socket.h
+_SO_MEMINFO = 55  # asm-generic/socket.h
 _MEMINFO_DROPS = 8  # SK_MEMINFO_DROPS in linux/sock_diag.h
-_DRAIN_S = 0.5
+_DRAIN_S = 0.5  # longest time to handle datagrams after the stop, and again to count the rest
 _SIGNAL_S = 0.2
-"""How often whoever waits for the thread looks up. A signal that comes just before a wait begins does not end the wait,
-and Python calls its handler only once the main thread runs again."""
+"""Interval in seconds at which a waiting main thread wakes up.
+
+Python runs signal handlers only in the main thread, and a signal that arrives just before a wait does not end it.
+"""
 
 _SLOTS = 64
-"""Most datagrams that are read at once."""
+"""Most datagrams per system call."""
 
 BURST = 8
-"""Most datagrams in a batch. They are published in one go, so it is below the ten messages that a ROS 2 subscription
-keeps by default: a burst of ours never overruns one."""
+"""Most datagrams in a batch.
+
+A batch is published at once. Eight is below the default depth (10) of a ROS 2 subscription, so that one batch cannot
+overflow its queue.
+"""
 
 Batch = list[bytes]
-Sourced = tuple[bytes, bytes]
-"""A datagram, and the IPv4 address that it comes from: four bytes."""
+SourcedDatagram = tuple[bytes, bytes]
+"""A datagram with its sender's IPv4 address, four bytes."""
 
 T = TypeVar("T")
 
 
 def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
-    """A UDP socket that listens, with a receive buffer as near to ``receive_buffer`` bytes as the system lets it have.
+    """Return a bound UDP socket whose receive buffer is as near to ``receive_buffer`` bytes as the system allows.
 
-    Raises `SetupError` that says which port cannot be had and why.
+    Raises `SetupError` with port and cause.
     """
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
@@ -61,37 +66,41 @@ def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str
     if not isinstance(error, OSError):
         return f"cannot listen on UDP port {port} of {address}: {error}"
     if error.errno == errno.EADDRINUSE:
-        return f"UDP port {port} on {address} is in use by another program; stop it, or listen on another"
+        return f"UDP port {port} on {address} is in use by another program; stop that program or choose another port"
     return f"cannot listen on UDP port {port} of {address}: {error.strerror}"
 
 
 def _size_receive_buffer(sock: socket.socket, size: int) -> None:
+    # Before bind(), so that no datagram arrives while the buffer is still small.
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
     if sys.platform == "linux" and receive_buffer(sock) < size:
-        # Beyond net.core.rmem_max, for those who may; others compare what they asked for with what they got.
+        # SO_RCVBUFFORCE exceeds net.core.rmem_max but needs CAP_NET_ADMIN. Others get a warning about the difference.
         with contextlib.suppress(PermissionError):
             sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, size)
 
 
 def receive_buffer(sock: socket.socket) -> int:
-    """The size of the receive buffer in bytes, counted as it was asked for (Linux reports the double)."""
+    """Return the size of the receive buffer in bytes, as requested.
+
+    Linux reports twice that, since it adds room for its own bookkeeping (socket(7)).
+    """
     size = sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
     return size // 2 if sys.platform == "linux" else size
 
 
 class SocketState(NamedTuple):
-    """How full a socket is, as the kernel counts; zeros where the system does not say."""
+    """Fill level of a socket's receive buffer, counted by the kernel; zeros if the system does not report it."""
 
     waiting: int = 0
-    """Bytes that wait, overhead included."""
+    """Bytes in the buffer, with the kernel's overhead."""
     size: int = 0
-    """Bytes that may wait at most."""
+    """Size of the buffer in bytes."""
     drops: int = 0
-    """Datagrams that the kernel dropped because there was no room."""
+    """Datagrams dropped because the buffer was full."""
 
 
 def socket_state(sock: socket.socket) -> SocketState:
-    """How full a socket is; zeros of one that is closed."""
+    """Return the fill level of a socket; zeros for a closed one."""
     if sys.platform != "linux":
         return SocketState()
     try:
@@ -103,40 +112,40 @@ def socket_state(sock: socket.socket) -> SocketState:
 
 
 def kernel_drops(sock: socket.socket) -> int:
-    """Datagrams that the kernel dropped because the receive buffer was full; 0 where the system does not say."""
+    """Return how many datagrams the kernel dropped because the buffer was full; 0 if the system does not report it."""
     return socket_state(sock).drops
 
 
 def resolve(host: str, port: int) -> tuple[str, int]:
-    """The IPv4 address of a host. Raises `SetupError` where the name does not resolve."""
+    """Return the IPv4 address of a host. Raises `SetupError` if the name does not resolve."""
     try:
         found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
-        raise SetupError(f"the destination {host!r} does not resolve: {error}") from error
+        raise SetupError(f"the destination {host!r} does not resolve to an IPv4 address: {error}") from error
     address: tuple[str, int] = found[0][4]  # type: ignore[assignment]  # AF_INET was asked for
     return address
 
 
 def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
-    """A function that reads what has arrived and never waits.
+    """Return a function that reads the datagrams that have arrived, without blocking.
 
-    ``size`` is the longest datagram that is wanted, in bytes, and one more; longer ones come cut to it.
+    ``size`` is one byte more than the longest allowed datagram; longer ones are cut to it.
     """
     return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
 
 
-def source_reader(sock: socket.socket, size: int) -> Callable[[], list[Sourced]]:
-    """As `reader`; each datagram comes with the address of its sender."""
+def source_reader(sock: socket.socket, size: int) -> Callable[[], list[SourcedDatagram]]:
+    """Return a function as `reader` does; it gives each datagram with its sender's address."""
     if mmsg.AVAILABLE:
         return mmsg.SourceReader(sock, size, _SLOTS).read_with_sources
     return OneByOneReader(sock, size, _SLOTS).read_with_sources
 
 
 class Receiver(Generic[T]):
-    """The thread that empties a UDP socket, a batch at a time, into a function that must not wait for anybody.
+    """Thread that reads a UDP socket and passes batches to a function, which must not block.
 
-    What arrives while the function works gathers in the kernel's buffer, so nothing is queued twice. A context
-    manager: leaving it stops the thread, after the function was given everything that had arrived.
+    Datagrams that arrive meanwhile wait in the kernel's buffer, so there is no second queue. A context manager: on exit
+    it handles the datagrams that have arrived, then stops the thread.
     """
 
     def __init__(
@@ -146,7 +155,7 @@ class Receiver(Generic[T]):
         handle: Callable[[list[T]], None],
         reader: Callable[[socket.socket, int], Callable[[], list[Any]]] = reader,
     ) -> None:
-        """``size`` is as that of `reader`; with `source_reader` the function is given addresses too."""
+        """Prepare the thread; ``size`` is that of `reader`. With `source_reader`, ``handle`` gets addresses too."""
         self._sock = sock
         self._handle = handle
         self._read: Callable[[], list[T]] = reader(sock, size)
@@ -154,7 +163,7 @@ class Receiver(Generic[T]):
         self._wake.setblocking(False)
         self._stopping = False
         self.left = 0
-        """Datagrams that had arrived when it stopped, and that there was no time to handle."""
+        """Datagrams that had arrived at the stop but were not handled in time."""
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
 
@@ -169,13 +178,13 @@ class Receiver(Generic[T]):
         self._woken.close()
 
     def stop(self) -> None:
-        """Ask the thread to drain the socket and end. May be called from a signal handler, and more than once."""
+        """Ask the thread to drain the socket and end. Safe in a signal handler, and more than once."""
         self._stopping = True
-        with contextlib.suppress(OSError):  # it was told so often that no more fits, or it has ended
+        with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 
     def join(self) -> None:
-        """Wait until the thread ends. Raises what the function raised, where that ended it."""
+        """Wait until the thread ends. Raises the exception of ``handle`` that ended it, if any."""
         while self._thread.is_alive():
             self._thread.join(_SIGNAL_S)
         if self._failure is not None:
@@ -187,22 +196,24 @@ class Receiver(Generic[T]):
         poll.register(self._woken, select.POLLIN)
         try:
             while not self._stopping:
+                # Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
                 poll.poll()
                 self._handle_burst()
             self._drain()
-        except BaseException as failure:  # noqa: BLE001  # handed to whoever joins
+        except BaseException as failure:  # noqa: BLE001  # `join` raises it
             self._failure = failure
 
     def _handle_burst(self) -> None:
-        """Handle what has arrived, and what arrives meanwhile."""
+        """Handle all datagrams that have arrived, and those that arrive meanwhile."""
         more = True
         while more and not self._stopping:
             datagrams = self._read()
+            # Fewer than the slots: the socket was empty. Poll again instead of a read that returns nothing.
             more = len(datagrams) == _SLOTS
             self._handle_in_batches(datagrams)
 
     def _drain(self) -> None:
-        """Handle what had arrived; a sender that goes on sending does not keep us."""
+        """Handle datagrams that have arrived, but only for a limited time: the sender may go on."""
         deadline = time.monotonic() + _DRAIN_S
         while time.monotonic() < deadline and (datagrams := self._read()):
             self._handle_in_batches(datagrams)
@@ -216,18 +227,18 @@ class Receiver(Generic[T]):
 
 
 class OneByOneReader:
-    """Reads what a UDP socket holds with the calls that every system has."""
+    """Reads a UDP socket with system calls that every platform has."""
 
     def __init__(self, sock: socket.socket, size: int, limit: int) -> None:
         self._sock, self._size, self._limit = sock, size, limit
         sock.setblocking(False)
 
     def read(self) -> Batch:
-        """The datagrams that have arrived, oldest first, each cut to ``size`` bytes; empty where there are none."""
+        """Return the datagrams that have arrived, oldest first, cut to ``size`` bytes; [] if there are none."""
         return [datagram for datagram, _ in self._arrived()]
 
-    def read_with_sources(self) -> list[Sourced]:
-        """As `read`, with the addresses of the senders."""
+    def read_with_sources(self) -> list[SourcedDatagram]:
+        """Read as `read`; return each datagram with its sender's address."""
         return [(datagram, socket.inet_aton(host)) for datagram, (host, _) in self._arrived()]
 
     def _arrived(self) -> Iterator[tuple[bytes, tuple[str, int]]]:

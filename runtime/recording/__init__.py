@@ -1,10 +1,10 @@
-"""A run on disk: what a bridge received, published, heard and sent, as MCAP files, and how it is read back.
+"""Recordings: datagrams and topics of a run as MCAP files, and reading them back.
 
-A recording is two files. ``run.mcap`` has the ROS 2 topics, in the profile of rosbag2; ``run.datagrams.mcap`` beside it
-has the datagrams as they were on the wire, with the protobuf descriptors that explain them. They are apart because
-rosbag2 and rosbags refuse a file in which not everything is CDR.
+A recording has two files. ``run.mcap`` holds the ROS 2 topics, in rosbag2's MCAP profile. ``run.datagrams.mcap`` holds
+the datagrams as they were on the wire, with the protobuf descriptors that explain them. They are two because rosbag2
+and rosbags refuse a file in which some channel is not CDR.
 
-What is in the modules below needs the mcap package, and raises `SetupError` on import where it is missing.
+The modules of this package need the mcap package; importing them without it raises `SetupError`.
 """
 
 COMPRESSIONS = ("zstd", "lz4", "none")

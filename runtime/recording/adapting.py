@@ -1,8 +1,10 @@
-"""Datagrams of an older schema as today's.
+"""Conversion of recorded datagrams from an older schema to today's.
 
-A row is known by its number, as on the wire. Where number, name and all fields beneath are what they were, the bytes
-are; where a payload or a field has moved to another number, or has changed its type, values are carried over by name.
-A number that stands for something else today is refused: its bytes would be read as what they are not.
+A row is identified by its number, as on the wire.
+
+- If the number, its name and all fields below it are unchanged, the bytes are unchanged.
+- If a payload or a field has another number or type today, its values are copied by name.
+- If a number means another payload today, the datagram is refused, because its bytes would be misread.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Adapter:
-    """Turns the datagrams of a recorded envelope into today's."""
+    """Converts datagrams of a recorded envelope to today's envelope."""
 
     def __init__(self, recorded: type[ProtoMessage], registry: Registry) -> None:
         self._recorded, self._registry = recorded, registry
@@ -33,29 +35,30 @@ class Adapter:
         }
         rest = [field for field in recorded.DESCRIPTOR.fields if field.number not in self._same]
         self._moved = {field.number: moved for field in rest if (moved := _counterpart(field, today)) is not None}
-        self.refused = {field.number: self._why(field) for field in rest if field.number not in self._moved}
-        """Why a recorded payload is not replayed, by its number then."""
+        self.refused = {field.number: self._reason(field) for field in rest if field.number not in self._moved}
+        """Reason why a recorded payload is not replayed, by its number in the recording."""
         self.changed = sorted(f"{field.name} ({field.number})" for field in rest if field.number in self._moved)
-        """The recorded payloads whose values are carried over by name."""
+        """Recorded payloads whose values are copied by name."""
 
     @property
     def identical(self) -> bool:
-        """Whether every recorded number means today what it meant."""
+        """True if every recorded number has the same meaning today."""
         return not self._moved and not self.refused
 
     def number_today(self, number: int) -> int:
-        """The number that a recorded payload has today; of one that is refused, the same."""
+        """Return today's number of a recorded payload; the same number if the payload is refused."""
         moved = self._moved.get(number)
         return number if moved is None else int(moved.number)
 
     def adapt(self, datagram: bytes) -> bytes:
-        """The datagram that says today what another said then; the same bytes wherever they say it.
+        """Convert a recorded datagram to today's schema; unchanged payloads keep their bytes.
 
-        Raises `DatagramError` for a payload that is another thing today.
+        Raises `DatagramError` for a payload whose number means another payload today.
         """
         numbers = envelope.payload_numbers(envelope.restore(datagram))
+        # The last member of the oneof wins, as in `Translator`.
         if not numbers or numbers[-1] in self._same or numbers[-1] not in self._recorded.DESCRIPTOR.fields_by_number:
-            return datagram  # what nobody understood then is no better understood now
+            return datagram  # not understood in the recording either: keep the bytes
         if numbers[-1] in self.refused:
             raise DatagramError(Reason.UNKNOWN_PAYLOAD, self.refused[numbers[-1]])
         try:
@@ -64,16 +67,16 @@ class Adapter:
             return datagram
         field = self._recorded.DESCRIPTOR.fields_by_number[numbers[-1]]
         now = self._registry.envelope()
-        _carry(getattr(then, field.name), getattr(now, self._moved[numbers[-1]].name))
+        _copy_by_name(getattr(then, field.name), getattr(now, self._moved[numbers[-1]].name))
         return now.SerializeToString()
 
-    def _why(self, field: Any) -> str:
+    def _reason(self, field: Any) -> str:
         today = self._registry.envelope.DESCRIPTOR.fields_by_number.get(field.number)
         if today is not None:
-            return f"number {field.number} was {_spelled(field)} in the run and is {_spelled(today)} today"
+            return f"number {field.number} was {_spelled(field)} in the recording and is {_spelled(today)} today"
         retired = self._registry.retired.get(field.number)
-        gone = "is retired" if retired else "is gone"
-        return f"number {field.number}, {_spelled(field)} in the run, {gone} today"
+        gone = "is retired" if retired else "does not exist"
+        return f"number {field.number}, {_spelled(field)} in the recording, {gone} today"
 
 
 def _spelled(field: Any) -> str:
@@ -81,7 +84,7 @@ def _spelled(field: Any) -> str:
 
 
 def _counterpart(field: Any, today: Any) -> Any | None:
-    """The field that is today what a recorded one was: of its name and its message's name."""
+    """Return today's field with the same name and the same message name; None if there is none."""
     found = today.fields_by_name.get(field.name)
     if found is None or found.message_type is None or field.message_type is None:
         return None
@@ -89,7 +92,7 @@ def _counterpart(field: Any, today: Any) -> Any | None:
 
 
 def same_meaning(then: Any, now: Any) -> bool:
-    """Whether the bytes of a field say today what they said then. Fields that were added since do no harm."""
+    """Return true if the bytes of a field mean the same in both schemas; fields added since do not matter."""
     if (then.is_repeated, then.type) != (now.is_repeated, now.type):
         return False
     if then.message_type is None or now.message_type is None:
@@ -100,7 +103,7 @@ def same_meaning(then: Any, now: Any) -> bool:
 
 
 def _same_message(then: Any, now: Any, above: frozenset[str]) -> bool:
-    if then.full_name in above:  # a message within itself: it is being compared already
+    if then.full_name in above:  # a recursive message: it is being compared already
         return True
     above |= {then.full_name}
     return all(
@@ -114,12 +117,13 @@ def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset
     if (then.is_repeated, then.type) != (now.is_repeated, now.type):
         return False
     if then.name != now.name and (then.name in now_of.fields_by_name or now.name in then_of.fields_by_name):
-        return False  # two fields have changed places: no renaming
+        return False  # both names exist in both schemas: two fields were swapped, none was renamed
     return then.message_type is None or _same_message(then.message_type, now.message_type, above)
 
 
-def _carry(then: Any, now: Any) -> None:
-    """Copy what has the same name, as far as it fits its field today."""
+def _copy_by_name(then: Any, now: Any) -> None:
+    """Copy fields by name as far as the values fit today's types."""
+    # An empty message is still present: a payload without fields selects its oneof member.
     now.SetInParent()
     for field, value in then.ListFields():
         target = now.DESCRIPTOR.fields_by_name.get(field.name)
@@ -127,18 +131,18 @@ def _carry(then: Any, now: Any) -> None:
             continue
         if (target.message_type is None) != (field.message_type is None):
             continue
-        _carry_field(value, now, target)
+        _copy_field(value, now, target)
 
 
-def _carry_field(value: Any, now: Any, target: Any) -> None:
+def _copy_field(value: Any, now: Any, target: Any) -> None:
     if target.message_type is None:
-        with contextlib.suppress(TypeError, ValueError):  # it does not fit: it stays at its default
+        with contextlib.suppress(TypeError, ValueError):  # the value does not fit: the field keeps its default
             if target.is_repeated:
                 getattr(now, target.name).extend(value)
             else:
                 setattr(now, target.name, value)
     elif target.is_repeated:
         for element in value:
-            _carry(element, getattr(now, target.name).add())
+            _copy_by_name(element, getattr(now, target.name).add())
     else:
-        _carry(value, getattr(now, target.name))
+        _copy_by_name(value, getattr(now, target.name))

@@ -1,4 +1,4 @@
-"""How a recorder hears the datagrams of a bridge."""
+"""Observer that passes a bridge's datagrams to a recorder."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from roverlink.runtime.recording.recorder import Recorder
 
 
 class DatagramTap:
-    """Records the datagrams that a bridge receives, and those that it makes for peers; not those that it forwards."""
+    """Records datagrams that a bridge receives or makes for peers, but not those that it forwards."""
 
     def __init__(self, recorder: Recorder, registry: Registry) -> None:
         self._received = recorder.datagrams("received")
         self._sent = {peer.name: recorder.datagrams(f"sent/{peer.name}") for peer in registry.peers}
 
     def receiving(self, handle: Handle) -> Handle:
-        """Record a batch before it is handled."""
+        """Record each batch before it is handled."""
         tap = self._received
 
         def received(batch: udp.Batch) -> None:
@@ -29,7 +29,7 @@ class DatagramTap:
         return received
 
     def sending(self, peer: str, send: Send) -> Send:
-        """Record the datagrams that are made, before they are sent."""
+        """Record datagrams before they are sent."""
         tap = self._sent[peer]
 
         def made(datagrams: Sequence[bytes]) -> int:

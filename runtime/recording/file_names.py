@@ -1,7 +1,7 @@
-"""Where the files of a recording are.
+"""File names of a recording.
 
-``run.mcap`` for the topics, ``run.datagrams.mcap`` beside it, and the parts of both when they rotate: ``run_1.mcap``,
-``run_1.datagrams.mcap`` and so on.
+``run.mcap`` holds the topics and ``run.datagrams.mcap`` the datagrams. If they are rotated, their parts are
+``run_1.mcap``, ``run_1.datagrams.mcap`` and so on.
 """
 
 from __future__ import annotations
@@ -18,34 +18,34 @@ DATAGRAMS = ".datagrams"
 
 
 def new_recording(given: Path) -> Path:
-    """The file of a new recording: what was given, or one named by the time in a folder that was given.
+    """Return the file of a new recording: the given file, or one named by the time in the given folder.
 
-    Raises `SetupError` where it cannot be: another suffix, no such folder, a recording that is there already.
+    Raises `SetupError` for another suffix, a missing folder, or a recording that exists already.
     """
     path = given / time.strftime(f"%Y-%m-%d_%H-%M-%S{SUFFIX}") if given.is_dir() else given
     if path.suffix != SUFFIX or path.name.endswith(DATAGRAMS + SUFFIX):
-        raise SetupError(f"{path}: a recording is named something{SUFFIX}")
+        raise SetupError(f"{path}: the name of a recording must end with {SUFFIX} (and not with {DATAGRAMS}{SUFFIX})")
     if not path.parent.is_dir():
-        raise SetupError(f"{path}: there is no folder {path.parent}")
+        raise SetupError(f"{path}: the folder {path.parent} does not exist")
     for kind in (TOPICS, DATAGRAMS):
         if (there := part_of(path, kind, 0)).exists():
-            raise SetupError(f"{there} is there already; move it away, or give another name")
+            raise SetupError(f"{there}: exists already; move it away or choose another name")
     return path
 
 
 def part_of(path: Path, kind: str, number: int) -> Path:
-    """The file of one kind (`TOPICS` or `DATAGRAMS`) with a part of the recording; 0 is the first part."""
+    """Return the file of a part; ``kind`` is `TOPICS` or `DATAGRAMS`, and the first part has number 0."""
     counted = f"_{number}" if number else ""
     return path.with_name(f"{path.stem}{counted}{kind}{SUFFIX}")
 
 
 def files_of(path: Path) -> list[Path]:
-    """The files that belong to a recording, of which any was named: itself, its parts, and its other half.
+    """Return all files of a recording, given any one of them: its parts, and those of the other kind.
 
-    Raises `SetupError` where it is not there.
+    Raises `SetupError` if the file does not exist.
     """
     if not path.is_file():
-        raise SetupError(f"{path}: there is no such recording")
+        raise SetupError(f"{path}: no such file")
     stem = path.name.removesuffix(SUFFIX).removesuffix(DATAGRAMS)
     base = path.with_name(stem + SUFFIX)
     found = [file for kind in (TOPICS, DATAGRAMS) for file in _parts(base, kind)]
@@ -58,5 +58,5 @@ def _parts(base: Path, kind: str) -> list[Path]:
 
 
 def is_datagrams(path: Path) -> bool:
-    """Whether a file is the half of a recording that has the datagrams."""
+    """Return true if a file holds the datagrams of a recording."""
     return path.name.endswith(DATAGRAMS + SUFFIX)

@@ -1,10 +1,10 @@
-"""One MCAP file that is being written.
+"""Writer of one MCAP file (mcap.dev/spec).
 
-The mcap package's own writer takes 7 us of Python for a message, during which the interpreter lock is not the bridge's;
-here it is 1 us, since the messages of a chunk are packed in one loop. All other records are the package's.
+The mcap package's writer needs 7 us of Python per message, and the bridge waits for the interpreter lock meanwhile.
+This one needs 1 us, because it packs the messages of a chunk in one loop. The mcap package writes all other records.
 
-What is on disk is always a sequence of whole records, up to the write that a kill cut short; `flush` ends a chunk and
-hands it to the disk, `finish` adds the summary that readers seek by.
+A file on disk always consists of whole records, except for a last write that was cut short by a kill. `flush` ends a
+chunk and has the disk store it; `finish` adds the summary, by which readers seek.
 """
 
 from __future__ import annotations
@@ -32,22 +32,23 @@ except ImportError as error:
 
 CHUNK_BYTES = 1024 * 1024
 METADATA = "roverlink"
-"""The name of the record that says which table the run had."""
+"""Name of the metadata record that identifies the table of the run."""
 
 MAGIC = b"\x89MCAP0\r\n"
 __all__ = ["Channel", "Entry", "McapError", "McapFile", "Opcode", "ReadDataStream", "lz4", "records", "zstandard"]
 
+# The Message record of the MCAP specification: opcode, length, channel id, sequence, log time, publish time.
 _MESSAGE = struct.Struct("<BQHIQQ")
-_MESSAGE_REST = _MESSAGE.size - 9  # what its length counts beside the data
-_ZSTD_LEVEL = 1  # the fastest; the others gain little on chunks this small
+_MESSAGE_REST = _MESSAGE.size - 9  # the record's length without opcode, length field and data
+_ZSTD_LEVEL = 1  # the fastest; higher levels gain little on chunks of this size
 
 Entry = tuple[int, int, bytes]
-"""A message to write: nanoseconds since 1970, the number of its channel, its bytes."""
+"""Message to write: nanoseconds since 1970, channel number, bytes."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic of a file: what its messages are, and how they are explained."""
+    """Topic of a file: encoding and schema of its messages."""
 
     id: int
     topic: str
@@ -75,7 +76,7 @@ class _Chunk:
 
     def __init__(self) -> None:
         self.parts: list[bytes] = []
-        self.index: defaultdict[int, list[int]] = defaultdict(list)  # of each channel: time, offset, time, offset...
+        self.index: defaultdict[int, list[int]] = defaultdict(list)  # by channel: time, offset, time, offset...
         self.size = 0
 
     def add(self, entries: Iterable[Entry]) -> None:
@@ -89,16 +90,16 @@ class _Chunk:
         self.size = size
 
     def span(self) -> tuple[int, int]:
-        """The earliest and the latest time."""
+        """Return the earliest and the latest time."""
         times = [column[::2] for column in self.index.values()]
         return min(map(min, times)), max(map(max, times))
 
 
 class McapFile:
-    """A file to which messages are added."""
+    """MCAP file that is being written."""
 
     def __init__(self, path: Path, profile: str, compression: str, metadata: Mapping[str, str]) -> None:
-        """Make the file. Raises `OSError`, with `FileExistsError` where there is one."""
+        """Create the file. Raises `OSError`; `FileExistsError` if it exists."""
         self.path = path
         self.size = 0
         """Bytes on disk, up to the end of the last whole record."""
@@ -106,6 +107,7 @@ class McapFile:
         """Messages on disk, by channel."""
         self._compression = "" if compression == "none" else compression
         self._zstd = zstandard.ZstdCompressor(_ZSTD_LEVEL)
+        # Exclusive creation never overwrites a recording. Unbuffered, because chunks are large already.
         self._file = path.open("xb", buffering=0)
         self._schemas: dict[tuple[str, bytes], records.Schema] = {}
         self._channels: list[records.Channel] = []
@@ -117,7 +119,7 @@ class McapFile:
         self._write(_serialized(record))
 
     def add_channel(self, channel: Channel) -> None:
-        """Declare a channel, before its first message. Raises `OSError`."""
+        """Declare a channel; call it before the channel's first message. Raises `OSError`."""
         made: list[_Record] = []
         schema_id = 0
         if channel.schema_name:
@@ -136,48 +138,50 @@ class McapFile:
         self._write(_serialized(*made, record))
 
     def add(self, entries: Iterable[Entry]) -> None:
-        """Add messages to the chunk, and write it where it has become large. Raises `OSError`."""
+        """Add messages to the chunk, and write the chunk if it is large enough. Raises `OSError`."""
         self._chunk.add(entries)
         if self._chunk.size >= CHUNK_BYTES:
             self._write_chunk()
 
     def flush(self) -> None:
-        """Write what was added, and have the disk keep it. Raises `OSError`."""
+        """Write the chunk and wait until the disk has stored it. Raises `OSError`."""
         if self._chunk.size:
             self._write_chunk()
+            # fdatasync and not fsync: the file's times need not reach the disk, its size and data do (fsync(2)).
             os.fdatasync(self._file.fileno())
 
     def finish(self) -> None:
-        """Write what was added and the summary, and close. Raises `OSError`, and is not closed then."""
+        """Write the chunk and the summary, and close the file. If it raises `OSError`, the file is still open."""
         if self._chunk.size:
             self._write_chunk()
         self._write_summary()
         self.close()
 
     def close(self) -> None:
-        """Close the file as it is: without a summary it can be read, but not sought in."""
+        """Close the file as it is. Without a summary it can be read, but readers cannot seek."""
         self._file.close()
 
-    def forget_chunk(self) -> int:
-        """Give up the messages that are not on disk, for which there is no room; how many."""
-        forgotten = sum(len(column) // 2 for column in self._chunk.index.values())
+    def drop_chunk(self) -> int:
+        """Drop the messages that are not on disk yet, because the disk is full, and return their number."""
+        dropped = sum(len(column) // 2 for column in self._chunk.index.values())
         self._chunk = _Chunk()
-        return forgotten
+        return dropped
 
     def _write(self, data: bytes) -> None:
-        """Write whole records, or leave the file as it was."""
+        """Write whole records, or leave the file unchanged."""
         rest = memoryview(data)
         try:
             while rest:
                 rest = rest[self._file.write(rest) :]
         except OSError:
+            # A record that was written in part would make the rest of the file unreadable.
             self._file.truncate(self.size)
             self._file.seek(self.size)
             raise
         self.size += len(data)
 
     def _write_chunk(self) -> None:
-        """The chunk, and the index of its messages behind it."""
+        """Write the chunk and, after it, the index of its messages."""
         chunk, plain = self._chunk, b"".join(self._chunk.parts)
         start, end = chunk.span()
         packed = self._compressed(plain)
@@ -231,7 +235,7 @@ class McapFile:
                 summary += written
         offsets_start = start + len(summary)
         summary += _serialized(*offsets)
-        # The checksum covers the footer up to itself: opcode, length, and the two places.
+        # The checksum covers the summary and the footer's first fields: opcode, length and two offsets.
         crc = zlib.crc32(summary + struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start))
         self._write(data_end + summary + _serialized(records.Footer(start, offsets_start, crc)) + MAGIC)
 
@@ -250,6 +254,6 @@ class McapFile:
 
 
 def _message_index(channel: int, column: list[int]) -> bytes:
-    """Where a chunk has the messages of a channel."""
+    """Return the Message Index record of a channel in a chunk."""
     size = 8 * len(column)
     return struct.pack(f"<BQHI{len(column)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *column)

@@ -1,7 +1,7 @@
-"""ROS 2 message definitions as MCAP has them (``ros2msg``), from message classes, and message classes from them.
+"""ROS 2 message definitions in MCAP's encoding ``ros2msg``, made from message classes and turned back into them.
 
-A definition is the text of a .msg file, followed by those of the messages that it uses, each behind a line of ``=`` and
-``MSG: package/Name``. Reading one needs nothing of today's table: a recording explains itself.
+A definition is the text of a .msg file. The messages that it uses follow, each after a line of ``=`` and ``MSG:
+package/Name``. Reading one does not need today's table: a recording contains all it needs.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _FIELD = re.compile(
 
 
 def definition_of(message_type: type[Message]) -> str:
-    """The definition of a message class, with those of all messages in it."""
+    """Return the definition of a message class, with those of all messages in it."""
     parts = [_fields_text(message_type)]
     for nested in _nested(message_type):
         parts += [_SEPARATOR, f"MSG: {_short(nested.__msgtype__)}", _fields_text(nested)]
@@ -49,12 +49,12 @@ def _fields_text(message_type: type[Message]) -> str:
 
 
 def _short(type_name: str) -> str:
-    """``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, which every reader of definitions takes."""
+    """Return ``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, the form that every reader accepts."""
     return type_name.replace("/msg/", "/")
 
 
 def _nested(message_type: type[Message]) -> list[type[Message]]:
-    """The messages inside a message, at any depth, each once, in the order in which they are met."""
+    """Return the message classes inside a message at any depth, each once, in order of first use."""
     found: dict[type[Message], None] = {}
     for part in _parts(message_type):
         found.setdefault(part)
@@ -75,9 +75,9 @@ def _parts(message_type: type[Message]) -> Iterator[type[Message]]:
 
 
 def message_type_from(name: str, definition: str) -> type[Message]:
-    """The class of a recorded message, made of its definition.
+    """Make the class of a recorded message from its definition.
 
-    Raises `SetupError` where the definition lacks a message that it uses, or has what we do not know (wide strings).
+    Raises `SetupError` if the definition uses a message that it does not contain, or a wide string.
     """
     first, *others = re.split(r"^=+\n", definition, flags=re.MULTILINE)
     texts = {_short(name): first}
@@ -88,7 +88,7 @@ def message_type_from(name: str, definition: str) -> type[Message]:
 
 
 class _Reader:
-    """Makes each of a definition's messages once."""
+    """Makes each message of a definition once."""
 
     def __init__(self, texts: dict[str, str]) -> None:
         self._texts = texts
@@ -97,7 +97,7 @@ class _Reader:
     def message_type(self, name: str) -> type[Message]:
         if name not in self._made:
             if name not in self._texts:
-                raise SetupError(f"the recorded definition does not say what {name} is")
+                raise SetupError(f"the recorded definition uses {name} but does not define it")
             package, _, short = name.rpartition("/")
             fields = [field for line in self._texts[name].splitlines() for field in self._fields(line, package)]
             namespace = {"__msgtype__": f"{package}/msg/{short}"}
@@ -127,5 +127,5 @@ class _Reader:
         if base in PRIMITIVES:
             return PRIMITIVES[base]
         if base == "wstring":
-            raise SetupError("the recorded definition has a wide string, for which there is no conversion yet")
+            raise SetupError("the recorded definition has a wide string (wstring), which is not supported")
         return self.message_type(_short(base) if "/" in base else f"{package}/{base}")

@@ -1,4 +1,4 @@
-"""One of the two files of a recording, and the queue in front of it."""
+"""One of the two files of a recording, with the queue in front of it."""
 
 from __future__ import annotations
 
@@ -15,23 +15,26 @@ from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.mcap_file import Channel, Entry, McapFile
 
 QUEUE = 65_536
-"""Messages of each of the two files that may wait for the disk; at 10,000 a second, more than six seconds."""
+"""Default number of messages that may wait for each file; at 10,000 a second, more than six seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How to record."""
+    """Options of a recording."""
 
     compression: str = "zstd"
     """``zstd``, ``lz4`` or ``none``."""
     rotate_bytes: int | None = None
-    """Size at which a file ends and the next begins."""
+    """Size in bytes at which a file ends and the next part begins; None for one file."""
     queue: int = QUEUE
-    """Messages of each file that may wait for the disk."""
+    """Number of messages that may wait for each file."""
 
 
-class Half:
-    """One of the two files, in as many parts as it needs, and the queue in front of it."""
+class QueuedFile:
+    """One of the two files of a recording, in one or more parts, with the queue in front of it.
+
+    The bridge's threads append to the queue, the recorder's thread empties it; `deque` makes both safe without a lock.
+    """
 
     def __init__(
         self,
@@ -41,11 +44,11 @@ class Half:
         metadata: Mapping[str, str],
         sort: Callable[[Entry], Entry] | None = None,
     ) -> None:
-        """``sort`` may move a message to another channel, in the writing thread."""
+        """Create the first part; ``sort`` may move a message to another channel, on the writing thread."""
         self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
         self.limit = settings.queue
         self.waiting: deque[Entry] = deque()
-        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 is ours
+        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 counts `give_up`
         self.channels: list[Channel] = []
         self._declared = 0
         self._parts = 0
@@ -55,12 +58,13 @@ class Half:
         self.file = self._next_file()
 
     def channel(self, topic: str, encoding: str, **schema: Any) -> Tap:
-        """Add a channel; what it returns is called by the bridge's threads."""
+        """Add a channel; the bridge's threads call the function returned with the channel's messages."""
         channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
         self.channels.append(channel)
         number, waiting, now = channel.id, self.waiting, time.time_ns
 
         def tap(messages: Sequence[bytes]) -> None:
+            # Checked once for each batch, so the queue may exceed the limit by one batch.
             if len(waiting) >= self.limit:
                 self.lost[number] += len(messages)
                 return
@@ -71,7 +75,8 @@ class Half:
         return tap
 
     def take(self) -> None:
-        """Hand what waits to the file, and begin the next file where this one is large enough."""
+        """Write the waiting messages to the file, and begin the next part if this one is large enough."""
+        # Only as many as wait now: a fast producer must not keep this loop going forever.
         entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
         if not entries:
             return
@@ -85,15 +90,15 @@ class Half:
             self.file, self._ended = self._next_file(), False
 
     def finish(self) -> None:
-        """End the file; more than once does no harm."""
+        """Finish the file; a second call does nothing."""
         if not self._ended:
             self.file.finish()
             self._end()
 
     def give_up(self) -> None:
-        """End the file, without what does not fit on the disk any more."""
-        self.limit = 0  # from now on, everything is lost and counted
-        self.lost[0] += len(self.waiting) + self.file.forget_chunk()
+        """Finish the file without the messages for which the disk has no room."""
+        self.limit = 0  # from now on every message is dropped and counted
+        self.lost[0] += len(self.waiting) + self.file.drop_chunk()
         self.waiting.clear()
         with contextlib.suppress(OSError):
             self.finish()

@@ -1,7 +1,7 @@
-"""A recording, read back: what is in it, and its messages in the order of time.
+"""Reader of recordings: contents, and messages in order of time.
 
-A recording that a kill cut short has no summary, and may end within a record: it is read up to there. Other programs'
-MCAP files are read as well, chunked or not.
+A recording whose program was killed has no summary and may end within a record; it is read up to there. MCAP files of
+other programs are read too, with or without chunks.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MESSAGE = struct.Struct("<HIQQ")
 
 
 class Recorded(NamedTuple):
-    """A message of a recording."""
+    """Message of a recording."""
 
     time: int
     """Nanoseconds since 1970."""
@@ -40,44 +40,44 @@ class Recorded(NamedTuple):
 
 @dataclass
 class Contents:
-    """What is in one file."""
+    """Contents of one file."""
 
     profile: str = ""
     metadata: dict[str, str] = field(default_factory=dict)
-    """What the recorder said of the run; empty for other programs' files."""
+    """Metadata that the recorder wrote; empty for files of other programs."""
     channels: dict[int, Channel] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    """Messages by channel."""
+    """Number of messages by channel."""
     start: int = 0
     end: int = 0
     complete: bool = False
-    """Whether the file was ended; else the program that wrote it was killed, or still writes."""
+    """False if the file has no summary: its program was killed or is still writing."""
 
 
 class RecordingFile:
     """One MCAP file."""
 
     def __init__(self, path: Path) -> None:
-        """Raises `SetupError` where it is no MCAP file, or cannot be read."""
+        """Check the first bytes. Raises `SetupError` if it is not an MCAP file or cannot be read."""
         self.path = path
         try:
             with path.open("rb") as file:
                 start = file.read(len(mcap_file.MAGIC))
         except OSError as error:
-            raise SetupError(f"{path}: cannot be read: {error.strerror}") from error
+            raise SetupError(f"{path}: cannot read the file: {error.strerror}") from error
         if start != mcap_file.MAGIC:
             raise SetupError(f"{path}: not an MCAP file")
 
     @contextlib.contextmanager
     def _open(self) -> Iterator[IO[bytes]]:
-        """The file, whose damage is told as such."""
+        """Open the file; damaged content raises `SetupError`."""
         try:
             with self.path.open("rb") as file:
                 yield file
         except (McapError, struct.error, UnicodeError) as error:
-            raise SetupError(f"{self.path}: damaged: {error or type(error).__name__}") from error
+            raise SetupError(f"{self.path}: the file is damaged: {error or type(error).__name__}") from error
         except OSError as error:
-            raise SetupError(f"{self.path}: cannot be read: {error.strerror}") from error
+            raise SetupError(f"{self.path}: cannot read the file: {error.strerror}") from error
 
     @property
     def _size(self) -> int:
@@ -85,7 +85,7 @@ class RecordingFile:
 
     @cached_property
     def contents(self) -> Contents:
-        """Channels, counts and times, from the summary where there is one, else from every message."""
+        """Channels, counts and times; from the summary if there is one, otherwise from all messages."""
         contents = Contents()
         with self._open() as file:
             for opcode, body in _records(file, self._size, skip=(Op.CHUNK, Op.MESSAGE, Op.ATTACHMENT)):
@@ -98,7 +98,7 @@ class RecordingFile:
         return contents
 
     def messages(self) -> Iterator[Recorded]:
-        """Every message; those of a chunk in the order of time. Raises `SetupError` where the file is damaged."""
+        """Yield every message; within a chunk, in order of time. Raises `SetupError` if the file is damaged."""
         return self._scan(Contents())
 
     def _scan(self, contents: Contents) -> Iterator[Recorded]:
@@ -119,27 +119,30 @@ class RecordingFile:
                 found.append(self._message(body, contents))
             else:
                 self._note(opcode, body, contents)
+        # Two threads fill a chunk, so its messages are only nearly in order.
         return sorted(found, key=itemgetter(0))
 
     def _plain(self, chunk: records.Chunk) -> bytes:
         try:
             plain: bytes = _PLAIN[chunk.compression](chunk)
         except KeyError:
-            raise SetupError(f"{self.path}: its compression {chunk.compression!r} is not known here") from None
+            raise SetupError(
+                f"{self.path}: unknown compression {chunk.compression!r} (known: zstd, lz4, none)"
+            ) from None
         except (zstandard.ZstdError, RuntimeError) as error:
-            raise SetupError(f"{self.path}: damaged: {error}") from error
+            raise SetupError(f"{self.path}: the file is damaged: {error}") from error
         if chunk.uncompressed_crc and zlib.crc32(plain) != chunk.uncompressed_crc:
-            raise SetupError(f"{self.path}: damaged: a chunk does not have the checksum that was written with it")
+            raise SetupError(f"{self.path}: the file is damaged: the checksum of a chunk is wrong")
         return plain
 
     def _message(self, body: bytes, contents: Contents) -> Recorded:
         channel, _, time, _ = _MESSAGE.unpack_from(body)
         if channel not in contents.channels:
-            raise SetupError(f"{self.path}: damaged: a message of channel {channel}, which is not declared")
+            raise SetupError(f"{self.path}: the file is damaged: a message has the unknown channel {channel}")
         return Recorded(time, contents.channels[channel], body[_MESSAGE.size :])
 
     def _note(self, opcode: int, body: bytes, contents: Contents) -> None:
-        """Take from a record what it says of the file."""
+        """Update the contents from a record that is not a message."""
         if opcode == Op.HEADER:
             contents.profile = records.Header.read(_stream(body)).profile
         elif opcode == Op.SCHEMA:
@@ -181,11 +184,12 @@ def _channel(channel: records.Channel, schemas: Mapping[int, records.Schema]) ->
 
 
 def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator[tuple[int, bytes]]:
-    """Opcode and body of every whole record in so many bytes; of those to skip, nothing is read."""
+    """Yield opcode and body of every whole record within ``size`` bytes; records to skip are not read."""
     if file.tell() == 0 and file.read(len(mcap_file.MAGIC)) != mcap_file.MAGIC:
-        file.seek(0)  # the inside of a chunk
+        file.seek(0)  # these are the bytes of a chunk, which have no magic
     while len(head := file.read(_RECORD.size)) == _RECORD.size:
         opcode, length = _RECORD.unpack(head)
+        # The closing magic, or a record cut short by a kill.
         if head[:8] == mcap_file.MAGIC or length > size - file.tell():
             return
         if opcode in skip:
@@ -198,31 +202,31 @@ class Recording:
     """All files of a recording."""
 
     def __init__(self, path: Path) -> None:
-        """``path`` is any of its files. Raises `SetupError` where it is not there, or is no recording."""
+        """Open a recording by any of its files. Raises `SetupError` if it does not exist or is not an MCAP file."""
         self.files = [RecordingFile(file) for file in file_names.files_of(path)]
 
     @property
     def metadata(self) -> dict[str, str]:
-        """What the recorder said of the run."""
+        """Metadata that the recorder wrote."""
         return next((file.contents.metadata for file in self.files if file.contents.metadata), {})
 
     @property
     def start(self) -> int:
-        """The time of the first message, in nanoseconds since 1970; 0 where there is none."""
+        """Time of the first message in nanoseconds since 1970; 0 if there is none."""
         return min((file.contents.start for file in self.files if file.contents.start), default=0)
 
     @property
     def end(self) -> int:
-        """The time of the last message."""
+        """Time of the last message in nanoseconds since 1970."""
         return max((file.contents.end for file in self.files), default=0)
 
     @property
     def complete(self) -> bool:
-        """Whether every file was ended."""
+        """True if every file has its summary."""
         return all(file.contents.complete for file in self.files)
 
     def channels(self) -> dict[str, tuple[Channel, int]]:
-        """Each topic's channel and its number of messages, over all files."""
+        """Return the channel and number of messages of each topic, over all files."""
         found: dict[str, tuple[Channel, int]] = {}
         for file in self.files:
             for channel in file.contents.channels.values():
@@ -231,8 +235,8 @@ class Recording:
         return found
 
     def messages(self) -> Iterator[Recorded]:
-        """Every message of every file, in the order of time."""
+        """Yield the messages of all files in order of time."""
         halves = itertools.groupby(self.files, key=lambda file: file_names.is_datagrams(file.path))
-        # A half's parts follow each other; its messages are taken as they are wanted.
+        # The parts of a kind follow each other in time; merging reads messages only as they are needed.
         streams = [itertools.chain.from_iterable(map(RecordingFile.messages, list(parts))) for _, parts in halves]
         return heapq.merge(*streams, key=itemgetter(0))

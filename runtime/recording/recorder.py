@@ -1,7 +1,7 @@
-"""What a bridge hands over is written by a thread of its own.
+"""Recorder: a thread that writes the messages and datagrams of a bridge to disk.
 
-The bridge's threads only put time, channel and bytes into a queue that has an end. When the disk cannot keep up, or is
-full, messages are lost and counted; the bridge never waits for the disk, and no failure here ends it.
+The bridge's threads only append time, channel and bytes to a bounded queue. If the disk is too slow or full, messages
+are dropped and counted. The bridge never waits for the disk, and no error here stops it.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.mcap_file import Entry
 from roverlink.runtime.recording.message_definitions import definition_of
-from roverlink.runtime.recording.queued_file import Half, Settings
+from roverlink.runtime.recording.queued_file import QueuedFile, Settings
 from roverlink.runtime.recording.rosbag2 import qos_text
 from roverlink.runtime.recording.schemas import descriptor_set_of
 
-_WAKE_S = 0.05  # short, so that each turn holds the interpreter lock for little
-_FLUSH_S = 0.5  # what a kill may cost, with the time that writing takes
-_NEARLY_FULL_S = 300.0  # until it is, at the rate of the last moment
+_WAKE_S = 0.05  # short, so that one round holds the interpreter lock only briefly
+_FLUSH_S = 0.5  # interval of flushes: a kill loses messages of this time, plus those being written
+_NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, below which a warning is logged
 
 
 class Recorder:
-    """Records a run. A context manager: leaving it writes what was handed over, and ends the files."""
+    """Recorder of a run. A context manager: on exit it writes the waiting messages and finishes the files."""
 
     def __init__(
         self,
@@ -43,31 +43,31 @@ class Recorder:
         settings: Settings | None = None,
         about: Mapping[str, str] | None = None,
     ) -> None:
-        """``topics`` gives the row's name for each fully qualified topic that has one.
+        """Create the files; ``topics`` maps fully qualified topics to the names of their rows.
 
-        Raises `SetupError` where the file cannot be, and `OSError` where it cannot be made.
+        Raises `SetupError` for an impossible file name, and `OSError` if a file cannot be created.
         """
         self.path = file_names.new_recording(path)
         self._registry, self._rows, self._logger = registry, topics, logger
         settings = settings or Settings()
         metadata = {"fingerprint": registry.fingerprint, "package": registry.package, **(about or {})}
-        self._topics = Half(self.path, file_names.TOPICS, settings, metadata)
-        self._datagrams = Half(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
-        self._halves = (self._topics, self._datagrams)
+        self._topics = QueuedFile(self.path, file_names.TOPICS, settings, metadata)
+        self._datagrams = QueuedFile(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
+        self._files = (self._topics, self._datagrams)
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
         self._ending = threading.Event()
         self._next_flush = time.monotonic() + _FLUSH_S
         self._bytes_seen = 0
-        self._told = False
+        self._warned = False
         self.failure: str | None = None
-        """Why the recording ended before its time."""
+        """Reason why the recording failed; None while it works."""
         self._thread = threading.Thread(target=self._run, name="record", daemon=True)
 
-    # --- what there is to record ---
+    # --- channels ---
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
-        """Where to put the serialized messages of a topic."""
+        """Return the function that takes a topic's serialized messages."""
         row = self._registry.by_name.get(self._rows.get(topic, ""))
         about = (
             {"row": row.route.name, "number": str(row.route.number), "direction": row.route.direction} if row else {}
@@ -83,10 +83,10 @@ class Recorder:
             )
 
     def datagrams(self, name: str) -> Tap:
-        """Where to put the datagrams of one way: ``received``, or ``sent/<peer>``.
+        """Return the function that takes datagrams of one kind: ``received`` or ``sent/<peer>``.
 
-        A datagram that is no plain protobuf, since its zeros were stripped or padded or since it is broken, goes to a
-        channel without a schema, ``<name>/raw``: no reader of protobuf could open it.
+        A datagram that protobuf cannot parse (stripped or padded zeros, or broken) goes to the channel ``<name>/raw``
+        without a schema, because protobuf readers could not open it.
         """
         with self._channels_lock:
             plain = self._datagrams.channel(
@@ -96,7 +96,7 @@ class Recorder:
                 schema_encoding="protobuf",
                 schema=self._envelope,
             )
-            self._datagrams.channel(f"/datagrams/{name}/raw", "")  # `_plain_or_raw` knows that it follows
+            self._datagrams.channel(f"/datagrams/{name}/raw", "")  # `_plain_or_raw` relies on the next number
         return plain
 
     def _plain_or_raw(self, entry: Entry) -> Entry:
@@ -107,27 +107,27 @@ class Recorder:
             return arrived, channel + 1, datagram
         return entry
 
-    # --- how it went ---
+    # --- counters ---
 
     @property
     def lost(self) -> int:
-        """Messages that were not recorded, since the disk did not keep up or the recording had ended."""
-        return sum(half.lost.total() for half in self._halves)
+        """Messages that were not recorded, because the disk was too slow or the recording had failed."""
+        return sum(queued.lost.total() for queued in self._files)
 
     @property
     def waiting(self) -> int:
-        """Messages that wait for the disk."""
-        return sum(len(half.waiting) for half in self._halves)
+        """Messages that wait to be written."""
+        return sum(len(queued.waiting) for queued in self._files)
 
     @property
     def bytes(self) -> int:
         """Bytes on disk."""
-        return sum(half.bytes for half in self._halves)
+        return sum(queued.bytes for queued in self._files)
 
     def summary(self) -> str:
-        """The recording in one line."""
-        topics, datagrams = (half.counts.total() for half in self._halves)
-        lost = f"; {self.lost} were lost: the disk did not keep up" if self.lost and not self.failure else ""
+        """Return the result of the recording as one line of text."""
+        topics, datagrams = (queued.counts.total() for queued in self._files)
+        lost = f"; {self.lost} were lost because the disk was too slow" if self.lost and not self.failure else ""
         return f"recorded {topics} messages of topics and {datagrams} datagrams to {self.path}{lost}"
 
     # --- writing ---
@@ -143,54 +143,54 @@ class Recorder:
     def _run(self) -> None:
         try:
             while not self._ending.wait(_WAKE_S):
-                self._turn()
-            for half in self._halves:
-                half.take()
-                half.finish()
-            if not any(half.counts for half in self._halves):
-                self._leave_nothing()
+                self._write_waiting()
+            for queued in self._files:
+                queued.take()
+                queued.finish()
+            if not any(queued.counts for queued in self._files):
+                self._delete_files()
                 return
-        except Exception as error:  # noqa: BLE001  # whatever it is, it ends the recording and not the bridge
+        except Exception as error:  # noqa: BLE001  # any error ends the recording, never the bridge
             self._fail(error)
         else:
             self._logger.info("%s", self.summary())
 
-    def _leave_nothing(self) -> None:
-        """Take the files away: a run of which there is nothing to record must not stand in the way of the next."""
-        for half in self._halves:
-            half.file.path.unlink()
-        self._logger.info("nothing was recorded; %s is not there", self.path)
+    def _delete_files(self) -> None:
+        """Delete empty files; otherwise the next run could not use the same name."""
+        for queued in self._files:
+            queued.file.path.unlink()
+        self._logger.info("nothing was recorded, so %s was not kept", self.path)
 
-    def _turn(self) -> None:
-        for half in self._halves:
-            half.take()
+    def _write_waiting(self) -> None:
+        for queued in self._files:
+            queued.take()
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + _FLUSH_S
-            for half in self._halves:
-                half.file.flush()
-            self._look_at_disk()
+            for queued in self._files:
+                queued.file.flush()
+            self._check_free_space()
 
-    def _look_at_disk(self) -> None:
-        """Warn once when the disk will be full within minutes, and again when it had got better."""
+    def _check_free_space(self) -> None:
+        """Warn once if the disk will be full within minutes; warn again if it had recovered meanwhile."""
         rate, self._bytes_seen = (self.bytes - self._bytes_seen) / _FLUSH_S, self.bytes
         disk = os.statvfs(self.path.parent)
         free = disk.f_bavail * disk.f_frsize
         if free >= rate * _NEARLY_FULL_S:
-            self._told = False
-        elif not self._told:
-            self._told = True
+            self._warned = False
+        elif not self._warned:
+            self._warned = True
             self._logger.warning(
-                "the disk is nearly full: %.1f MB are left for %s, at this rate for %.0f s; the recording ends then",
+                "the disk is nearly full: %.1f MB free for %s, enough for %.0f s; then the recording stops",
                 free / 1e6,
                 self.path,
                 free / rate,
             )
 
     def _fail(self, error: Exception) -> None:
-        """End the recording; what is on disk stays, with a summary where there is room for one."""
+        """End the recording; files on disk stay, with a summary if there is room for it."""
         reason = error.strerror if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
-        for half in self._halves:
-            half.give_up()
+        for queued in self._files:
+            queued.give_up()
         self.failure = str(reason)
-        self._logger.error("the recording has ended (%s); the bridge goes on. %s", reason, self.summary())
+        self._logger.error("the recording failed (%s); the bridge continues. %s", reason, self.summary())

@@ -1,4 +1,4 @@
-"""What of a recording goes where when it is replayed, in today's schema."""
+"""Replay of a recording: selects messages and converts them to today's schema."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SENT = "/datagrams/sent/"
 
 
 class Timed(NamedTuple):
-    """Something to replay: when it was, where it goes (a topic; empty for the bridge's port), and what."""
+    """Message to replay: time in nanoseconds, topic (empty for the bridge's UDP port), bytes."""
 
     time: int
     topic: str
@@ -36,7 +36,7 @@ class Timed(NamedTuple):
 
 
 class Endpoint(NamedTuple):
-    """A topic to publish on."""
+    """Topic to publish on."""
 
     message_type: type[Message]
     qos: Qos
@@ -48,7 +48,7 @@ def paced(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Iterator[Timed]:
-    """The messages, each when its time has come: as in the run, ``speed`` times as fast."""
+    """Yield messages at the pace of the recording, ``speed`` times as fast."""
     messages = iter(messages)
     first = next(messages, None)
     if first is None:
@@ -60,20 +60,20 @@ def paced(
 
 
 class _Replay:
-    """What both ways of replaying share: the recorded envelope, and what could not be replayed."""
+    """Base of both replays: the recorded envelope, and counts of messages that cannot be replayed."""
 
     def __init__(self, recording: Recording, registry: Registry) -> None:
         self._recording, self._registry = recording, registry
         self._channels = {topic: channel for topic, (channel, count) in recording.channels().items() if count}
         self.adapter = Adapter(_envelope(self._channels.values()) or registry.envelope, registry)
         self.refused: Counter[str] = Counter()
-        """Messages that were not replayed, by the reason."""
+        """Number of messages that were not replayed, by reason."""
 
     @property
     def notes(self) -> list[str]:
-        """What is not as it was in the run."""
+        """Notes on differences from the recording, for the user."""
         changed = self.adapter.changed
-        return [f"carried over by name into today's schema: {', '.join(changed)}"] if changed else []
+        return [f"converted to today's schema by field name: {', '.join(changed)}"] if changed else []
 
 
 def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:
@@ -82,10 +82,10 @@ def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:
 
 
 class BoardReplay(_Replay):
-    """The datagrams that the bridge received, to be sent to a bridge again."""
+    """Datagrams that the bridge received, to be sent to a bridge again."""
 
     def messages(self) -> Iterator[Timed]:
-        """The datagrams, byte for byte where the schema is the run's."""
+        """Yield the datagrams; their bytes are unchanged if the schema is unchanged."""
         for recorded in self._recording.messages():
             if not recorded.channel.topic.startswith(RECEIVED):
                 continue
@@ -96,31 +96,32 @@ class BoardReplay(_Replay):
 
 
 class RosReplay(_Replay):
-    """The topics of a run, in today's message types.
+    """Topics of a recording, in today's message types.
 
-    A topic whose type is defined as it was is published as it was recorded. Where the type has changed, the messages
-    are made anew, by today's handlers, from the datagrams that they came from or became.
+    If a topic's message definition is unchanged, its messages are published as recorded. If it has changed, today's
+    handlers make them again from the recorded datagrams.
     """
 
     def __init__(
         self, recording: Recording, registry: Registry, topics: Collection[str] = (), commands: bool = False
     ) -> None:
-        """``topics`` are those wanted, fully qualified; empty means every row's.
+        """Select topics by fully qualified name; none selects those of all rows.
 
-        Without ``commands``, topics that go from ROS to a peer are left out: they would move the rover.
+        Without ``commands``, topics that go from ROS 2 to a peer are left out, because they would move the rover.
         """
         super().__init__(recording, registry)
         self._translator = Translator(registry)
         self._types = {handler.message_type.__msgtype__: handler for handler in registry.handlers}
         self.endpoints: dict[str, Endpoint] = {}
         self.left_out: list[str] = []
-        """Topics that command the rover."""
-        self._remade: dict[int, str] = {}  # the number of a payload in the run, and its topic
+        """Topics that were left out because they command the rover."""
+        self._reconverted: dict[int, str] = {}  # topics by the number of the payload in the recording
         for topic, channel in self._channels.items():
             if channel.encoding == "cdr" and (topic in topics if topics else "number" in channel.metadata):
                 self._add(topic, channel, commands)
 
     def _add(self, topic: str, channel: Channel, commands: bool) -> None:
+        # Safety: replaying a drive command would move the rover, so it needs an explicit option.
         if channel.metadata.get("direction", "").startswith("ros_to_") and not commands:
             self.left_out.append(topic)
             return
@@ -129,45 +130,47 @@ class RosReplay(_Replay):
         if handler is not None and definition_of(handler.message_type) == definition:
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
         elif "number" in channel.metadata:
-            self._remake(topic, int(channel.metadata["number"]))
+            self._reconvert(topic, int(channel.metadata["number"]))
         else:
             self.endpoints[topic] = Endpoint(message_type_from(channel.schema_name, definition), Qos())
 
-    def _remake(self, topic: str, number: int) -> None:
+    def _reconvert(self, topic: str, number: int) -> None:
         handler = self._handler(number)
         if handler is None:
-            self.refused[f"{topic}: {self.adapter.refused.get(number, 'no row of today has its number')}"] += 1
+            self.refused[f"{topic}: {self.adapter.refused.get(number, 'the table has no row with its number')}"] += 1
         elif not any(name.startswith((RECEIVED, SENT)) for name in self._channels):
-            self.refused[f"{topic}: its type has changed, and the recording's datagrams are not there"] += 1
+            self.refused[
+                f"{topic}: its message type has changed, and the recording has no datagrams to make the messages from"
+            ] += 1
         else:
-            self._remade[number] = topic
+            self._reconverted[number] = topic
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
 
     def _handler(self, number: int) -> AnyHandler | None:
-        """The row that is today what a number was in the run."""
+        """Return today's handler of a recorded number; None if there is none."""
         if number in self.adapter.refused:
             return None
         return self._registry.by_number.get(self.adapter.number_today(number))
 
     @property
     def notes(self) -> list[str]:
-        """What is not as it was in the run."""
-        made = sorted(self._remade.values())
-        return [*super().notes, *([f"made anew from the datagrams: {', '.join(made)}"] if made else [])]
+        """Notes on differences from the recording, for the user."""
+        made = sorted(self._reconverted.values())
+        return [*super().notes, *([f"made again from the recorded datagrams: {', '.join(made)}"] if made else [])]
 
     def messages(self) -> Iterator[Timed]:
-        """The messages to publish."""
+        """Yield the messages to publish."""
         for recorded in self._recording.messages():
             topic = recorded.channel.topic
             if recorded.channel.encoding == "cdr":
-                if topic in self.endpoints and topic not in self._remade.values():
+                if topic in self.endpoints and topic not in self._reconverted.values():
                     yield Timed(recorded.time, topic, recorded.data)
-            elif self._remade and topic.startswith((RECEIVED, SENT)):
-                yield from self._made_anew(recorded)
+            elif self._reconverted and topic.startswith((RECEIVED, SENT)):
+                yield from self._convert_again(recorded)
 
-    def _made_anew(self, recorded: Recorded) -> Iterator[Timed]:
+    def _convert_again(self, recorded: Recorded) -> Iterator[Timed]:
         numbers = envelope.payload_numbers(envelope.restore(recorded.data))
-        topic = self._remade.get(numbers[-1]) if numbers else None
+        topic = self._reconverted.get(numbers[-1]) if numbers else None
         if topic is None:
             return
         try:

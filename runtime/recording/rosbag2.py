@@ -1,4 +1,4 @@
-"""What rosbag2 wants to find beside the messages."""
+"""Metadata that rosbag2 expects beside the messages."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from typing import Any
 
 from roverlink.runtime.core.handler import Qos
 
+# The rmw value for an unlimited duration: the largest int64, in nanoseconds.
 _FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
 
 
 def qos_text(qos: Qos) -> str:
-    """A quality of service as rosbag2 writes it: a YAML list of profiles, policies as rmw numbers them."""
+    """Return a QoS profile as rosbag2 writes it: a YAML list of profiles, with the numbers of rmw's enums."""
     profile: dict[str, Any] = {
         "history": {"keep_last": 1, "keep_all": 2}[qos.history],
         "depth": qos.depth,

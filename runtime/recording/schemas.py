@@ -1,4 +1,4 @@
-"""The protobuf side of a recording: the descriptors that explain its envelopes, and classes made of them."""
+"""Protobuf schema of a recording: descriptors of its envelopes, and classes made from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
-    """The serialized ``FileDescriptorSet`` of a message class: its file, after all files that it imports."""
+    """Return the ``FileDescriptorSet`` of a message class, serialized; imported files come first."""
     files: dict[str, descriptor_pb2.FileDescriptorProto] = {}
     _add(message_type.DESCRIPTOR.file, files)
     return descriptor_pb2.FileDescriptorSet(file=files.values()).SerializeToString(deterministic=True)
@@ -23,6 +23,7 @@ def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
 def _add(file: Any, files: dict[str, descriptor_pb2.FileDescriptorProto]) -> None:
     if file.name in files:
         return
+    # Imports first: a DescriptorPool accepts a file only after the files that it imports.
     for imported in file.dependencies:
         _add(imported, files)
     files[file.name] = descriptor_pb2.FileDescriptorProto()
@@ -30,11 +31,11 @@ def _add(file: Any, files: dict[str, descriptor_pb2.FileDescriptorProto]) -> Non
 
 
 def message_type_from(name: str, descriptor_set: bytes) -> type[ProtoMessage]:
-    """The class of a recorded message by its full name. Raises `SetupError` where the descriptors do not make one."""
+    """Make the class of a recorded message from its descriptors. Raises `SetupError` if they are invalid."""
     pool = descriptor_pool.DescriptorPool()
     try:
         for file in descriptor_pb2.FileDescriptorSet.FromString(descriptor_set).file:
             pool.Add(file)
         return message_factory.GetMessageClass(pool.FindMessageTypeByName(name))
     except (DecodeError, KeyError, TypeError) as error:
-        raise SetupError(f"the recorded protobuf schema of {name} cannot be read: {error}") from error
+        raise SetupError(f"cannot use the recorded protobuf schema of {name}: {error}") from error

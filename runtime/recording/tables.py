@@ -1,4 +1,4 @@
-"""A topic of a recording as a table, for spreadsheets and notebooks: a row a message, a column a field."""
+"""Topics of a recording as tables for spreadsheets and notebooks: one row per message, one column per field."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from roverlink.runtime.text.values import message_to_values
 
 Row = dict[str, Any]
 
-_BATCH = 50_000  # rows that parquet holds in memory
+_BATCH = 50_000  # rows of a Parquet row group, held in memory
 
 
 def rows_of(recording: Recording, topic: str) -> Iterator[Row]:
-    """The messages of a topic, nested fields as dotted columns, with the time of each in nanoseconds since 1970.
+    """Yield the messages of a topic; nested fields are dotted columns, ``time_ns`` is in nanoseconds since 1970.
 
-    The recording's own definition is what they are read with. Raises `SetupError` where there is no such topic, or it
-    is not of ROS 2.
+    Messages are parsed with the definition in the recording. Raises `SetupError` if the topic does not exist or is not
+    a ROS 2 topic.
     """
     channel = _channel(recording, topic)
     message_type = message_type_from(channel.schema_name, channel.schema.decode())
@@ -38,7 +38,7 @@ def _channel(recording: Recording, topic: str) -> Channel:
     channels = {name: channel for name, (channel, _) in recording.channels().items() if channel.encoding == "cdr"}
     full = topic if topic.startswith("/") else f"/{topic}"
     if full not in channels:
-        hint = nearest(full, channels) if channels else "it has none"
+        hint = nearest(full, channels) if channels else "it has no ROS 2 topics"
         raise SetupError(f"the recording has no topic {topic!r}; {hint}")
     return channels[full]
 
@@ -54,7 +54,7 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> Row:
 
 
 def write_csv(rows: Iterator[Row], path: Path) -> int:
-    """Write a CSV file, lists as JSON; returns how many rows. Raises `OSError`."""
+    """Write a CSV file, with lists as JSON; return the number of rows. Raises `OSError`."""
     with path.open("w", encoding="utf-8", newline="") as file:
         written = 0
         writer = csv.writer(file, lineterminator="\n")
@@ -67,7 +67,7 @@ def write_csv(rows: Iterator[Row], path: Path) -> int:
 
 
 def write_parquet(rows: Iterator[Row], path: Path) -> int:
-    """Write a Parquet file; returns how many rows. Raises `OSError`, and `SetupError` where pyarrow is missing."""
+    """Write a Parquet file; return the number of rows. Raises `OSError`, and `SetupError` if pyarrow is missing."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -77,6 +77,7 @@ def write_parquet(rows: Iterator[Row], path: Path) -> int:
         ) from error
     written, writer = 0, None
     try:
+        # range first: zip would otherwise take a row from the iterator and drop it at the end of a batch.
         while batch := [row for _, row in zip(range(_BATCH), rows)]:
             table = pyarrow.Table.from_pylist(batch, schema=writer.schema if writer else None)
             writer = writer or pyarrow.parquet.ParquetWriter(path, table.schema)

@@ -1,1 +1,1 @@
-"""Messages, payloads and YAML as people write and read them."""
+"""Text forms of messages, payloads and YAML, for people."""

@@ -1,4 +1,4 @@
-"""A payload from assignments of values to dotted paths: what ``roverlink send`` takes."""
+"""Payloads from assignments of values to dotted paths, as ``roverlink send`` takes them."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ _INTEGERS = {
 
 
 def payload_from_assignments(payload_type: type[P], assignments: Mapping[str, Any]) -> P:
-    """The payload that assignments of values to dotted paths describe.
+    """Build a payload from values by dotted path.
 
-    A value that is a text is read as its field's type asks: enum values by name or number, bytes in hexadecimal, a
-    string as it stands, numbers, lists and nested messages as YAML. Raises `ConversionError` for a path that leads
-    nowhere, or a value that does not fit.
+    A text is read by the type of its field: an enum value by name or number, bytes in hexadecimal, a string unchanged,
+    and numbers, lists and nested messages as YAML. Raises `ConversionError` for an unknown path or a value that does
+    not fit.
     """
     values: dict[str, Any] = {}
     for path, value in assignments.items():
@@ -61,16 +61,17 @@ def _field(descriptor: Any, name: object, path: str) -> Any:
 def _nested(descriptor: Any, name: str, path: str) -> Any:
     field = _field(descriptor, name, path)
     if field.message_type is None:
-        raise ConversionError(f"{descriptor.name}.{name} is no message, so it has no fields", path)
+        raise ConversionError(f"{descriptor.name}.{name} is not a message, so it has no fields", path)
     if field.is_repeated:
-        raise ConversionError(f"{descriptor.name}.{name} is a list; give it as {name}=[{{...}}, ...]", path)
+        raise ConversionError(f"{descriptor.name}.{name} is a list; write {name}=[{{...}}, ...]", path)
     return field.message_type
 
 
 def _field_value(field: Any, value: Any, path: str) -> Any:
-    """The value as the payload's class takes it."""
+    """Return the value in the form that the payload's class accepts."""
+    # A path has no way to write a map's keys.
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
-        raise ConversionError("is a map, which cannot be given here", path)
+        raise ConversionError("it is a map, which cannot be assigned here", path)
     if not field.is_repeated:
         return _item_value(field, value, path)
     values = _yaml(value, path) if isinstance(value, str) else value
@@ -94,14 +95,14 @@ def _item_value(field: Any, value: Any, path: str) -> Any:
 def _message_value(descriptor: Any, value: Any, path: str) -> dict[str, Any]:
     values = _yaml(value, path) if isinstance(value, str) else value
     if not isinstance(values, Mapping):
-        raise ConversionError(f"{value!r} is no mapping of field names to values", path)
+        raise ConversionError(f"{value!r} is not a mapping of field names to values", path)
     return {
         str(name): _field_value(_field(descriptor, name, path), part, f"{path}.{name}") for name, part in values.items()
     }
 
 
 def _enum_value(enum: Any, value: Any, path: str) -> int:
-    """The number of an enum's value, of which a text may be the name."""
+    """Return the number of an enum value that is given by name or number."""
     if isinstance(value, str) and value in enum.values_by_name:
         return int(enum.values_by_name[value].number)
     number = _scalar(value) if isinstance(value, str) else value
@@ -114,23 +115,23 @@ def _bytes_value(value: Any, path: str) -> bytes:
     try:
         return value if isinstance(value, bytes) else bytes.fromhex(value)
     except (ValueError, TypeError) as error:
-        raise ConversionError(f"{value!r} is no sequence of bytes in hexadecimal", path) from error
+        raise ConversionError(f"{value!r} is not a sequence of bytes in hexadecimal", path) from error
 
 
 def _number_value(field: Any, value: Any, path: str) -> Any:
-    """A bool or a number; of a text, what YAML reads in it."""
+    """Return a bool or a number; a text is parsed as YAML."""
     read = _scalar(value) if isinstance(value, str) else value
     if not _fits(field, read):
-        raise ConversionError(f"{value!r} is no {scalar_name(field)}", path)
+        raise ConversionError(f"{value!r} is not a valid {scalar_name(field)}", path)
     return read
 
 
 def _scalar(text: str) -> Any:
-    """What YAML reads in a text; a number such as 1e-3 too, for which YAML wants a point."""
+    """Parse a scalar as YAML, but accept numbers such as 1e-3 too: YAML 1.1 requires a decimal point."""
     try:
         read = strict_yaml.load(text)
         return float(text) if read == text else read
-    except ValueError:  # of the former, too
+    except ValueError:  # YamlTextError is a ValueError too
         return text
 
 
@@ -149,8 +150,8 @@ def _fits(field: Any, number: Any) -> bool:
 
 
 def _yaml(text: str, path: str) -> Any:
-    """Lists and mappings of texts, which their fields read."""
+    """Parse lists and mappings; scalars stay texts, which their fields parse."""
     try:
-        return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # it makes nothing but lists, mappings and texts
+        return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # BaseLoader makes only lists, mappings and strings
     except (yaml.YAMLError, RecursionError) as error:
-        raise ConversionError(f"{text!r} cannot be read", path) from error
+        raise ConversionError(f"{text!r} is not valid YAML", path) from error

@@ -1,7 +1,7 @@
-"""YAML that people write, on the command line or in a file: PyYAML, and what it lets through or passes over.
+"""Strict YAML for files and command lines: PyYAML with checks for the errors that it ignores.
 
-It takes the last of two values with one key and is silent about the other, and raises whatever its own look-ups and
-conversions raise where a tag promises what is not there.
+PyYAML silently keeps the last of two values with the same key. And it raises any kind of exception if the value of a
+tag cannot be converted.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ import yaml
 
 _MERGE = "tag:yaml.org,2002:merge"
 _NULL = "tag:yaml.org,2002:null"
-_LARGEST = 2**64  # of whole numbers; larger ones fit nothing that is asked for, and Python does not print all of them
+_LARGEST = 2**64  # largest integer; a larger one fits no field, and Python refuses to print those above 4300 digits
 _SHOWN = 40  # characters of a value in a message
 
 
 class YamlTextError(ValueError):
-    """What is wrong with a text, and where."""
+    """Error in a YAML text, with its place."""
 
     def __init__(self, problem: str, mark: yaml.Mark | None = None) -> None:
         super().__init__(problem)
         self._place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
 
     def in_file(self, path: Path) -> str:
-        """The same of a file's text: path, line and column, and what is wrong there."""
+        """Return the message with path, line and column of the file."""
         return f"{path}{self._place}: {self}"
 
 
 def load(text: str) -> Any:
-    """The values of a text. Raises `YamlTextError`."""
+    """Parse a text into plain values. Raises `YamlTextError`."""
     node = compose(text)
     for inner in _nodes(node):
         if isinstance(inner, yaml.ScalarNode):
@@ -41,9 +41,9 @@ def load(text: str) -> Any:
 
 
 def compose(text: str) -> yaml.Node:
-    """A text as nodes; what ``<<`` merges stands in each mapping before what is its own.
+    """Parse a text into nodes; keys merged by ``<<`` come before a mapping's own keys.
 
-    Raises `YamlTextError` for what is no YAML, and for a key that stands twice in a mapping.
+    Raises `YamlTextError` for invalid YAML and for a key that occurs twice in a mapping.
     """
     try:
         root = yaml.compose(text, yaml.SafeLoader)
@@ -56,40 +56,40 @@ def compose(text: str) -> yaml.Node:
         for mapping in mappings:
             yaml.constructor.SafeConstructor().flatten_mapping(mapping)
     except yaml.MarkedYAMLError as error:
-        raise YamlTextError(f"no YAML: {error.problem or error.context}", error.problem_mark) from error
+        raise YamlTextError(f"not valid YAML: {error.problem or error.context}", error.problem_mark) from error
     except yaml.YAMLError as error:
-        raise YamlTextError(f"no YAML: {error}") from error
+        raise YamlTextError(f"not valid YAML: {error}") from error
     except RecursionError as error:
         raise YamlTextError("nested too deeply") from error
     return root
 
 
 def construct(node: yaml.Node) -> Any:
-    """What YAML makes of a node. Raises `YamlTextError` where that is nothing, such as the 30th of February."""
+    """Convert a node to a plain value. Raises `YamlTextError` if it has none, such as February 30."""
     try:
         value = yaml.constructor.SafeConstructor().construct_document(node)
-    # PyYAML looks up, matches and converts what a tag promises, and lets through how that fails
+    # PyYAML's constructors look up, match and convert without catching the errors of these operations.
     except (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError) as error:
-        raise YamlTextError(f"YAML makes nothing of {said(node)}", node.start_mark) from error
+        raise YamlTextError(f"{shown(node)} is not a valid value", node.start_mark) from error
     if isinstance(value, int) and abs(value) > _LARGEST:
-        raise YamlTextError(f"{said(node)} is too large", node.start_mark)
+        raise YamlTextError(f"{shown(node)} is too large", node.start_mark)
     return value
 
 
-def said(node: yaml.Node) -> str:
-    """A node for messages: as it is written, or what kind of thing it is."""
+def shown(node: yaml.Node) -> str:
+    """Return a node as text for messages: as written, or its kind."""
     if isinstance(node, yaml.MappingNode):
         return "a mapping"
     if isinstance(node, yaml.SequenceNode):
         return f"a list of {len(node.value)}"
     text = str(node.value)
-    shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+    excerpt = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
     is_quoted = isinstance(node, yaml.ScalarNode) and node.style is not None
-    return repr(shown) if is_quoted else shown or "nothing"
+    return repr(excerpt) if is_quoted else excerpt or "an empty value"
 
 
 def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
-    """Each node once, however many aliases it has."""
+    """Yield each node once, even if it has several aliases."""
     seen: set[int] = set()
     waiting = deque([root])
     while waiting:
@@ -105,12 +105,12 @@ def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
 
 
 def _check_keys(mapping: yaml.MappingNode) -> None:
-    """Raise `YamlTextError` for a key that stands there twice, or is neither a name nor a number."""
+    """Raise `YamlTextError` for a key that occurs twice, or that is a list or a mapping."""
     keys: set[Any] = set()
     for key, _ in mapping.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise YamlTextError(f"a key is {said(key)}, and no name and no number", key.start_mark)
+            raise YamlTextError(f"a key is {shown(key)}; it must be a name or a number", key.start_mark)
         value = key.value if key.tag == _MERGE else construct(key)
         if value in keys:
-            raise YamlTextError(f"the key {said(key)} stands twice in one mapping; keep one of them", key.start_mark)
+            raise YamlTextError(f"the key {shown(key)} occurs twice in one mapping; keep one of them", key.start_mark)
         keys.add(value)

@@ -1,4 +1,4 @@
-"""Messages as plain values: what the command line reads and prints.
+"""Messages as plain values, for the command line.
 
 ROS 2 messages are keyed by their ROS field names, payloads by their proto field names.
 """
@@ -37,7 +37,7 @@ _KINDS = {"?": bool, "f": (int, float), "d": (int, float)}
 
 
 def message_to_values(message: Message) -> dict[str, Any]:
-    """A message as mappings, lists and scalars; ``uint8[]`` as a list of numbers."""
+    """Convert a message to mappings, lists and scalars; ``uint8[]`` becomes a list of numbers."""
     return {field.name: _to_value(getattr(message, field.name)) for field in fields_of(type(message))}
 
 
@@ -50,16 +50,16 @@ def _to_value(value: Any) -> Any:
 
 
 def message_from_values(message_type: type[M], values: object, path: str = "") -> M:
-    """The message that plain values describe; fields that are left out are zero.
+    """Build a message from plain values; missing fields are zero.
 
-    Raises `ConversionError` for a field that the message does not have, or a value of the wrong kind.
+    Raises `ConversionError` for an unknown field or a value of the wrong type.
     """
     if not isinstance(values, Mapping):
-        raise ConversionError(f"{values!r} is no mapping of field names to values", path)
+        raise ConversionError(f"{values!r} is not a mapping of field names to values", path)
     fields = {field.name: field for field in fields_of(message_type)}
     for name in values:
         if name not in fields:
-            known = nearest(str(name), fields) if fields else "it has none"
+            known = nearest(str(name), fields) if fields else "it has no fields"
             raise ConversionError(f"{message_type.__msgtype__} has no field {name!r}; {known}", path)
     prefix = f"{path}." if path else ""
     made = {
@@ -75,11 +75,12 @@ def _from_value(field_type: FieldType, value: Any, path: str) -> Any:
         if isinstance(value, str) and field_type.format in "fd":
             value = _float(value)
         if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
-            raise ConversionError(f"{value!r} is no {field_type.name}", path)
+            raise ConversionError(f"{value!r} is not a valid {field_type.name}", path)
+        # YAML reads 1 as an int; `struct` would accept it, but equal messages should have equal values.
         return float(value) if field_type.format in "fd" else value
     if isinstance(field_type, Text):
         if not isinstance(value, str):
-            raise ConversionError(f"{value!r} is no string", path)
+            raise ConversionError(f"{value!r} is not a string", path)
         return value
     if isinstance(field_type, (Sequence, Array)):
         return _from_list(field_type.element, value, path)
@@ -87,7 +88,7 @@ def _from_value(field_type: FieldType, value: Any, path: str) -> Any:
 
 
 def _float(text: str) -> float | str:
-    """The number in a text: YAML has 1e-3 for a string, since it wants a point."""
+    """Parse a number such as 1e-3, which YAML 1.1 reads as a string because it has no decimal point."""
     try:
         return float(text)
     except ValueError:
@@ -96,7 +97,7 @@ def _float(text: str) -> float | str:
 
 def _from_list(element: FieldType, value: Any, path: str) -> Any:
     if not isinstance(value, list):
-        raise ConversionError(f"{value!r} is no list", path)
+        raise ConversionError(f"{value!r} is not a list", path)
     values = [_from_value(element, item, f"{path}[{index}]") for index, item in enumerate(value)]
     if element != UINT8:
         return values
@@ -110,10 +111,10 @@ def _from_list(element: FieldType, value: Any, path: str) -> Any:
 
 
 def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
-    """A payload as mappings, lists and scalars, zeros included; enum values by name, bytes in base64.
+    """Convert a payload to mappings, lists and scalars, zeros included; enum values by name, bytes in base64.
 
-    Where protobuf's JSON has no form for what a peer sent (an Any of an unknown type, a time out of range), the message
-    that says it is shown field by field.
+    Protobuf's JSON has no form for some values, such as an Any of unknown type or a time out of range. The message that
+    contains one is converted field by field.
     """
     try:
         values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
@@ -141,7 +142,7 @@ def _one_to_value(field: Any, value: Any) -> Any:
 
 
 def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
-    """The values in the order of the fields; protobuf puts those that are zero behind the others."""
+    """Sort values in the order of the fields, since protobuf puts those that are zero last."""
     return {
         field.name: _parts_as_declared(field, values[field.name]) for field in descriptor.fields if field.name in values
     }
@@ -156,7 +157,7 @@ def _parts_as_declared(field: Any, value: Any) -> Any:
 
 
 def _has_declared_parts(field: Any) -> bool:
-    """Whether protobuf's JSON form of a field is a mapping of its message's fields."""
+    """Return true if protobuf's JSON form of a field is a mapping of its message's fields."""
     message = field.message_type
     return message is not None and not message.GetOptions().map_entry and _is_declared(message)
 

@@ -58,10 +58,8 @@ def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys
     out = tmp_path / "camera.yml"
     assert main(["aruco", "calibrate", str(images), "--out", str(out)]) == 0
     said = capsys.readouterr().out
-    assert next(line for line in said.splitlines() if line.startswith("wall.png")).endswith(
-        "dropped: the board is not seen"
-    )
-    assert f"written to {out}" in said.replace("\n", " ")
+    assert next(line for line in said.splitlines() if line.startswith("wall.png")).endswith("dropped: no board found")
+    assert f"wrote {out}" in said.replace("\n", " ")
     camera = read_parameters(out)
     assert camera.size == SIZE
     assert camera.matrix == pytest.approx(MATRIX, abs=0.5)
@@ -71,7 +69,7 @@ def test_images_become_a_file_of_parameters(images: Path, tmp_path: Path, capsys
     assert 0 < file.getNode("reprojection_error_rms").real() < 0.1
     assert file.getNode("standard_deviations").mat().shape == (1, 9)
     report = out.with_suffix(".html")
-    assert "wall.png: the board is not seen" in report.read_text(encoding="utf-8")
+    assert "wall.png: no board found" in report.read_text(encoding="utf-8")
     before = out.read_bytes(), report.read_bytes()
     assert main(["aruco", "calibrate", str(images), "--out", str(out)]) == 0
     assert (out.read_bytes(), report.read_bytes()) == before
@@ -97,11 +95,11 @@ def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.
     out = tmp_path / "camera.yml"
     assert main(["aruco", "calibrate", str(tmp_path), "--out", str(out)]) == 1
     said = capsys.readouterr()
-    assert "wall.png: the board is not seen" in said.err
-    assert "2 of 3 views are usable, and 10 are needed" in said.err
+    assert "wall.png: no board found" in said.err
+    assert "2 of 3 views are usable, but 10 are needed" in said.err
     assert not out.exists()
     assert main(["aruco", "calibrate", str(tmp_path), "--out", str(out), "--json"]) == 1
-    assert json.loads(capsys.readouterr().out)["useless"] == {"wall.png": "the board is not seen"}
+    assert json.loads(capsys.readouterr().out)["useless"] == {"wall.png": "no board found"}
 
 
 def test_a_folder_that_is_not_there_is_told_before_the_work(
@@ -109,7 +107,7 @@ def test_a_folder_that_is_not_there_is_told_before_the_work(
 ) -> None:
     """Nobody has to take the views again."""
     assert main(["aruco", "calibrate", str(images), "--out", str(tmp_path / "no" / "camera.yml")]) == 2
-    assert "there is no folder" in capsys.readouterr().err
+    assert "does not exist" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -141,12 +139,12 @@ def test_a_video_in_words_says_what_is_missing(tmp_path: Path, capsys: pytest.Ca
     film = filmed(tmp_path, 3, 2)
     assert main(["aruco", "calibrate", str(film), "--out", str(tmp_path / "camera.yml")]) == 1
     said = capsys.readouterr().err
-    assert "hold still" in said
+    assert "hold the board still" in said
     assert "view 1 (frame 1): " in said
     assert "missing: parts of the image: " in said
     assert "distances: " in said
     assert "tilts: " in said
-    assert "3 of 3 views are usable, and 10 are needed" in said
+    assert "3 of 3 views are usable, but 10 are needed" in said
 
 
 @pytest.mark.slow
@@ -164,7 +162,7 @@ def test_a_board_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     """As a PDF by default; the detector finds it there."""
     out = tmp_path / "board.pdf"
     assert main(["aruco", "board", "--squares", "8x6", "--square", "0.03", "--marker", "0.02", "--out", str(out)]) == 0
-    assert f"{out}: 1 sheet of A4; print at 100 %" in capsys.readouterr().out
+    assert f"{out}: 1 sheet of A4; print it at 100 %" in capsys.readouterr().out
     page = np.ascontiguousarray(pypdfium2.PdfDocument(out)[0].render(scale=2, grayscale=True).to_numpy())
     assert len(BoardDetector(CharucoBoard(8, 6, 0.03, 0.02)).find(page).ids) == 7 * 5
 
@@ -181,12 +179,12 @@ def test_markers_are_printed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--square", "0.04", "--marker", "0.03"], "take A2, or smaller sides"),
-        (["--out", "board.svg"], "written as .pdf or .png"),
-        (["--markers", "0-30", "--out", "markers.png"], "the markers need 4 sheets, and a PNG is one"),
+        (["--square", "0.04", "--marker", "0.03"], "use A2, or smaller sides"),
+        (["--out", "board.svg"], "the name must end with .pdf or .png"),
+        (["--markers", "0-30", "--out", "markers.png"], "the markers need 4 sheets, but a PNG holds only one"),
         (["--markers", "250"], "DICT_5X5_250 has no marker 250"),
-        (["--squares", "30x30"], "DICT_4X4_50 has 50 markers, and 30x30 squares need 450"),
-        (["--marker", "0.024"], "a marker is smaller than its square"),
+        (["--squares", "30x30"], "DICT_4X4_50 has only 50 markers, but 30x30 squares need 450"),
+        (["--marker", "0.024"], "a marker must be smaller"),
         (["--dictionary", "DICT_4X4_5"], "did you mean DICT_4X4_50?"),
     ],
 )

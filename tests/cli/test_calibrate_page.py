@@ -135,7 +135,7 @@ def test_an_image_that_cannot_be_read_ends_it(start: Start, jpegs: list[bytes], 
     (folder / "1.jpg").write_bytes(b"no image")
     page = _Page(start, tmp_path, folder)
     assert page.program.end() == 2
-    assert "1.jpg cannot be read as an image" in str(page.program)
+    assert "1.jpg : cannot read the file as an image" in str(page.program)
     assert list(tmp_path.glob("charuco*")) == []
 
 

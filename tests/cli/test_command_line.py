@@ -80,29 +80,29 @@ def test_the_example_of_each_help_is_understood(
         (["run", "--frobnicate"], "unrecognized arguments: --frobnicate"),
         (["run", "--middleware", "zenoh"], "invalid choice: 'zenoh'"),
         (["listen"], "required: --port"),
-        (["listen", "--port", "x"], "'x' is not a UDP port, 0 to 65535"),
-        (["listen", "--port", "65536"], "'65536' is not a UDP port, 0 to 65535"),
-        (["listen", "--port", "-1"], "'-1' is not a UDP port, 0 to 65535"),
+        (["listen", "--port", "x"], "'x' is not a port number from 0 to 65535"),
+        (["listen", "--port", "65536"], "'65536' is not a port number from 0 to 65535"),
+        (["listen", "--port", "-1"], "'-1' is not a port number from 0 to 65535"),
         (["listen", "--port", "1", "--count", "0"], "'0' is not a whole number above 0"),
         (["send", "imu_info", "--count", "-1"], "'-1' is not a whole number above 0"),
         (["send", "imu_info", "--count", "1.5"], "'1.5' is not a whole number above 0"),
-        (["send", "imu_info", "--rate", "0"], "'0' is not a number above 0"),
-        (["send", "imu_info", "--rate", "nan"], "'nan' is not a number above 0"),
-        (["send", "imu_info", "--rate", "inf"], "'inf' is not a number above 0"),
-        (["send", "imu_info", "--rate", "1e-300"], "'1e-300' is not a number above 0"),
-        (["echo", "a", "--timeout", "1e300"], "'1e300' is not a number of seconds"),
-        (["aruco", "track", "0", "--side", "1e200"], "'1e200' is neither metres above 0 nor ID=METRES"),
-        (["aruco", "track", "0", "--side", "=1"], "'=1' is neither metres above 0 nor ID=METRES"),
+        (["send", "imu_info", "--rate", "0"], "'0' is not a frequency above 0"),
+        (["send", "imu_info", "--rate", "nan"], "'nan' is not a frequency above 0"),
+        (["send", "imu_info", "--rate", "inf"], "'inf' is not a frequency above 0"),
+        (["send", "imu_info", "--rate", "1e-300"], "'1e-300' is not a frequency above 0"),
+        (["echo", "a", "--timeout", "1e300"], "'1e300' is not a duration in seconds"),
+        (["aruco", "track", "0", "--side", "1e200"], "'1e200' is not METRES or ID=METRES"),
+        (["aruco", "track", "0", "--side", "=1"], "'=1' is not METRES or ID=METRES"),
         (["aruco", "board", "--square", "1e-300"], "'1e-300' is not a length in metres"),
         (["echo"], "required: topic"),
         (["echo", "a", "b"], "unrecognized arguments: b"),
-        (["echo", "a", "--timeout", "-1"], "'-1' is not a number of seconds"),
+        (["echo", "a", "--timeout", "-1"], "'-1' is not a duration in seconds"),
         (["echo", "a", "--count", "many"], "'many' is not a whole number above 0"),
         (["pub"], "required: topic"),
         (["pub", "a", "{}", "b"], "unrecognized arguments: b"),
-        (["pub", "a", "--rate=-1"], "'-1' is not a number above 0"),
-        (["pub", "a", "--wait", "nan"], "'nan' is not a number of seconds"),
-        (["demo", "--seconds", "soon"], "'soon' is not a number of seconds"),
+        (["pub", "a", "--rate=-1"], "'-1' is not a frequency above 0"),
+        (["pub", "a", "--wait", "nan"], "'nan' is not a duration in seconds"),
+        (["demo", "--seconds", "soon"], "'soon' is not a duration in seconds"),
         (["demo", "--middleware", "rclpy"], "invalid choice: 'rclpy'"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
@@ -148,7 +148,7 @@ def test_outside_of_a_project_the_way_to_start_one_is_told(
     }
     assert main([command, *more.get(command, [])]) == 2
     errors = capsys.readouterr().err
-    assert f"roverlink: there is no mapping.yaml in {tmp_path} or a folder above it" in errors
+    assert f"roverlink: no mapping.yaml in {tmp_path} or a folder above it" in errors
     assert "`roverlink init`" in errors
 
 

@@ -16,7 +16,7 @@ from rich.console import Console
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.console import keep_to_ourselves
+from roverlink.console import isolate_ros
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import SetupError
 from roverlink.simulation import bridge_host, crossings
@@ -45,16 +45,16 @@ def test_every_message_crosses(done: Start, middleware: str) -> None:
     code, output, errors = done("demo", "--seconds", 3, "--middleware", middleware)
     assert code == 0, output
     # where the processor is shared with many, commands come late, which the bridge has to say
-    assert [line for line in errors.splitlines() if not line.endswith("told to stop")] == []
-    summary = re.search(r"21 of 21 messages crossed, (\d+) times in all; (\d+) datagrams were forwarded raw", output)
+    assert [line for line in errors.splitlines() if not line.endswith("sends the stop to the peer")] == []
+    summary = re.search(r"21 of 21 messages were bridged, (\d+) times in all; (\d+) datagrams were forwarded", output)
     assert summary
     assert int(summary[1]) >= 21
     assert int(summary[2]) >= 12
-    account = re.search(r"the bridge says: received (\d+), published (\d+), sent (\d+), forwarded (\d+)", output)
+    account = re.search(r"counters of the bridge: received (\d+), published (\d+), sent (\d+), forwarded (\d+)", output)
     assert account
     assert int(account[1]) == int(account[2]) > 0
-    assert "did not cross" not in output
-    seen = re.search(r"found itself on the field in (\d+) frames by 4 landmarks, never more than (\d+) mm", output)
+    assert "not bridged" not in output
+    seen = re.search(r"located itself in (\d+) frames with 4 landmarks; largest error (\d+) mm", output)
     if importlib.util.find_spec("cv2"):
         assert seen
         assert int(seen[1]) > 0
@@ -70,8 +70,8 @@ def test_messages_that_do_not_cross_are_exit_code_1(capsys: pytest.CaptureFixtur
     """Without any time nothing crosses: each message is named, and the exit code is 1."""
     assert main(["demo", "--seconds", "0", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
-    assert "0 of 21 messages crossed" in output
-    missing = output.partition("did not cross: ")[2].replace("\n", " ")
+    assert "0 of 21 messages were bridged" in output
+    missing = output.partition("not bridged: ")[2].replace("\n", " ")
     assert [name.strip() for name in missing.split(",")] == [handler.route.name for handler in REGISTRY.handlers]
 
 
@@ -90,8 +90,8 @@ def test_a_single_message_that_does_not_cross_is_exit_code_1(
     monkeypatch.setattr(Crossing, "add", all_but_one)
     assert main(["demo", "--seconds", "1", "--middleware", "memory"]) == 1
     output = capsys.readouterr().out
-    assert "20 of 21 messages crossed" in output
-    assert "did not cross: gps_info" in output
+    assert "20 of 21 messages were bridged" in output
+    assert "not bridged: gps_info" in output
 
 
 # --- its parts --------------------------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ def test_simulated_payloads_fit_and_change(handler: Any) -> None:
 
 def test_a_bridge_that_does_not_start_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the bridge's process ends before it is ready, its own words are shown, and the demo cannot run."""
-    with pytest.raises(SetupError, match="the bridge did not start"), BridgeProcess(tmp_path, {}):
+    with pytest.raises(SetupError, match="the bridge process did not start"), BridgeProcess(tmp_path, {}):
         pass
     assert f"no generated code in {tmp_path}" in capsys.readouterr().err
 
@@ -193,9 +193,9 @@ def test_the_demo_keeps_to_itself(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "0")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    keep_to_ourselves()
+    isolate_ros()
     assert os.environ["ROS_LOCALHOST_ONLY"] == "1"
     assert 0 < int(os.environ["ROS_DOMAIN_ID"]) <= 100
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    keep_to_ourselves()
+    isolate_ros()
     assert os.environ["ROS_DOMAIN_ID"] == "7"

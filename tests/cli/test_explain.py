@@ -79,7 +79,7 @@ def test_a_number_without_a_row(
     assert main(["explain", "13"]) == 1
     assert capsys.readouterr().out == "13 is retired, of imu_info (SensorBoardIMUInfo)\n"
     assert main(["explain", "gps_inf"]) == 2
-    assert "'gps_inf' is no row of mapping.yaml and no rule (did you mean gps_info?)" in capsys.readouterr().err
+    assert "'gps_inf' is neither a row of mapping.yaml nor a rule (did you mean gps_info?)" in capsys.readouterr().err
     assert main(["explain", "ENV10"]) == 2
     assert "did you mean ENV1" in capsys.readouterr().err
 
@@ -96,7 +96,7 @@ def test_rules_need_no_table(tmp_path: Path, done: Start) -> None:
     """A rule is explained anywhere; a row, where there is none, is not."""
     assert done("explain", "ENV101", folder=tmp_path)[1].startswith("ENV101 field-number-taken (error)")
     code, _, errors = done("explain", "imu_info", folder=tmp_path)
-    assert (code, "there is no mapping.yaml" in errors) == (2, True)
+    assert (code, "mapping.yaml does not exist" in errors) == (2, True)
 
 
 def test_what_no_number_can_be_is_told(project: Path, done: Start) -> None:

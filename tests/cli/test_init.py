@@ -95,7 +95,7 @@ def test_files_that_are_there_stay_as_they_are(tmp_path: Path, done: Start) -> N
     plant(tmp_path, {".gitignore": "*.bag\n", "proto/board.proto": _BOARD})
     code, said, _ = done("init", folder=tmp_path)
     assert code == 0
-    assert "kept proto/board.proto, which was there already\nkept .gitignore, which was there already\n" in said
+    assert "kept the existing proto/board.proto\nkept the existing .gitignore\n" in said
     assert (tmp_path / ".gitignore").read_text() == "*.bag\n"
     assert (tmp_path / "proto" / "board.proto").read_text() == _BOARD
     assert "voltage" in (tmp_path / "generated" / "ros" / "comms" / "msg" / "BoardStatus.msg").read_text()
@@ -107,7 +107,7 @@ _BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n
 @pytest.mark.parametrize(
     ("there", "expected"),
     [
-        ({"mapping.yaml": "version: 1\n"}, "mapping.yaml is there already"),
+        ({"mapping.yaml": "version: 1\n"}, "mapping.yaml exists already"),
         ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] is there already, and was not generated"),
         ({"proto/arm.proto": _BOARD}, "fatal[ADO104]"),
         ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` takes the folder over"),
@@ -162,7 +162,7 @@ def test_below_the_top_of_a_repository_the_way_of_two_files_is_told(tmp_path: Pa
     (tmp_path / "software" / "rover").mkdir(parents=True)
     code, said, _ = done("init", folder=tmp_path / "software" / "rover")
     assert code == 0
-    assert f"move them to {tmp_path}, and let their commands run in software/rover\n" in said
+    assert f"move them to {tmp_path} and let their commands run in software/rover\n" in said
 
 
 def test_the_options_of_taking_over_need_a_folder(tmp_path: Path, done: Start) -> None:
@@ -181,7 +181,7 @@ def test_a_table_is_never_overwritten(tmp_path: Path, done: Start) -> None:
     (tmp_path / "mapping.yaml").write_text("version: 1\n")
     code, _, errors = done("init", "--from", "protos", folder=tmp_path)
     assert code == 2
-    assert "mapping.yaml is there already" in errors
+    assert "mapping.yaml exists already" in errors
     assert {path.name for path in tmp_path.iterdir()} == {"mapping.yaml", "protos"}
 
 

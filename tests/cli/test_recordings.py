@@ -191,7 +191,9 @@ def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str
     """A row a message, a column a field, nested ones by their dotted names, and the time."""
     for format in ("csv", "parquet"):
         assert main(["export", str(run), "--topic", "imu_data", "--to", format]) == 0
-    assert capsys.readouterr().out.startswith(f"{_COUNT} messages of imu_data to {run.with_suffix('.imu_data.csv')}")
+    assert capsys.readouterr().out.startswith(
+        f"wrote {_COUNT} messages of imu_data to {run.with_suffix('.imu_data.csv')}"
+    )
     with run.with_suffix(".imu_data.csv").open() as file:
         rows = list(csv.DictReader(file))
     table = pyarrow.parquet.read_table(run.with_suffix(".imu_data.parquet")).to_pylist()
@@ -206,12 +208,12 @@ def test_a_topic_as_csv_and_parquet(run: Path, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["info", "nowhere.mcap"], "nowhere.mcap: there is no such recording"),
+        (["info", "nowhere.mcap"], "nowhere.mcap: no such file"),
         (["export", "{run}", "--topic", "imu_dat"], "the recording has no topic 'imu_dat'; did you mean /imu_data?"),
-        (["export", "{run}", "--topic", "imu_data", "--out", "/nowhere/x.csv"], "/nowhere/x.csv: cannot be written"),
+        (["export", "{run}", "--topic", "imu_data", "--out", "/nowhere/x.csv"], "/nowhere/x.csv: cannot write"),
         (["replay", "{run}", "--to", "x"], "'x' is not of the form HOST:PORT"),
-        (["record", "run.bag", "--middleware", "memory"], "run.bag: a recording is named something.mcap"),
-        (["record", "/proc/x.mcap", "--middleware", "memory"], "/proc/x.mcap: cannot be written"),
+        (["record", "run.bag", "--middleware", "memory"], "run.bag: the name of a recording must end with .mcap"),
+        (["record", "/proc/x.mcap", "--middleware", "memory"], "/proc/x.mcap: cannot write the file"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

@@ -108,7 +108,7 @@ def test_other_commands_take_no_ros_arguments(capsys: pytest.CaptureFixture[str]
     with pytest.raises(SystemExit) as ended:
         main(["send", "--list", "--ros-args", "-p", "listen_port:=1"])
     assert ended.value.code == 2
-    assert "send takes no --ros-args" in capsys.readouterr().err
+    assert "send does not take --ros-args" in capsys.readouterr().err
 
 
 def test_impatient_signals_do_no_harm(start: Start) -> None:
@@ -136,7 +136,7 @@ def test_warnings_name_what_is_wrong(start: Start) -> None:
     """A datagram that cannot be bridged is a warning of the node, with number and name."""
     program = start("run", "--middleware", "memory", "--ros-args", *_FREE_PORT, "-r", "__node:=bridge")
     _send(_port(program), REGISTRY.envelope(drive_motor={}).SerializeToString())
-    line = program.wait_for("drive_motor (9) goes ros_to_hardware")
+    line = program.wait_for("drive_motor (9) has the direction ros_to_hardware")
     assert re.match(r"\[WARN\] \[\d+\.\d{6}\] \[bridge\]: dropped: ", line)
     assert program.interrupt() == 0
 
@@ -242,7 +242,8 @@ def test_a_port_in_use_is_told(done: Start, peer: socket.socket) -> None:
     code, output, errors = done("run", "--middleware", "memory", "--ros-args", *arguments)
     assert (code, output) == (2, "")
     assert errors == (
-        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; stop it, or listen on another"
+        f"roverlink: UDP port {port} on 127.0.0.1 is in use by another program; "
+        "stop that program or choose another port"
     )
 
 
@@ -302,7 +303,7 @@ def test_a_params_file_is_obeyed(start: Start, peer: socket.socket, tmp_path: Pa
 def test_a_wrong_domain_is_told(done: Start) -> None:
     """A ROS_DOMAIN_ID that cannot be is exit code 2."""
     code, _, errors = done("run", "--middleware", "dds", "--ros-args", *_FREE_PORT, ROS_DOMAIN_ID="mars")
-    assert (code, errors) == (2, "roverlink: ROS_DOMAIN_ID is 'mars'; it must be a number from 0 to 232")
+    assert (code, errors) == (2, "roverlink: ROS_DOMAIN_ID is 'mars'; set it to a number from 0 to 232")
 
 
 def test_a_project_without_generated_code_is_told(done: Start, tmp_path: Path) -> None:

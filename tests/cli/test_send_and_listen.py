@@ -102,18 +102,18 @@ def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["send"], "say which payload to send; `roverlink send --list` shows them"),
-        (["send", "imu_inf"], "there is no payload 'imu_inf'; did you mean imu_info?"),
-        (["send", "zzz"], "there is no payload 'zzz'; there are ph_info, arm_ctrl"),
+        (["send"], "no payload given; `roverlink send --list` lists them"),
+        (["send", "imu_inf"], "unknown payload 'imu_inf'; did you mean imu_info?"),
+        (["send", "zzz"], "unknown payload 'zzz'; known: ph_info, arm_ctrl"),
         (["send", "imu_info", "accel_q=1"], "SensorBoardIMUInfo has no field 'accel_q'; did you mean accel_z?"),
         (["send", "imu_info", "accel_x"], "'accel_x' is not of the form field=value"),
         (["send", "imu_info", "=1"], "'=1' is not of the form field=value"),
-        (["send", "imu_info", "accel_x=fast"], "accel_x: 'fast' is no float"),
-        (["send", "imu_info", "accel_x=1e39"], "accel_x: '1e39' is no float"),
+        (["send", "imu_info", "accel_x=fast"], "accel_x: 'fast' is not a valid float"),
+        (["send", "imu_info", "accel_x=1e39"], "accel_x: '1e39' is not a valid float"),
         (["send", "imu_info", "accel_x=1", "accel_x=2"], "accel_x is assigned more than once"),
         (["send", "imu_info", "error_code=IMU_SENSOR_FALT"], "did you mean IMU_SENSOR_FAULT?"),
-        (["send", "imu_info", "accel_x.y=1"], "SensorBoardIMUInfo.accel_x is no message"),
-        (["send", "detected_object", "bbox=3"], "bbox: '3' is no mapping"),
+        (["send", "imu_info", "accel_x.y=1"], "SensorBoardIMUInfo.accel_x is not a message"),
+        (["send", "detected_object", "bbox=3"], "bbox: '3' is not a mapping"),
         (["send", "imu_info", "--to", "127.0.0.1"], "'127.0.0.1' is not of the form HOST:PORT"),
         (["send", "imu_info", "--to", ":5000"], "':5000' is not of the form HOST:PORT"),
         (["send", "imu_info", "--to", "localhost:0"], "'localhost:0' is not of the form HOST:PORT"),
@@ -175,8 +175,8 @@ def test_what_is_no_payload_is_a_line_as_well(start: Start) -> None:
     _send(port, b"\xff" * 5, bytes.fromhex("ca01"), b"", bytes.fromhex("6a"), bytes.fromhex("6a00") + bytes(9))
     assert program.end() == 0
     lines = [json.loads(line) for line in program.output]
-    assert lines[0]["error"].startswith("no PBEnvelope in 5 bytes")
-    assert (lines[1]["error"], lines[1]["bytes"]) == ("no known payload among [25]", 2)
+    assert lines[0]["error"].startswith("not a valid PBEnvelope: 5 bytes")
+    assert (lines[1]["error"], lines[1]["bytes"]) == ("unknown payload numbers [25]", 2)
     assert (lines[2]["error"], lines[2]["bytes"]) == ("empty", 0)
     assert [line["name"] for line in lines[3:]] == ["imu_info", "imu_info"]
 

@@ -16,7 +16,7 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Translator
 from roverlink.runtime.core.envelope import restore
-from roverlink.simulation.run_account import PUBLISHED, Reckoning, fate
+from roverlink.simulation.run_account import PUBLISHED, RunTotals, predict
 from roverlink.simulation.scenarios import SCENARIOS, Emission, World, emissions, steady
 
 Start = Callable[..., Any]
@@ -33,7 +33,7 @@ def _first(count: int, *names: str, seed: int = 1, rate: float = 300.0) -> list[
 
 
 def _fates(stream: list[Emission]) -> Counter[str]:
-    return Counter(fate(emission.datagram, _TRANSLATOR, _LONGEST) for emission in stream)
+    return Counter(predict(emission.datagram, _TRANSLATOR, _LONGEST) for emission in stream)
 
 
 @pytest.mark.parametrize("names", [[name] for name in SCENARIOS] + [list(SCENARIOS), list(reversed(SCENARIOS))])
@@ -138,7 +138,7 @@ def test_the_account_is_told_in_words(done: Start) -> None:
     code, output, _ = done("simulate", "--bridge", "memory", "--seconds", 0.5)
     assert code == 0
     assert " datagrams were sent to the bridge" in output
-    assert output.splitlines()[-1] == "the sums agree"
+    assert output.splitlines()[-1] == "all sums agree"
 
 
 def test_a_bridge_of_somebody_elses_gets_the_stream(done: Start) -> None:
@@ -170,27 +170,27 @@ def _account(**changed: Any) -> dict[str, Any]:
     ("changed", "fault"),
     [
         ({}, None),
-        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 received"),
+        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 were received"),
         ({"published": 7}, "10 datagrams received, but 9 published and dropped"),
-        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams were malformed, but 1 counted as that"),
+        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams should be dropped as malformed, but 1 were"),
         ({"sent": 2}, "3 messages taken, but 2 sent"),
         ({"forwarded": 1}, "the bridge sent 4 datagrams to the peers, but 3 arrived"),
-        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 taken"),
+        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 received by the bridge"),
     ],
 )
 def test_sums_that_do_not_agree_are_told(changed: dict[str, Any], fault: str | None) -> None:
     """Each by the numbers that contradict each other."""
-    reckoning = Reckoning(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account(**changed))
-    assert bool(reckoning.faults()) == (fault is not None)
-    assert fault is None or any(found.startswith(fault) for found in reckoning.faults())
+    totals = RunTotals(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account(**changed))
+    assert bool(totals.faults()) == (fault is not None)
+    assert fault is None or any(found.startswith(fault) for found in totals.faults())
 
 
 def test_memory_that_grows_is_told() -> None:
     """After a while in which it may."""
     mebibyte = 1024 * 1024
     flat = [40 * mebibyte] * 4 + [60 * mebibyte] * 12
-    reckoning = Reckoning(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account())
-    reckoning.memory = flat
-    assert reckoning.faults() == []
-    reckoning.memory = [*flat, 70 * mebibyte]
-    assert reckoning.faults() == ["the bridge's memory grew from 60.0 MiB to 70.0 MiB"]
+    totals = RunTotals(Counter({PUBLISHED: 8, "malformed": 2}), commands=3, arrived=3, account=_account())
+    totals.memory = flat
+    assert totals.faults() == []
+    totals.memory = [*flat, 70 * mebibyte]
+    assert totals.faults() == ["the bridge's memory grew from 60.0 MiB to 70.0 MiB"]

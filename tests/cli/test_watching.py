@@ -100,7 +100,7 @@ def test_top_shows_the_bridge(start: Start, done: Start) -> None:
 def test_top_without_a_bridge_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     """By the name of its node and the topic; exit code 1."""
     assert main(["top", "--once", "--middleware", "memory", "--timeout", "0.1"]) == 1
-    assert capsys.readouterr() == ("", "no bridge 'udp_forwarder' is heard on /diagnostics after 0.1 s\n")
+    assert capsys.readouterr() == ("", "no messages of a bridge named 'udp_forwarder' on /diagnostics within 0.1 s\n")
 
 
 def _families(page: str) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def _crossed(families: dict[str, Any]) -> dict[str, float]:
 def test_metrics_of_a_running_bridge(start: Start) -> None:
     """The port is told at start, and serves what the bridge has done."""
     program = start("run", "--middleware", "memory", "--no-diagnostics", "--metrics", 0, *_FREE_PORT)
-    page = program.wait_for("metrics are at ").rpartition(" ")[2]
+    page = program.wait_for("metrics: ").rpartition(" ")[2]
     with _Board(program):
         wait_until(lambda: _crossed(_families(page))["imu_info"] >= 10, "ten messages")
         families = _families(page)
@@ -136,7 +136,7 @@ def test_metrics_without_their_package_are_told(done: Start, tmp_path: Path) -> 
 def test_foxglove_sees_the_topics(start: Start) -> None:
     """A client of its WebSocket protocol is told of every topic with its schema, and gets the messages it asks for."""
     program = start("run", "--middleware", "memory", "--no-diagnostics", "--foxglove", 0, *_FREE_PORT)
-    address = program.wait_for("Foxglove finds the topics at ").rpartition(" ")[2]
+    address = program.wait_for("connect Foxglove to ").rpartition(" ")[2]
     with _Board(program):
         channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
     assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}
@@ -224,4 +224,4 @@ def test_a_foxglove_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> N
         port = sock.getsockname()[1]
         arguments = ["run", "--middleware", "memory", "--no-diagnostics", "--foxglove", str(port), *_FREE_PORT]
         assert main(arguments) == 2
-    assert f"Foxglove cannot be served on TCP port {port} of 127.0.0.1" in capsys.readouterr().err
+    assert f"cannot serve Foxglove on TCP port {port} of 127.0.0.1" in capsys.readouterr().err

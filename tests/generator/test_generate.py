@@ -77,7 +77,7 @@ def test_the_nearest_table_above_is_compiled(project: Path) -> None:
     below = project / "proto" / "deep"
     below.mkdir()
     outcome = generate(below, "--check")
-    assert (outcome.code, outcome.stdout) == (0, "everything is what ../../mapping.yaml says\n")
+    assert (outcome.code, outcome.stdout) == (0, "all files are up to date with ../../mapping.yaml\n")
 
 
 def test_a_table_that_cannot_be_read_is_not_passed_over(project: Path) -> None:

@@ -398,7 +398,7 @@ def test_the_next_number_skips_what_is_closed(repository: RepositoryBuilder, run
     (root / _FILE).write_text((root / _FILE).read_text().replace("12 to max", "11 to max"))
     shutil.rmtree(root / ".git")
     code, out, err = run("next-number", root, *_TREE)
-    assert (code, out, "there is no number left" in err) == (2, "", True)
+    assert (code, out, "no number is left" in err) == (2, "", True)
     (root / _FILE).write_text((root / _FILE).read_text().replace("3 to 9", "4 to 9"))
     assert run("next-number", root, *_TREE)[:2] == (0, "3\n")
 
@@ -424,9 +424,9 @@ def test_the_life_of_one_number(repository: RepositoryBuilder, run: Run) -> None
     assert code == 0
     assert [line.split(" ", 4)[-1] if line[0] == " " else line for line in out.splitlines()][0::3][:1] == ["Gps gps"]
     assert "Begin (components/common/envelope.proto:10)" in out
-    assert out.endswith("  is on main\n")
+    assert out.endswith("  exists on main\n")
     code, out, _ = run("history", "9", root, *_TREE)
-    assert (code, out) == (1, "PBEnvelope never had the number 9 in 2 commits\n")
+    assert (code, out) == (1, "PBEnvelope never used the number 9 in 2 commits\n")
 
 
 # --- accepting ---------------------------------------------------------------------------------------------------
@@ -493,9 +493,9 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["lint", "--message", "PBEnvelope"], "name its folder, too"),
-        (["next-number", "--envelope", "e.proto"], "name its folder, too"),
-        (["lint", "one", "--history", "other"], "two trees are named, one and other"),
+        (["lint", "--message", "PBEnvelope"], "need PROTO_ROOT"),
+        (["next-number", "--envelope", "e.proto"], "need PROTO_ROOT"),
+        (["lint", "one", "--history", "other"], "two trees are given, one and other"),
     ],
 )
 def test_words_without_effect(run: Run, arguments: list[str], said: str) -> None:

@@ -229,7 +229,7 @@ def test_exit_codes(lint: Lint, tmp_path: Path) -> None:
     assert lint()[0] == 1
     assert lint("--fail-on", "error")[0] == 0
     write({"imu.proto": _BEFORE}, tmp_path / "after")
-    assert lint() == (0, "nothing to find fault with\n", "")
+    assert lint() == (0, "No problems found.\n", "")
 
 
 @needs_buf
@@ -374,7 +374,7 @@ def test_a_payload_of_the_envelope_is_said_once(project: Lint, tmp_path: Path) -
 def test_another_state_is_needed(lint: Lint, capsys: pytest.CaptureFixture[str]) -> None:
     """Without --against there is nothing for buf to compare."""
     assert main(["lint", "after", "--with-buf"]) == 2
-    assert "--with-buf compares two states: name the other one with --against" in capsys.readouterr().err
+    assert "--with-buf compares two states; name the baseline with --against" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("format", ["text", "json", "sarif"])

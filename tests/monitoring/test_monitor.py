@@ -66,7 +66,7 @@ class _Bridge:
             for name, rate in a_second.items():
                 self.account.published[name] += rate // 4
                 self.account.received += rate // 4
-            self.monitor.look()
+            self.monitor.sample()
 
     def row(self, name: str) -> RowState:
         return next(row for row in self.monitor.state().rows if row.name == name)
@@ -75,7 +75,7 @@ class _Bridge:
 def test_rates_and_ages() -> None:
     """A rate is that of the last two seconds, an age the time since the last message."""
     bridge = _Bridge()
-    assert (bridge.row("imu_info").age, bridge.row("imu_info").message) == (None, "nothing yet")
+    assert (bridge.row("imu_info").age, bridge.row("imu_info").message) == (None, "no message yet")
     bridge.let(4, imu_info=40, gps_info=8)
     assert (bridge.row("imu_info").rate, bridge.row("gps_info").rate) == (40, 8)
     assert bridge.monitor.state().received_rate == 48
@@ -90,9 +90,9 @@ def test_rates_and_ages() -> None:
     [
         (40, 0, Level.OK, ""),
         (32, 0, Level.OK, ""),
-        (28, 0, Level.WARN, "28.0/s where 40/s are expected"),
-        (40, 3, Level.STALE, "silent for 3.0 s; 40/s are expected"),
-        (0, 0, Level.STALE, "nothing yet; 40/s are expected"),
+        (28, 0, Level.WARN, "28.0/s; 40/s expected"),
+        (40, 3, Level.STALE, "silent for 3.0 s; 40/s expected"),
+        (0, 0, Level.STALE, "no message yet; 40/s expected"),
     ],
 )
 def test_levels_of_a_row_of_which_a_rate_is_expected(
@@ -127,7 +127,10 @@ def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing
     row = bridge.row("imu_info")
     assert (row.level, row.message) == (Level.WARN, "dropped in the last 2 s: conversion 3")
     assert (bridge.row("drive_motor").level, bridge.row("drive_motor").dropped) == (Level.ERROR, {"refused": 1})
-    assert (bridge.monitor.state().level, bridge.monitor.state().message) == (Level.WARN, "4 lost in the last 2 s")
+    assert (bridge.monitor.state().level, bridge.monitor.state().message) == (
+        Level.WARN,
+        "4 datagrams or messages lost in the last 2 s",
+    )
     bridge.let(3, imu_info=40)
     assert (bridge.row("imu_info").level, bridge.row("imu_info").dropped) == (Level.OK, {"conversion": 3})
     assert bridge.monitor.state().level == Level.OK
@@ -138,7 +141,7 @@ def test_a_recording_that_has_ended_is_an_error() -> None:
     bridge = _Bridge()
     bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
     state = bridge.monitor.state()
-    assert (state.level, state.message) == (Level.ERROR, "the recording has ended: No space left on device")
+    assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")
 
 
 def test_how_long_batches_take() -> None:
@@ -178,7 +181,7 @@ def _busy() -> State:
     bridge.let(3, imu_info=40, gps_info=4)
     bridge.let(2.5, imu_info=20)
     bridge.account.sent["drive_motor"] += 3
-    bridge.monitor.look()
+    bridge.monitor.sample()
     bridge.recording = Recording("run.mcap", 12, 0, 5_000_000, None)
     state = bridge.monitor.state()
     counts = (0, 10, 100, 60, 10, *[0] * (len(BOUNDS_S) - 4))
@@ -195,7 +198,7 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert top_screen.in_trouble(page)
+    assert top_screen.has_problems(page)
 
 
 def test_only_the_bridge_that_is_meant_makes_the_page() -> None:
@@ -216,7 +219,7 @@ def test_diagnostics_are_those_of_ros2() -> None:
     assert len(by_name) == 1 + len(REGISTRY.handlers)
     imu = by_name["udp_forwarder: imu_info"]
     assert (imu["level"], imu["hardware_id"]) == (1, "hardware")
-    assert imu["message"] == "20.0/s where 40/s are expected"
+    assert imu["message"] == "20.0/s; 40/s expected"
     assert {pair["key"]: pair["value"] for pair in imu["values"]}["rate"] == "20.00"
     assert by_name["udp_forwarder: ph_info"]["level"] == 3
 
@@ -259,7 +262,7 @@ def test_metrics_are_served() -> None:
             assert answer.read().decode() == prometheus.text_of(state)
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(f"http://127.0.0.1:{server.port}/nothing")
-        with pytest.raises(SetupError, match=f"metrics cannot be served on TCP port {server.port} of 127.0.0.1"):
+        with pytest.raises(SetupError, match=f"cannot serve the metrics on TCP port {server.port} of 127.0.0.1"):
             prometheus.MetricsServer("127.0.0.1", server.port, lambda: state)
 
 
@@ -287,8 +290,8 @@ def test_warnings_say_how_many_they_swallowed(records: tuple[logging.Logger, lis
     warnings.warn("malformed", "dropped: no PBEnvelope")
     for _ in range(3):
         warnings.warn("malformed", "dropped: another")
-    warnings.tell_rest()
-    warnings.tell_rest()
+    warnings.log_suppressed()
+    warnings.log_suppressed()
     assert [(record.getMessage(), record.facts["kept_back"]) for record in kept] == [  # type: ignore[attr-defined]
         ("dropped: no PBEnvelope", 0),
         ("dropped: no PBEnvelope (and 4 more like it)", 4),

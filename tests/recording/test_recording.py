@@ -169,11 +169,11 @@ def test_it_rotates_by_size(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("run.bag", "a recording is named something.mcap"),
-        ("run.datagrams.mcap", "a recording is named something.mcap"),
-        ("nowhere/run.mcap", "there is no folder"),
-        ("there.mcap", "there.mcap is there already; move it away, or give another name"),
-        ("half.mcap", "half.datagrams.mcap is there already"),
+        ("run.bag", "the name of a recording must end with .mcap"),
+        ("run.datagrams.mcap", "the name of a recording must end with .mcap"),
+        ("nowhere/run.mcap", "does not exist"),
+        ("there.mcap", "there.mcap: exists already; move it away or choose another name"),
+        ("half.mcap", "half.datagrams.mcap: exists already"),
     ],
 )
 def test_a_place_where_it_cannot_be_is_told(tmp_path: Path, name: str, expected: str) -> None:
@@ -254,8 +254,8 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
         output, _ = child.communicate(timeout=60)
     assert child.returncode == 0, output
     assert "WARNING the disk is nearly full: " in output
-    assert f" MB are left for {path}, at this rate for " in output
-    assert "ERROR the recording has ended (No space left on device); the bridge goes on. recorded 0 messages" in output
+    assert f" MB free for {path}, enough for " in output
+    assert "ERROR the recording failed (No space left on device); the bridge continues. recorded 0 messages" in output
     assert int(output.rpartition("lost ")[2]) >= 1
     messages = list(Recording(path).messages())
     assert len(messages) > 1000
@@ -272,7 +272,7 @@ def test_what_the_disk_does_not_keep_up_with_is_counted(tmp_path: Path) -> None:
         pass
     assert writing.lost == 20
     assert len(_read(tmp_path / "run.mcap")["/datagrams/received/raw"]) == 10
-    assert writing.summary().endswith("; 20 were lost: the disk did not keep up")
+    assert writing.summary().endswith("; 20 were lost because the disk was too slow")
 
 
 def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
@@ -283,13 +283,13 @@ def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, capl
         received(["no bytes"])
         wait_until(lambda: writing.failure is not None, "the failure")
         received([b"late"])
-    assert "the recording has ended (TypeError" in caplog.text
+    assert "the recording failed (TypeError" in caplog.text
     assert writing.lost == 1
 
 
 @pytest.mark.parametrize(
     ("content", "expected"),
-    [(b"", "not an MCAP file"), (b"hello, this is text", "not an MCAP file"), (None, "there is no such recording")],
+    [(b"", "not an MCAP file"), (b"hello, this is text", "not an MCAP file"), (None, "no such file")],
 )
 def test_a_foreign_file_is_told(tmp_path: Path, content: bytes | None, expected: str) -> None:
     """What is no recording is refused by name."""

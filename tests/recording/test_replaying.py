@@ -117,7 +117,7 @@ def test_a_moved_payload_is_carried_to_its_number_of_today(tmp_path: Path) -> No
     assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(
         imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}
     )
-    assert "carried over by name into today's schema: imu_info (40)" in replay.notes[0]
+    assert "converted to today's schema by field name: imu_info (40)" in replay.notes[0]
 
 
 def test_a_field_whose_type_has_changed_is_carried_by_name(tmp_path: Path) -> None:
@@ -176,7 +176,8 @@ def test_a_number_that_is_another_thing_today_is_not_replayed(tmp_path: Path) ->
     recording = _record(tmp_path / "run.mcap", older, older(motor_temperature={}).SerializeToString())
     replay = BoardReplay(recording, REGISTRY)
     assert list(replay.messages()) == []
-    reason = "number 13 was motor_temperature (SensorBoardPHInfo) in the run and is imu_info (SensorBoardIMUInfo) today"
+    was, now = "motor_temperature (SensorBoardPHInfo)", "imu_info (SensorBoardIMUInfo)"
+    reason = f"number 13 was {was} in the recording and is {now} today"
     assert replay.refused == {reason: 1}
 
 
@@ -193,7 +194,7 @@ def test_a_number_that_is_retired_today_is_told(tmp_path: Path) -> None:
     today = dataclasses.replace(REGISTRY, retired={77: "old_imu"})
     replay = BoardReplay(_record(tmp_path / "run.mcap", older, older(old_imu={}).SerializeToString()), today)
     assert list(replay.messages()) == []
-    assert replay.refused == {"number 77, old_imu (SensorBoardIMUInfo) in the run, is retired today": 1}
+    assert replay.refused == {"number 77, old_imu (SensorBoardIMUInfo) in the recording, is retired today": 1}
 
 
 @dataclasses.dataclass
@@ -218,7 +219,7 @@ def test_topics_whose_type_has_changed_are_made_anew_from_the_datagrams(tmp_path
     assert message.topic == "/imu_data"
     assert replay.endpoints["/imu_data"].message_type is ImuSensorInformation
     assert cdr.decode(ImuSensorInformation, message.data) == ImuSensorInformation(accel_x=1.5, is_calibrated=True)
-    assert "made anew from the datagrams: /imu_data" in replay.notes
+    assert "made again from the recorded datagrams: /imu_data" in replay.notes
 
 
 def test_without_the_datagrams_a_changed_topic_is_told(tmp_path: Path) -> None:
@@ -228,7 +229,9 @@ def test_without_the_datagrams_a_changed_topic_is_told(tmp_path: Path) -> None:
     (tmp_path / "run.datagrams.mcap").unlink()
     replay = RosReplay(Recording(path), REGISTRY)
     assert list(replay.messages()) == []
-    assert list(replay.refused) == ["/imu_data: its type has changed, and the recording's datagrams are not there"]
+    assert list(replay.refused) == [
+        "/imu_data: its message type has changed, and the recording has no datagrams to make the messages from"
+    ]
 
 
 # --- definitions ------------------------------------------------------------------------------------------------
@@ -276,7 +279,7 @@ string text
 
 @pytest.mark.parametrize(
     ("text", "expected"),
-    [("Nowhere x", "does not say what some_msgs/Nowhere is"), ("wstring x", "a wide string")],
+    [("Nowhere x", "uses some_msgs/Nowhere but does not define it"), ("wstring x", "a wide string")],
 )
 def test_a_definition_that_cannot_be_read_is_told(text: str, expected: str) -> None:
     """By what is missing."""

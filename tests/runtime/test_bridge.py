@@ -317,10 +317,10 @@ def test_observers_hear_what_is_received_and_what_is_made_for_peers() -> None:
 def test_each_reason_is_counted_and_warned_of(rig: _Rig, caplog: pytest.LogCaptureFixture) -> None:
     """Whatever cannot be bridged is counted by its reason, warned of with number and name, and nothing stops."""
     bad = {
-        "empty": (b"", r"dropped: an empty PBEnvelope \(0 bytes\)"),
-        "malformed": (b"\xff" * 9, r"dropped: no PBEnvelope in 9 bytes starting ff ff"),
-        "unknown_payload": (bytes.fromhex("ca0100"), r"dropped: no handler for payload 25$"),
-        "wrong_direction": (_envelope(arm_ctrl={}), r"dropped: arm_ctrl \(2\) goes ros_to_hardware, but came from"),
+        "empty": (b"", r"dropped: the PBEnvelope has no payload \(0 bytes\)"),
+        "malformed": (b"\xff" * 9, r"dropped: not a valid PBEnvelope: 9 bytes that start with ff ff"),
+        "unknown_payload": (bytes.fromhex("ca0100"), r"dropped: no row of the table has payload 25$"),
+        "wrong_direction": (_envelope(arm_ctrl={}), r"dropped: arm_ctrl \(2\) has the direction ros_to_hardware"),
         "conversion": (_envelope(imu_info={"error_code": 300}), r"dropped: payload 13: imu_info\.error_code: 300"),
         "oversized": (bytes(1473), r"dropped: a datagram of more than 1472 bytes"),
     }
@@ -377,7 +377,7 @@ def test_what_the_middleware_does_not_accept_is_counted(caplog: pytest.LogCaptur
         assert rig.account.published == {"imu_info": 1, "gps_info": 1}
         assert rig.account.dropped == {"not_published": 19}
         assert len(rig.arrived("basestation", 21)) == 21
-    assert "dropped: imu_info (13): its subscribers are too slow" in caplog.text
+    assert "dropped: imu_info (13): a subscriber is too slow" in caplog.text
 
 
 # --- starting and stopping --------------------------------------------------------------------------------------
@@ -462,7 +462,7 @@ def test_a_network_that_comes_back_is_used_again(rig: _Rig) -> None:
         def sendmsg(self, *_: object) -> int:
             raise OSError(101, "Network is unreachable")
 
-    rig.bridge._destinations["basestation"]._way = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
+    rig.bridge._destinations["basestation"]._route = _Gone(), None  # type: ignore[assignment]  # a socket that has lost it
     rig.send(*[_envelope(imu_info={"accel_x": float(number)}) for number in range(3)])
     rig.settle(3)
     assert rig.account.unsent == {"basestation": 1}
@@ -518,7 +518,7 @@ def test_a_receive_buffer_that_is_not_given_is_told(
     monkeypatch.setattr(udp, "receive_buffer", lambda sock: 212_992)
     with _Rig(receive_buffer=4_000_000):
         pass
-    assert "the receive buffer is 212992 bytes where 4000000 were asked for" in caplog.text
+    assert "the UDP receive buffer has 212992 bytes instead of 4000000" in caplog.text
     assert "sysctl -w net.core.rmem_max=4000000" in caplog.text
 
 

@@ -256,7 +256,7 @@ _WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "bytes beyond their bound": ({"few_bytes": b"1234"}, "few_bytes"),
     "bytes of another length": ({"four_bytes": b"123"}, "four_bytes"),
     "a text among flags": ({"flags": [True, "no"]}, r"flags\[1\]"),
-    "no list": ({"doubles": 1.0}, "doubles"),
+    "not an array": ({"doubles": 1.0}, "doubles"),
     "a text among floats": ({"doubles": [1.0, "2"]}, r"doubles\[1\]"),
     "an array of another length": ({"three_doubles": [1.0]}, "three_doubles"),
     "a sequence beyond its bound": ({"few_shorts": [1, 2, 3]}, "few_shorts"),

@@ -301,7 +301,7 @@ def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
         publisher = middleware.publisher(topic, ImuSensorInformation, Qos())
         assert publisher.publish([cdr.encode(_SAMPLE)]) == 1
     middleware.close()
-    with pytest.raises(MiddlewareError, match=f"Cyclone DDS does not write on rt{topic}"):
+    with pytest.raises(MiddlewareError, match=f"Cyclone DDS cannot write on rt{topic}"):
         publisher.publish([cdr.encode(_SAMPLE)])
 
 
@@ -312,7 +312,7 @@ def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
 def test_a_domain_id_that_cannot_be_is_told(monkeypatch: pytest.MonkeyPatch, domain: str) -> None:
     """A wrong ROS_DOMAIN_ID is quoted, with what it may be."""
     monkeypatch.setenv("ROS_DOMAIN_ID", domain)
-    with pytest.raises(MiddlewareError, match=f"ROS_DOMAIN_ID is '{domain}'; it must be a number from 0 to 232"):
+    with pytest.raises(MiddlewareError, match=f"ROS_DOMAIN_ID is '{domain}'; set it to a number from 0 to 232"):
         open_middleware("dds", NodeIdentity("node"))
 
 

@@ -18,7 +18,7 @@ def _due(watchdog: Watchdog, *times: float) -> list[float]:
 def test_the_stop_is_due_once_the_topic_was_silent_long_enough() -> None:
     """Counted from the last message that passed on; then again at the low rate."""
     watchdog = Watchdog(0.5, 2.0, now=0.0)
-    watchdog.spoke(0.3)
+    watchdog.message_passed(0.3)
     assert _due(watchdog, 0.5, 0.79, 0.8, 0.9, 2.7, 2.8, 4.0, 4.8) == [0.8, 2.8, 4.8]
     assert watchdog.silent
 
@@ -27,7 +27,7 @@ def test_a_topic_that_speaks_is_never_stopped() -> None:
     """However long it goes on."""
     watchdog = Watchdog(0.5, 2.0, now=0.0)
     for tick in range(1000):
-        watchdog.spoke(tick * 0.4)
+        watchdog.message_passed(tick * 0.4)
         assert not watchdog.is_due(tick * 0.4 + 0.39)
 
 
@@ -35,7 +35,7 @@ def test_a_topic_that_speaks_again_is_watched_as_before() -> None:
     """The stop ends with the first message, and comes back after the same silence."""
     watchdog = Watchdog(0.5, 2.0, now=0.0)
     assert _due(watchdog, 0.5) == [0.5]
-    watchdog.spoke(10.0)
+    watchdog.message_passed(10.0)
     assert not watchdog.silent
     assert _due(watchdog, 10.4, 10.5) == [10.5]
 
@@ -48,7 +48,7 @@ def test_a_topic_that_never_spoke_is_silent() -> None:
 def test_a_publisher_that_leaves_is_not_waited_for() -> None:
     """The stop is due at once, but not once more for having left."""
     watchdog = Watchdog(0.5, 2.0, now=0.0)
-    watchdog.spoke(1.0)
+    watchdog.message_passed(1.0)
     watchdog.lost_publisher()
     assert _due(watchdog, 1.01, 1.02) == [1.01]
     watchdog.lost_publisher()
@@ -69,6 +69,6 @@ def test_whatever_happens_silence_is_never_longer_than_after(events: list[tuple[
             assert watchdog.next_due > due
         now = until
         if speaks:
-            watchdog.spoke(now)
+            watchdog.message_passed(now)
             last = now
         assert watchdog.next_due <= now + 1.0

@@ -28,8 +28,8 @@ def destination(request: pytest.FixtureRequest, peer: socket.socket) -> Iterator
     """The peer as a destination, where the system cuts messages into datagrams and where it does not."""
     destination = Destination("hardware", peer.getsockname())
     if request.param == "one by one":
-        destination._cuts = False
-    elif not destination._cuts:
+        destination._can_segment = False
+    elif not destination._can_segment:
         pytest.skip(NOT_LINUX)  # which cuts messages into datagrams
     yield destination
     destination.close()
@@ -101,7 +101,9 @@ def test_a_peer_that_comes_back_gets_every_datagram(destination: Destination, pe
         assert [again.recv(100) for _ in datagrams] == datagrams
 
 
-def test_a_system_that_cuts_no_messages_sends_one_by_one(peer: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_system_that_can_segment_no_messages_sends_one_by_one(
+    peer: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Where the kernel is older than the cutting, it would send many as one: it is never asked to."""
 
     def unknown(*_: object) -> int:

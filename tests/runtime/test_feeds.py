@@ -131,14 +131,16 @@ def _told(feed: Feed[Any, Any]) -> set[str]:
 def test_an_undeclared_enum_value_is_refused() -> None:
     """A quality that a newer board may send has no counterpart: the error names row, topic, field and value."""
     feed = _FEEDS["gps/fix"]
-    with pytest.raises(ConversionError, match=r"^gps_info on gps/fix: fix_quality: 9 has no counterpart$"):
+    with pytest.raises(
+        ConversionError, match=r"^gps_info on gps/fix: fix_quality: 9 is not among the values that the table"
+    ):
         feed.to_cdr(feed.payload_type(fix_quality=9))
 
 
 def test_a_number_too_large_for_the_payload_is_refused() -> None:
     """A float64 that no float32 holds does not become infinite on the way to a payload."""
     feed = _FEEDS["pressure/temperature"]
-    with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 1e\+300 does not fit a float"):
+    with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 1e\+300 is too large"):
         feed.from_cdr(cdr.encode(feed.message_type(temperature=1e300)))
     assert math.isinf(feed.from_cdr(cdr.encode(feed.message_type(temperature=math.inf))).temperature_c)
 

@@ -191,7 +191,7 @@ def test_a_taking_thread_that_stands_still_counts_as_silent(monkeypatch: pytest.
         publisher = rig.publisher()
         publisher.publish([_command(1)])
         standing, go_on = threading.Event(), threading.Event()
-        (outlet,) = (one for one in rig.bridge._outlets if one.is_tended)
+        (outlet,) = (one for one in rig.bridge._outbound_rows if one.is_timed)
         translator = outlet._translator
         send = translator.send
 
@@ -237,7 +237,7 @@ def test_silence_is_warned_of_once(guarded: _Rig, caplog: pytest.LogCaptureFixtu
     guarded.publisher().publish([_command(1)])
     wait_until(lambda: guarded.board.datagrams.count(_STOP) >= 5, "three more stops")
     assert [message for message in caplog.messages if "silent" in message] == [
-        "drive_motor: the topic is silent; its peer is told to stop"
+        "drive_motor: the topic is silent; the bridge sends the stop to the peer"
     ]
 
 
@@ -303,7 +303,7 @@ def test_many_superseded_messages_need_no_memory() -> None:
         publisher = rig.publisher()
         for _ in range(50):
             publisher.publish([_command(1)] * 1000)
-        (outlet,) = (one for one in rig.bridge._outlets if one.is_tended)
+        (outlet,) = (one for one in rig.bridge._outbound_rows if one.is_timed)
         assert isinstance(outlet._pacer._waiting, bytes)  # type: ignore[union-attr]
 
 
@@ -374,7 +374,7 @@ def test_a_table_that_restricts_nobody_reads_no_addresses() -> None:
     with _Rig(_PLAIN) as rig:
         assert rig.bridge._receiver._handle == rig.bridge._handle
     with _Rig(_SOURCES) as rig:
-        assert rig.bridge._receiver._handle == rig.bridge._handle_sourced
+        assert rig.bridge._receiver._handle == rig.bridge._handle_with_sources
 
 
 # --- the timekeeper ---------------------------------------------------------------------------------------------
@@ -390,11 +390,11 @@ def test_without_guards_nobody_keeps_the_time() -> None:
 def test_what_ends_the_timekeeper_ends_the_bridge(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rover without its watchdog must not go on."""
     with _Rig(changed(_PLAIN, "drive_motor", deadman=_DEADMAN)) as rig:
-        (outlet,) = (one for one in rig.bridge._outlets if one.is_tended)
+        (outlet,) = (one for one in rig.bridge._outbound_rows if one.is_timed)
 
         def broken(_: float) -> None:
             raise ValueError("the guard is broken")
 
-        monkeypatch.setattr(outlet, "tend", broken)
+        monkeypatch.setattr(outlet, "run_due", broken)
         with pytest.raises(ValueError, match="the guard is broken"):
             rig.bridge.run()

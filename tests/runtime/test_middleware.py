@@ -94,7 +94,7 @@ def test_auto_does_not_take_an_rclpy_that_does_not_import(
 
 def test_an_unknown_middleware_is_told() -> None:
     """A name that is none lists those that are."""
-    assert _refused("zenoh") == "no middleware 'zenoh'; there are auto, dds, rclpy, memory"
+    assert _refused("zenoh") == "unknown middleware 'zenoh' (known: auto, dds, rclpy, memory)"
 
 
 def test_memory_needs_nothing() -> None:

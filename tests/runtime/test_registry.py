@@ -109,7 +109,7 @@ def test_a_project_with_half_its_code_is_told(python: Python, project: Path) -> 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("REGISTRY = 1", "is no registry"),
+        ("REGISTRY = 1", "is not a Registry"),
         ("REGISTRY = ", "registry.py"),
         ("pass", "REGISTRY"),
         ("from roverlink.runtime.core.handler import Nothing", "Nothing"),
@@ -140,8 +140,8 @@ def test_modules_of_another_commit_are_found_at_start(python: Python, project: P
     assert '(1, "accel_x", "float")' in text
     checks_module.write_text(text.replace('(1, "accel_x", "float")', '(1, "accel_x", "double")', 1))
     message = _loading_fails(python, project)
-    assert "SensorBoardIMUInfo: '1 accel_x double' was generated, but is not loaded" in message
-    assert "SensorBoardIMUInfo: '1 accel_x float' is loaded, but was not generated" in message
+    assert "SensorBoardIMUInfo: the generated code has '1 accel_x double', the loaded module does not" in message
+    assert "SensorBoardIMUInfo: the loaded module has '1 accel_x float', the generated code does not" in message
 
 
 # --- descriptors ------------------------------------------------------------------------------------------------
@@ -186,15 +186,24 @@ def test_descriptors_that_agree_pass() -> None:
 @pytest.mark.parametrize(
     ("fields", "expected"),
     [
-        (_WHOLE[:3], ["'9 later sint32' is loaded, but was not generated"]),
-        ((*_WHOLE, (10, "more", "bool")), ["'10 more bool' was generated, but is not loaded"]),
+        (_WHOLE[:3], ["the loaded module has '9 later sint32', the generated code does not"]),
+        ((*_WHOLE, (10, "more", "bool")), ["the generated code has '10 more bool', the loaded module does not"]),
         (
             (*_WHOLE[:2], (3, "numbers", "fixed64"), _WHOLE[3]),
-            ["'3 numbers fixed64' was", "'3 numbers repeated fixed64' is"],
+            ["the generated code has '3 numbers fixed64'", "the loaded module has '3 numbers repeated fixed64'"],
         ),
-        ((*_WHOLE[:3], (8, "later", "sint32")), ["'8 later sint32' was generated", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], (9, "after", "sint32")), ["'9 after sint32' was generated", "'9 later sint32' is loaded"]),
-        ((*_WHOLE[:3], (9, "later", "int32")), ["'9 later int32' was generated", "'9 later sint32' is loaded"]),
+        (
+            (*_WHOLE[:3], (8, "later", "sint32")),
+            ["the generated code has '8 later sint32'", "the loaded module has '9 later sint32'"],
+        ),
+        (
+            (*_WHOLE[:3], (9, "after", "sint32")),
+            ["the generated code has '9 after sint32'", "the loaded module has '9 later sint32'"],
+        ),
+        (
+            (*_WHOLE[:3], (9, "later", "int32")),
+            ["the generated code has '9 later int32'", "the loaded module has '9 later sint32'"],
+        ),
     ],
     ids=["one more", "one less", "not repeated", "other number", "other name", "other encoding"],
 )
@@ -211,7 +220,7 @@ def test_each_disagreement_is_told(fields: descriptor_check.Fields, expected: li
 
 def test_a_message_that_is_not_loaded_is_told() -> None:
     """A message that is missing altogether is one line, among those of the others."""
-    with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded at all[^$]*tests\.Whole"):
+    with pytest.raises(RegistryError, match=r"tests\.Nothing: not loaded[^$]*tests\.Whole"):
         descriptor_check.check_descriptors({"tests.Nothing": ((1, "a", "bool"),), "tests.Whole": ()}, {})
 
 
@@ -221,9 +230,11 @@ def test_an_enum_that_differs_is_told() -> None:
     loaded = checks.ENUMS[name]
     with pytest.raises(RegistryError) as caught:
         descriptor_check.check_descriptors({}, {name: (*loaded[:-1], (9, "ELSE")), "tests.NoEnum": ((0, "A"),)})
-    assert f"{name}: '9 ELSE' was generated, but is not loaded" in str(caught.value)
-    assert f"{name}: '{loaded[-1][0]} {loaded[-1][1]}' is loaded, but was not generated" in str(caught.value)
-    assert "tests.NoEnum: not loaded at all" in str(caught.value)
+    assert f"{name}: the generated code has '9 ELSE', the loaded module does not" in str(caught.value)
+    assert f"{name}: the loaded module has '{loaded[-1][0]} {loaded[-1][1]}', the generated code does not" in str(
+        caught.value
+    )
+    assert "tests.NoEnum: not loaded" in str(caught.value)
 
 
 # --- the registry -----------------------------------------------------------------------------------------------
@@ -283,7 +294,7 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
     ("name", "value", "expected"),
     [
         ("listen_prt", 5000, "no parameter 'listen_prt'; did you mean listen_port?"),
-        ("zzz", 1, "no parameter 'zzz'; there are listen_port, listen_address, dst_ip"),
+        ("zzz", 1, "no parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
         ("listen_port", "5000", "listen_port is '5000'; it must be of type int"),
         ("listen_port", True, "listen_port is True; it must be of type int"),
         ("listen_port", 5000.0, "listen_port is 5000.0; it must be of type int"),

@@ -9,7 +9,7 @@ import pytest
 
 from roverlink.runtime import DatagramError, Reason
 from roverlink.runtime.core.registry import Peer
-from roverlink.runtime.net.sources import SourceGate, restrict
+from roverlink.runtime.net.sources import SourceGate, restricts_sources
 
 _BOARD = Peer("board", "p", 1, sources=("10.0.0.7", "10.0.1.0/24"), source_rate=100)
 _BASE = Peer("base", "q", 2, sources=("10.0.1.9", "192.168.0.0/16"))
@@ -94,5 +94,5 @@ def test_what_is_known_of_addresses_is_bounded() -> None:
 
 def test_a_table_that_names_nobody_restricts_nobody() -> None:
     """Then the receiving path does not even look at addresses."""
-    assert not restrict([_ANYONE])
-    assert restrict([_ANYONE, _BASE])
+    assert not restricts_sources([_ANYONE])
+    assert restricts_sources([_ANYONE, _BASE])

@@ -57,26 +57,26 @@ def test_a_payload_that_never_comes_from_a_peer_is_refused(handler: AnyHandler, 
     """A payload on the wrong side is refused with its number, its name and its direction."""
     error = _refused(translator, _envelope(**{handler.route.name: handler.payload_type()}))
     assert error.reason is Reason.WRONG_DIRECTION
-    assert f"{handler.route.name} ({handler.route.number}) goes {handler.route.direction}" in str(error)
+    assert f"{handler.route.name} ({handler.route.number}) has the direction {handler.route.direction}" in str(error)
 
 
 def test_an_unknown_payload_is_refused_with_its_number(translator: Translator) -> None:
     """A number that the table does not have is told."""
     error = _refused(translator, delimited(25, b"\x0d1234"))
     assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no handler for payload 25"
+    assert str(error) == "no row of the table has payload 25"
 
 
 def test_of_several_unknown_payloads_the_last_one_is_told(translator: Translator) -> None:
     """As of known ones, the last counts."""
     error = _refused(translator, delimited(25, b"") + delimited(26, b"") + varint(27 << 3) + varint(1))
-    assert str(error) == "no handler for payload 26"
+    assert str(error) == "no row of the table has payload 26"
 
 
 def test_a_stripped_unknown_payload_is_unknown_and_not_malformed(translator: Translator) -> None:
     """An unknown payload is told from a malformed one even where its zeros were stripped."""
     error = _refused(translator, bytes.fromhex("ca01"))
-    assert (error.reason, str(error)) == (Reason.UNKNOWN_PAYLOAD, "no handler for payload 25")
+    assert (error.reason, str(error)) == (Reason.UNKNOWN_PAYLOAD, "no row of the table has payload 25")
 
 
 def test_a_retired_payload_is_refused_with_number_and_name() -> None:
@@ -84,7 +84,7 @@ def test_a_retired_payload_is_refused_with_number_and_name() -> None:
     translator = Translator(dataclasses.replace(REGISTRY, retired={25: "thermal_info"}))
     error = _refused(translator, delimited(25, b""))
     assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no handler for payload 25 (retired: thermal_info)"
+    assert str(error) == "no row of the table has payload 25 (retired: thermal_info)"
 
 
 def test_a_payload_of_the_envelope_without_a_handler_is_refused_with_number_and_name() -> None:
@@ -93,7 +93,7 @@ def test_a_payload_of_the_envelope_without_a_handler_is_refused_with_number_and_
     translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
     error = _refused(translator, _envelope(imu_info={}))
     assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no handler for payload 13 (imu_info)"
+    assert str(error) == "no handler for payload 13 (imu_info); the table does not bridge it"
 
 
 def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> None:
@@ -101,7 +101,7 @@ def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> N
     rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
     translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
     error = _refused(translator, _envelope(imu_info={}) + delimited(99, b"x"))
-    assert str(error) == "no handler for payload 13 (imu_info)"
+    assert str(error) == "no handler for payload 13 (imu_info); the table does not bridge it"
 
 
 @pytest.mark.parametrize("datagram", [b"", bytes(1), bytes(200)], ids=["nothing", "one zero", "zeros"])
@@ -308,7 +308,7 @@ def test_what_is_sent_says_what_the_message_says(handler: AnyHandler, data: st.D
 def test_a_message_that_cannot_be_read_names_its_row(translator: Translator) -> None:
     """Bytes on a topic that are no such message are a `ConversionError` that names the row and the type."""
     handler = REGISTRY.by_name["drive_motor"]
-    with pytest.raises(ConversionError, match=r"^drive_motor: too short for comms/msg/DrivingBoardMotorMessage"):
+    with pytest.raises(ConversionError, match=r"^drive_motor: 6 bytes are too short for comms/msg/Driving"):
         translator.send(handler, bytes.fromhex("00010000 0000"))
     with pytest.raises(ConversionError, match=r"^drive_motor: not plain CDR"):
         translator.send(handler, b"")

@@ -260,7 +260,7 @@ def test_a_flood_does_not_keep_the_receiver_from_stopping(listener: socket.socke
 def test_a_port_in_use_is_named(listener: socket.socket) -> None:
     """Who cannot have a port is told which one, and what to do."""
     port = listener.getsockname()[1]
-    with pytest.raises(SetupError, match=rf"UDP port {port} on 127\.0\.0\.1 is in use by another program; stop it"):
+    with pytest.raises(SetupError, match=rf"UDP port {port} on 127\.0\.0\.1 is in use by another program; stop"):
         udp.bind("127.0.0.1", port, _BUFFER)
 
 
@@ -312,7 +312,7 @@ def test_a_name_resolves() -> None:
 @pytest.mark.parametrize("host", ["rover.invalid", "no such host", "a" * 70 + ".local", "::1", "256.0.0.1"])
 def test_a_name_that_does_not_resolve_is_named(host: str) -> None:
     """A destination that cannot be is quoted, whatever is wrong with it."""
-    with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve: "):
+    with pytest.raises(SetupError, match=f"the destination '{re.escape(host)}' does not resolve to an IPv4 address: "):
         udp.resolve(host, 6000)
 
 

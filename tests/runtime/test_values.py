@@ -62,23 +62,23 @@ def test_numbers_for_floats_are_taken_as_they_are_written(given: object, expecte
 @pytest.mark.parametrize(
     ("type_name", "values", "path", "expected"),
     [
-        ("sensor_msgs/msg/Imu", 3, "", "3 is no mapping of field names to values"),
-        ("sensor_msgs/msg/Imu", None, "", "None is no mapping"),
+        ("sensor_msgs/msg/Imu", 3, "", "3 is not a mapping of field names to values"),
+        ("sensor_msgs/msg/Imu", None, "", "None is not a mapping"),
         ("sensor_msgs/msg/Imu", {"hedder": {}}, "", "has no field 'hedder'; did you mean header?"),
         ("sensor_msgs/msg/Imu", {"header": {"stamp": {"secs": 1}}}, "header.stamp", "did you mean sec?"),
-        ("sensor_msgs/msg/Imu", {"header": 1}, "header", "1 is no mapping"),
+        ("sensor_msgs/msg/Imu", {"header": 1}, "header", "1 is not a mapping"),
         ("sensor_msgs/msg/Imu", {1: 2}, "", "has no field 1"),
-        ("std_msgs/msg/Empty", {"data": 1}, "", "has no field 'data'; it has none"),
-        ("std_msgs/msg/Float32", {"data": "far"}, "data", "'far' is no float32"),
-        ("std_msgs/msg/Float32", {"data": True}, "data", "True is no float32"),
-        ("std_msgs/msg/Int8", {"data": 1.0}, "data", "1.0 is no int8"),
-        ("std_msgs/msg/Int8", {"data": True}, "data", "True is no int8"),
-        ("std_msgs/msg/Bool", {"data": 1}, "data", "1 is no bool"),
-        ("std_msgs/msg/String", {"data": 1}, "data", "1 is no string"),
+        ("std_msgs/msg/Empty", {"data": 1}, "", "has no field 'data'; it has no fields"),
+        ("std_msgs/msg/Float32", {"data": "far"}, "data", "'far' is not a valid float32"),
+        ("std_msgs/msg/Float32", {"data": True}, "data", "True is not a valid float32"),
+        ("std_msgs/msg/Int8", {"data": 1.0}, "data", "1.0 is not a valid int8"),
+        ("std_msgs/msg/Int8", {"data": True}, "data", "True is not a valid int8"),
+        ("std_msgs/msg/Bool", {"data": 1}, "data", "1 is not a valid bool"),
+        ("std_msgs/msg/String", {"data": 1}, "data", "1 is not a string"),
         ("std_msgs/msg/UInt8MultiArray", {"data": [1, 256]}, "data", "does not fit uint8"),
         ("std_msgs/msg/UInt8MultiArray", {"data": [1, -1]}, "data", "does not fit uint8"),
-        ("std_msgs/msg/UInt8MultiArray", {"data": "abc"}, "data", "'abc' is no list"),
-        ("std_msgs/msg/Float64MultiArray", {"data": [1, "x"]}, "data[1]", "'x' is no float64"),
+        ("std_msgs/msg/UInt8MultiArray", {"data": "abc"}, "data", "'abc' is not a list"),
+        ("std_msgs/msg/Float64MultiArray", {"data": [1, "x"]}, "data[1]", "'x' is not a valid float64"),
         ("tf2_msgs/msg/TFMessage", {"transforms": [{}, {"child": 1}]}, "transforms[1]", "has no field 'child'"),
     ],
 )
@@ -115,7 +115,7 @@ def test_every_simulated_payload_is_shown_with_all_its_fields(handler: Any) -> N
 def test_the_nearest_name_is_found() -> None:
     """A name that is nearly right leads to the right one; else there is a list, and no endless one."""
     assert nearest("imu_dat", ["gps_data", "imu_data"]) == "did you mean imu_data?"
-    assert nearest("zzz", ["a", "b"]) == "there are a, b"
+    assert nearest("zzz", ["a", "b"]) == "known: a, b"
     assert nearest("zzz", [f"n{number}" for number in range(100)]).endswith("n29 and 70 more")
 
 
@@ -138,7 +138,7 @@ def test_what_is_no_type_name_is_told(name: str) -> None:
 
 def test_an_unknown_type_leads_to_the_nearest() -> None:
     """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
-    with pytest.raises(SetupError, match=r"no standard ROS 2 type 'sensor_msgs/msg/Imus'; did you mean .*/Imu\?"):
+    with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean .*/Imu\?"):
         from_rosbags.message_type("sensor_msgs/msg/Imus")
 
 

@@ -159,9 +159,9 @@ def test_an_integer_has_no_negative_zero() -> None:
 
 def test_another_kind_of_json_is_refused() -> None:
     """A Struct is an object, a ListValue a list."""
-    with pytest.raises(ConversionError, match="no object"):
+    with pytest.raises(ConversionError, match="not an object"):
         json_struct.from_ros("[]", "config")
-    with pytest.raises(ConversionError, match="no list"):
+    with pytest.raises(ConversionError, match="not an array"):
         json_list.from_ros("{}", "list")
 
 

@@ -39,27 +39,27 @@ def test_the_corners_are_where_the_file_says(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("boards: {}", "there are no boards"),
-        ("gates: {}", "unknown key 'gates'; did you mean|unknown key 'gates'; there are boards"),
-        ("boards: {7: {}}", "board 7: a board's name is no number"),
+        ("boards: {}", "no boards found"),
+        ("gates: {}", "unknown key 'gates'; did you mean|unknown key 'gates'; known: boards"),
+        ("boards: {7: {}}", "board 7: the name of a board must not be a number"),
         ("boards: {gate: {}}", r":1:16: board gate has no markers"),
         ("boards: {gate: {markers: {}}}", "board gate has no markers"),
-        ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is no mapping"),
-        ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is no marker's number"),
-        (_GATE.replace("21:", "20:"), r":6:7: the key 20 stands twice"),
-        (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and neither has the board"),
+        ("boards: {gate: {markers: 3}}", r":1:26: board gate: markers is not a mapping"),
+        ("boards: {gate: {markers: {a: {}}}}", "board gate: 'a' is not the number of a marker"),
+        (_GATE.replace("21:", "20:"), r":6:7: the key 20 occurs twice"),
+        (_GATE.replace("    side: 0.1\n", ""), r":4:11: board gate: marker 20 has no side, and the board"),
         (_GATE.replace("side: 0.1", "side: big"), r":3:11: board gate: side is big"),
         (_GATE.replace("side: 0.2", "side: -1"), r":6:58: board gate: marker 21: side is -1"),
         (_GATE.replace("position: [0.2, 0, 0], ", ""), r":6:11: board gate: marker 21 has no position"),
         (
             _GATE.replace("side: 0.1", "side: 1.0e-200"),
-            r":3:5: board 'gate': the corners of marker 20 are no square",
+            r":3:5: board 'gate': the corners of marker 20 do not form a square",
         ),
         (
             _GATE.replace("side: 0.2", f"side: {'9' * 400}"),
             r":6:58: board gate: marker 21: side: 9+\.\.\. is too large",
         ),
-        ("[", r":1:2: no YAML"),
+        ("[", r":1:2: not valid YAML"),
     ],
 )
 def test_a_board_that_cannot_be_is_told(tmp_path: Path, text: str, expected: str) -> None:

@@ -51,7 +51,7 @@ def test_undistorting_takes_distorting_back(kind: str, ray: np.ndarray) -> None:
 def test_the_slope_is_the_derivative(kind: str, ray: np.ndarray) -> None:
     """What a small change of the ray does to the pixel is what the slope says."""
     camera, small = CAMERAS[kind], 1e-6
-    _, slope = camera.distort_with_slope(ray)
+    _, slope = camera.distort_with_derivative(ray)
     for axis, step in enumerate(np.eye(2) * small):
         difference = (camera.distort(ray + step) - camera.distort(ray - step)) / (2 * small)
         assert slope[:, axis] == pytest.approx(difference, rel=1e-5, abs=1e-3)

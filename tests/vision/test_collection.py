@@ -52,14 +52,14 @@ def test_a_board_that_moves_is_not_taken() -> None:
     collection = Collection(BOARD)
     for step in range(3):
         offer = collection.offer(frame((0, 0), (0.5 + 0.01 * step, 0.5), 0.45), step * FRAME_NS)
-        assert (offer.taken, offer.reason) == (False, "hold still")
+        assert (offer.taken, offer.reason) == (False, "hold the board still")
 
 
 def test_the_same_view_is_not_taken_twice() -> None:
     """But it is where somebody asks for it."""
     hands = Hands()
     assert hands.hold(frame((0, 20), MIDDLE, 0.45)).taken
-    assert "seen already" in hands.hold(frame((0, 20), MIDDLE, 0.45, seed=1)).reason
+    assert "same as a view taken before" in hands.hold(frame((0, 20), MIDDLE, 0.45, seed=1)).reason
     assert hands.collection.take(frame((0, 20), MIDDLE, 0.45, seed=2), 0, "by hand").taken
     assert [view.name for view in hands.collection.views] == ["", "by hand"]
 
@@ -113,7 +113,8 @@ def test_regions_are_where_the_corners_are() -> None:
 def test_frames_without_use_say_why() -> None:
     """No board; an image of another size than the views so far."""
     hands = Hands()
-    assert hands.hold(np.full((480, 640), 128, np.uint8)).reason == "the board is not seen"
+    assert hands.hold(np.full((480, 640), 128, np.uint8)).reason == "no board found"
     image = frame((0, 20), MIDDLE, 0.45)
     assert hands.hold(image).taken
-    assert "the image is 320x240, and the views so far are 640x480" in hands.hold(cv2.resize(image, (320, 240))).reason
+    reason = hands.hold(cv2.resize(image, (320, 240))).reason
+    assert "the image has 320x240 pixels, but the other views have 640x480" in reason

@@ -67,7 +67,7 @@ class _Camera:
         for image in frames:
             for _ in range(2):
                 stamp = next(self._stamps)
-                self.live.look(image, stamp, f"frame {stamp}")
+                self.live.add_frame(image, stamp, f"frame {stamp}")
         return self.state()
 
     def state(self) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def test_before_the_first_frame_everything_is_missing() -> None:
     assert goals(state)["Views"] == [("0 of 20", False)]
     assert goals(state)["Distance"] == [("near 0/2", False), ("middle 0/2", False), ("far 0/2", False)]
     assert state["can"] == ["take"]
-    assert state["status"] == "Next: bring the board to the upper left of the picture, and hold it still."
+    assert state["status"] == "Next: move the board to the upper left of the image, and hold it still."
 
 
 def test_views_that_add_something_are_taken() -> None:
@@ -110,13 +110,13 @@ def test_views_that_add_something_are_taken() -> None:
 def test_why_a_view_is_not_taken_is_shown() -> None:
     """In the words of the collection."""
     camera = _Camera()
-    camera.live.look(NEAR, 10**18, "a frame")
-    assert camera.state()["note"] == "hold still"
-    assert "not seen" in camera.show(np.full_like(NEAR, 128))["note"]
+    camera.live.add_frame(NEAR, 10**18, "a frame")
+    assert camera.state()["note"] == "hold the board still"
+    assert "no board found" in camera.show(np.full_like(NEAR, 128))["note"]
 
 
 def test_take_now_takes_the_next_frame_as_it_is() -> None:
-    """Though it was seen already; and only that one."""
+    """Though it was same as a view taken before; and only that one."""
     camera = _Camera()
     camera.show(NEAR)
     camera.live.act("take", None)
@@ -132,7 +132,7 @@ def test_a_dropped_view_is_gone() -> None:
     assert [view["number"] for view in camera.state()["views"]] == [2]
     assert ("near 0/2", False) in goals(camera.state())["Distance"]
     assert camera.live.thumbnail(1) is None
-    with pytest.raises(SetupError, match="there is no view 1"):
+    with pytest.raises(SetupError, match="view 1 does not exist"):
         camera.live.act("drop", 1)
     assert [view["number"] for view in camera.show(TILTED)["views"]] == [2, 3]
 
@@ -181,7 +181,7 @@ def test_the_result_is_shown_and_the_report_is_there() -> None:
     camera.live.act("drop", 2)
     assert "calibrate again" in camera.state()["result"]["remarks"][1]
     camera.show(LEFT)
-    assert camera.state()["views"][-1]["lines"][2] == "not in the result yet"
+    assert camera.state()["views"][-1]["lines"][2] == "not used yet"
 
 
 def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
@@ -200,7 +200,7 @@ def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
     assert len(state["views"]) == 3
     assert state["can"] == ["take"]
     for action in ("calibrate", "save"):
-        with pytest.raises(SetupError, match="until the calibration is done"):
+        with pytest.raises(SetupError, match="until the calibration has finished"):
             camera.live.act(action, None)
     go.set()
     assert camera.until(lambda state: state["result"])["can"] == ["take", "calibrate", "save"]
@@ -226,7 +226,7 @@ def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
     """It can be tried again."""
 
     def fail(_: object) -> str:
-        raise SetupError("a.yml: cannot be written: no space")
+        raise SetupError("a.yml: cannot write the file: no space")
 
     camera = _Camera(save=fail)
     camera.show(NEAR)
@@ -241,8 +241,8 @@ def test_what_cannot_be_written_is_told_and_nothing_is_over() -> None:
 def test_the_picture_is_the_newest_with_its_corners() -> None:
     """A wide one is made smaller; who comes late sees the last, and waits for the next."""
     camera = _Camera()
-    camera.live.look(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
-    camera.live.look(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
+    camera.live.add_frame(cv2.resize(NEAR, (1920, 1440)), 10**18, "a frame")
+    camera.live.add_frame(cv2.resize(LEFT, (1920, 1440)), 2 * 10**18, "a frame")
     number, jpeg = camera.live.picture(0) or (0, b"")
     assert number == 2
     shown = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
@@ -252,7 +252,7 @@ def test_the_picture_is_the_newest_with_its_corners() -> None:
     late: list[int] = []
     waiting = threading.Thread(target=lambda: late.append((camera.live.picture(2) or (0, b""))[0]))
     waiting.start()
-    camera.live.look(NEAR, 3 * 10**18, "a frame")
+    camera.live.add_frame(NEAR, 3 * 10**18, "a frame")
     waiting.join(PATIENCE_S)
     assert late == [3]
 
@@ -279,5 +279,5 @@ def test_the_end_of_a_recording_is_told() -> None:
     camera = _Camera()
     camera.show(NEAR)
     camera.live.ended()
-    assert camera.state()["note"] == "a camera has ended."
+    assert camera.state()["note"] == "a camera has ended; no more frames."
     assert camera.state()["can"] == ["calibrate"]

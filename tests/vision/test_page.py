@@ -40,7 +40,7 @@ def live() -> LiveCalibration:
     )
     for number, frame in enumerate((NEAR, LEFT, TILTED)):
         for again in range(2):
-            live.look(frame, 10**18 + (2 * number + again) * 33_000_000, "a frame")
+            live.add_frame(frame, 10**18 + (2 * number + again) * 33_000_000, "a frame")
     return live
 
 

@@ -92,9 +92,9 @@ def test_pages_are_as_large_as_the_paper(paper: str) -> None:
 
 def test_what_does_not_fit_is_refused_with_a_paper_that_does() -> None:
     """Nothing is cut off, and nothing is scaled."""
-    with pytest.raises(SetupError, match="440 mm x 320 mm, too large for A4 with its margins; take A2"):
+    with pytest.raises(SetupError, match=r"440 mm x 320 mm\) is too large for A4 with its margins; use A2"):
         board_sheet(CharucoBoard(square=0.04, marker=0.03), "A4")
-    with pytest.raises(SetupError, match="take smaller sides"):
+    with pytest.raises(SetupError, match="use smaller sides"):
         marker_sheets(MarkerSet(side=1.5), [3], "A0")
     with pytest.raises(SetupError, match="write a PDF"):
         to_png(board_sheet(CharucoBoard(), "A0"), 1200)

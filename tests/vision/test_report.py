@@ -131,7 +131,7 @@ def test_dropped_views_are_named_with_their_reasons() -> None:
     """In a list of their own and in the table; a name is text, whatever it is made of."""
     text = _Text(page())
     few, blurred = sorted(text.items, key=lambda item: "blurred" in item)
-    assert few.startswith("view 3: 5 corners are seen")
+    assert few.startswith("view 3: 5 corners found")
     assert blurred.startswith("<b>blurred & bent</b>.png: its corners are off by")
     table = {row[1]: row for row in text.rows if len(row) == 8}
     assert table["view 3"][2:7] == ["0 of 5", "–", "–", "–", "–"]
@@ -154,7 +154,7 @@ def test_views_have_their_errors() -> None:
 
 def test_the_residuals_are_drawn_where_they_are() -> None:
     """A line begins where a corner should be, and leads towards where it was seen, magnified as is said."""
-    magnified = float(re.search(r"([\d.]+) times as long", page())[1])  # type: ignore[index]  # else it fails
+    magnified = float(re.search(r"magnified ([\d.]+) times", page())[1])  # type: ignore[index]  # else it fails
     picture = pictures()["Residuals over the image"]
     for kind, used in (("arrows", True), ("arrows bad", False)):
         drawn = lines(picture, kind)

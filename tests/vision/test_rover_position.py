@@ -50,4 +50,4 @@ def test_a_message_without_the_fields_is_not_published() -> None:
 
     heard, (warning,) = _published(dataclasses.replace(REGISTRY, handlers=(Handler(),)))
     assert heard == []
-    assert warning.startswith(f"comms/msg/DrivingBoardMotorMessage of the row {ROW} has no field x, y, z:")
+    assert warning.startswith(f"comms/msg/DrivingBoardMotorMessage, the message of row {ROW}, has no field x, y, z,")

@@ -65,7 +65,7 @@ def test_too_few_views_are_refused() -> None:
     """With their number, and the number that is needed."""
     few = views(CAMERA, 12, 6)
     few[2:5] = [part(one, one.ids < 5) for one in few[2:5]]
-    with pytest.raises(PoorViewsError, match="9 of 12 views are usable, and 10 are needed"):
+    with pytest.raises(PoorViewsError, match="9 of 12 views are usable, but 10 are needed"):
         calibrate(few, BOARD)
 
 

@@ -99,7 +99,7 @@ def test_an_image_of_another_size_is_refused(film: Sequence[DriveFrame]) -> None
 
 def test_an_image_of_another_kind_is_refused() -> None:
     """Floats and masks are no images."""
-    with pytest.raises(SetupError, match="8 bits"):
+    with pytest.raises(SetupError, match="must be uint8"):
         tracker().track(np.zeros(SIZE[::-1], np.float32), 0)
 
 

@@ -79,9 +79,9 @@ def test_the_points_of_a_board_are_those_of_opencv() -> None:
 @pytest.mark.parametrize(
     ("ids", "corners", "words"),
     [
-        ([], [], "not seen"),
-        ([1, 2], [(1, 1), (2, 2)], "2 corners are seen, and 8 are needed"),
-        (range(9), [(10 * place, 5) for place in range(9)], "in one line"),
+        ([], [], "no board found"),
+        ([1, 2], [(1, 1), (2, 2)], "2 corners found, but 8 are needed"),
+        (range(9), [(10 * place, 5) for place in range(9)], "on one line"),
         (range(9), [(10 * (place % 3), 20 * (place // 3)) for place in range(9)], "^$"),
     ],
 )

@@ -63,4 +63,4 @@ def test_the_demo_does_without_a_camera(missing: str) -> None:
     assert done.returncode == 0, done.stderr
     assert "without a camera: " in done.stdout
     assert "pip install 'roverlink[vision]'" in done.stdout
-    assert "21 of 21 messages crossed" in done.stdout
+    assert "21 of 21 messages were bridged" in done.stdout

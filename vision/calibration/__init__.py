@@ -1,7 +1,7 @@
-"""Calibration of cameras with ChArUco boards, which knows its own error.
+"""Camera calibration with ChArUco boards, with an estimate of its own error.
 
-A `Collection` takes views of a `CharucoBoard` from frames and knows what is missing; `calibrate` makes a `Calibration`
-of them: the camera, standard deviations, what became of each view, and how uncertain each part of the image is.
+A `Collection` takes views of a `CharucoBoard` from frames and tells which views are missing. `calibrate` turns views
+into a `Calibration`: the camera, standard deviations, the result of each view, and the uncertainty over the image.
 """
 
 from roverlink.vision.calibration.board import CharucoBoard

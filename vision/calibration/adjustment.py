@@ -1,7 +1,7 @@
-"""Bundle adjustment: the camera's parameters and the board's poses at which the corners fit best.
+"""Bundle adjustment: fit the camera's parameters and the board's poses to the corners.
 
-Every view has a pose of its own, which is eliminated (Schur's complement) before the camera's parameters are solved
-for; see Triggs et al., Bundle adjustment - a modern synthesis, 2000.
+Each view has its own pose, which is eliminated by the Schur complement before the camera's parameters are solved for
+(Triggs et al., "Bundle adjustment - a modern synthesis", 2000). P is the number of the camera's parameters.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from roverlink.vision.poses.pose import Pose, predict
 
 CONVERGED = 1e-10
 _STEPS = 100
-_LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9
+_LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9  # range of Levenberg and Marquardt's damping factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Corners of one view: points (N, 3) of the board, pixels (N, 2), and how much each counts (N,)."""
+    """Corners of one view: points (N, 3) on the board in metres, pixels (N, 2), and weights (N,)."""
 
     points: Floats
     pixels: Floats
@@ -32,61 +32,62 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """A camera, and the board's pose in each view (board to camera)."""
+    """Camera with the board's pose in each view (board to camera)."""
 
     camera: CameraParameters
     poses: tuple[Pose, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Slopes:
-    """One view near an estimate: residuals (2N,), and the derivatives of what is predicted, all times root weights."""
+class Linearization:
+    """Linearization of one view: residuals (2N,) and derivatives, multiplied by the square roots of the weights."""
 
     residuals: Floats
     by_camera: Floats
-    """(2N, P)"""
+    """Derivative (2N, P) by the camera's parameters."""
     by_pose: Floats
-    """(2N, 6)"""
+    """Derivative (2N, 6) by the view's pose."""
 
 
 def adjust(
     observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_], tolerance: float = CONVERGED
 ) -> Estimate:
-    """Move the camera's `free` parameters (P,) and all poses to the nearest best fit: Levenberg and Marquardt.
+    """Minimize the squared residuals over the camera's `free` parameters (P,) and all poses.
 
-    `tolerance` is the change of the squared residuals, in parts of them, at which it ends.
+    Uses the Levenberg-Marquardt algorithm from `estimate` to the nearest minimum. It stops when the sum of squared
+    residuals changes by less than the fraction `tolerance`.
     """
-    slopes = linearise(observations, estimate)
-    damping, cost = 1e-3, _cost(slopes)
+    views = linearise(observations, estimate)
+    damping, cost = 1e-3, _cost(views)
     for _ in range(_STEPS):
-        moved = _step(slopes, estimate, free, damping)
+        moved = _step(views, estimate, free, damping)
         moved_slopes = linearise(observations, moved) if moved else []
         moved_cost = _cost(moved_slopes) if moved else math.inf
-        if moved is None or not moved_cost <= cost:  # nan, too
+        if moved is None or not moved_cost <= cost:  # true for NaN too
             if damping > _MOST_DAMPED:
                 break
             damping *= 10
             continue
-        gain, cost, slopes, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
+        gain, cost, views, estimate = cost - moved_cost, moved_cost, moved_slopes, moved
         damping = max(damping / 10, _LEAST_DAMPED)
         if gain <= tolerance * cost:
             break
     return estimate
 
 
-def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Slopes]:
-    """What each view says near an estimate."""
+def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Linearization]:
+    """Linearize all views at an estimate."""
     predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
-    rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # the lens bends all of them at once
-    pixels, slope = estimate.camera.distort_with_slope(rays)
+    rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
+    pixels, slope = estimate.camera.distort_with_derivative(rays)
     roots = np.sqrt(np.concatenate([one.weights for one in observations]))[:, None]
     residuals = roots * (np.concatenate([one.pixels for one in observations]) - pixels)
     by_camera = roots[:, :, None] * by_parameters(estimate.camera, rays)
     by_pose = roots[:, :, None] * (slope @ by_pose)
-    counted = roots[:, 0] > 0  # the others may have no numbers at all
+    counted = roots[:, 0] > 0  # corners of weight 0 may be NaN
     ends = np.cumsum([len(one.weights) for one in observations])
     return [
-        Slopes(
+        Linearization(
             residuals[start:end][counted[start:end]].ravel(),
             by_camera[start:end][counted[start:end]].reshape(-1, by_camera.shape[2]),
             by_pose[start:end][counted[start:end]].reshape(-1, 6),
@@ -95,14 +96,14 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[S
     ]
 
 
-def information(slopes: Slopes) -> tuple[Floats, Floats]:
-    """What one view says of the camera whatever its pose: the normal matrix (P, P), and the right side (P,)."""
-    free_of_pose = slopes.by_camera - slopes.by_pose @ np.linalg.lstsq(slopes.by_pose, slopes.by_camera, rcond=None)[0]
-    return free_of_pose.T @ free_of_pose, free_of_pose.T @ slopes.residuals
+def information(view: Linearization) -> tuple[Floats, Floats]:
+    """Return a view's normal matrix (P, P) and right side (P,) for the camera, with its pose eliminated."""
+    free_of_pose = view.by_camera - view.by_pose @ np.linalg.lstsq(view.by_pose, view.by_camera, rcond=None)[0]
+    return free_of_pose.T @ free_of_pose, free_of_pose.T @ view.residuals
 
 
 def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
-    """The derivative (N, 2, P) of the pixels that rays (N, 2) meet by fx fy cx cy and the distortion."""
+    """Return the derivative (N, 2, P) of the pixels of rays (N, 2) by fx fy cx cy and the distortion."""
     bent = (camera.distort(rays) - camera.centre) / camera.focal
     derivative = np.zeros((len(rays), 2, 4 + camera.distortion.size))
     derivative[:, 0, 0], derivative[:, 1, 1] = bent.T
@@ -113,25 +114,28 @@ def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
 
 
 def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
-    """A camera after a change (P,) of its parameters."""
+    """Return the camera with its parameters changed by `change` (P,)."""
     matrix = camera.matrix.copy()
     matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
     return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
 
 
-def _cost(slopes: Sequence[Slopes]) -> float:
-    return float(sum(one.residuals @ one.residuals for one in slopes))
+def _cost(views: Sequence[Linearization]) -> float:
+    return float(sum(one.residuals @ one.residuals for one in views))
 
 
-def _step(slopes: Sequence[Slopes], estimate: Estimate, free: NDArray[np.bool_], damping: float) -> Estimate | None:
-    """The estimate after one step; None where it leads to no camera."""
+def _step(
+    views: Sequence[Linearization], estimate: Estimate, free: NDArray[np.bool_], damping: float
+) -> Estimate | None:
+    """Return the estimate after one damped step; None if it is not a possible camera."""
     count = int(free.sum())
     normal, right = np.zeros((count, count)), np.zeros(count)
     eliminated = []
-    for one in slopes:
+    for one in views:
         by_camera = one.by_camera[:, free]
         by_both = one.by_pose.T @ by_camera
         own = one.by_pose.T @ one.by_pose
+        # Marquardt's damping: scale the diagonal, so that steps do not depend on the units of the parameters.
         own.flat[::7] *= 1 + damping
         solved = np.linalg.solve(own, np.column_stack([by_both, one.by_pose.T @ one.residuals]))
         diagonal = by_camera.T @ by_camera
@@ -152,7 +156,7 @@ def _step(slopes: Sequence[Slopes], estimate: Estimate, free: NDArray[np.bool_],
 
 
 def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
-    """The derivative (N, 2, count) of bent rays by k1 k2 p1 p2 k3 k4 k5 k6, or the first so many of them."""
+    """Return the derivative (N, 2, count) of distorted rays by the first `count` of k1 k2 p1 p2 k3 k4 k5 k6."""
     x, y = rays.T
     r2 = x * x + y * y
     powers = np.stack([r2, r2**2, r2**3])
@@ -169,7 +173,7 @@ def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
 
 
 def _by_fisheye(rays: Floats, coefficients: Floats) -> Floats:
-    """The derivative (N, 2, 4) of bent rays by k1 k2 k3 k4."""
+    """Return the derivative (N, 2, 4) of distorted rays by k1 k2 k3 k4."""
     r = np.maximum(np.hypot(*rays.T), 1e-12)
     angle = np.arctan(r)
     powers = angle[:, None] ** (3 + 2 * np.arange(coefficients.size)) / r[:, None]

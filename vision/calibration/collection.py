@@ -1,4 +1,4 @@
-"""Collects views of a board while somebody moves it: takes those that add something, and knows what is missing."""
+"""Collection of views while somebody moves the board: takes useful views and tells which are missing."""
 
 from __future__ import annotations
 
@@ -15,31 +15,34 @@ from roverlink.vision.camera.camera_model import CameraParameters
 from roverlink.vision.markers.detection import Image
 
 VIEWS = 20
-"""Views after which a collection may be complete."""
+"""Number of views after which a collection may be complete."""
 STILL = 0.0025
-"""Widths of the image that corners may move from frame to frame in a view that is taken: faster ones are blurred."""
+"""Largest motion of corners between frames in a view that is taken, as a fraction of the image width.
+
+Faster motion blurs the corners.
+"""
 FRAME_NS = 500_000_000
-"""Longest time between two frames of which the later tells whether the board is still."""
+"""Longest time between two frames that are compared to tell whether the board is still."""
 ELSEWHERE = 0.03
-"""Widths of the image that some corner of a view must have moved from where it is in every view that was taken."""
+"""Smallest distance from every taken view that some corner must have, as a fraction of the image width."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """What became of a frame."""
+    """Result of examining a frame."""
 
     view: View
-    """The corners that were seen; maybe none."""
+    """Corners found in the frame, possibly none."""
     taken: bool
     reason: str
-    """Why it was taken, or why not, in words for the user."""
+    """Reason why the frame was taken or not, in words for the user."""
     adds: tuple[Need, ...] = ()
-    """The needs that the view serves, where its board could be judged."""
+    """Needs that the view serves, if the board's pose could be estimated."""
     traits: Traits | None = None
 
 
 class Collection:
-    """The views so far. No input, no output, no clock: frames come in, and the questions are answered."""
+    """Collection of views. It has no input, output or clock: frames are passed to it."""
 
     def __init__(self, board: CharucoBoard, wanted: int = VIEWS) -> None:
         self.board = board
@@ -52,37 +55,37 @@ class Collection:
 
     @property
     def views(self) -> tuple[View, ...]:
-        """The views that were taken."""
+        """Views that were taken."""
         return tuple(self._views)
 
     @property
     def coverage(self) -> Coverage:
-        """What they cover."""
+        """Coverage of the taken views."""
         return self._coverage
 
     @property
     def missing(self) -> tuple[Need, ...]:
-        """Which parts of the image, distances and tilts still need views."""
+        """Parts of the image, distances and tilts that still need views."""
         return self._coverage.missing()
 
     @property
     def complete(self) -> bool:
-        """Whether there are enough views and nothing is missing."""
+        """True if there are enough views and nothing is missing."""
         return len(self._views) >= self.wanted and not self.missing
 
     def offer(self, image: Image, stamp_ns: int, name: str = "") -> Offer:
-        """Look at a frame of a stream, grey (H, W) or in colours (H, W, 3).
+        """Examine a frame of a stream, grey (H, W) or BGR (H, W, 3).
 
         It is taken if the board is still and the view adds something.
         """
         return self._consider(self._detector.find(image, name, stamp_ns), force=False)
 
     def take(self, image: Image, stamp_ns: int, name: str = "") -> Offer:
-        """Look at an image and take it if it can be used at all: somebody chose it."""
+        """Examine an image that the user has chosen, and take it if it is usable."""
         return self._consider(self._detector.find(image, name, stamp_ns), force=True)
 
     def discard(self, view: View) -> None:
-        """Take a view out again."""
+        """Remove a view."""
         self._views = [one for one in self._views if one is not view]
         self._count()
 
@@ -101,25 +104,26 @@ class Collection:
     def _unusable(self, view: View) -> str:
         if self._views and view.size != self._views[0].size:
             width, height = self._views[0].size
-            return f"the image is {view.size[0]}x{view.size[1]}, and the views so far are {width}x{height}"
+            return f"the image has {view.size[0]}x{view.size[1]} pixels, but the other views have {width}x{height}"
         return view.flaw
 
     def _unwanted(self, view: View, before: View | None, adds: Sequence[Need]) -> str:
         if before is None or view.stamp_ns - before.stamp_ns > FRAME_NS or _shift(view, before) > STILL:
-            return "hold still"
+            return "hold the board still"
         if any(_shift(view, taken) < ELSEWHERE for taken in self._views):
-            return "seen already: move or tilt the board"
+            return "same as a view taken before: move or tilt the board"
         if not adds and len(self._views) >= self.wanted:
-            return "adds nothing that is missing"
+            return "adds nothing new"
         return ""
 
     def _traits(self, view: View) -> Traits:
+        # Before the first view is taken there is no camera yet; a rough one is good enough to judge tilt and distance.
         camera = self._camera or rough_camera([view], self.board)
         pose, _ = rough_pose(view, self.board, camera)
         return traits(view, pose, camera.project(pose.apply(self.board.outline)))
 
     def _count(self) -> None:
-        """Judge all views anew, by what they say of the camera together."""
+        """Compute the rough camera and the coverage again from all views."""
         self._camera = rough_camera(self._views, self.board) if self._views else None
         self._coverage = Coverage()
         for view in self._views:
@@ -127,7 +131,7 @@ class Collection:
 
 
 def _shift(view: View, other: View) -> float:
-    """How far the corners that both have moved at most, in widths of the image; infinite where there are none."""
+    """Return the largest motion of the common corners in image widths; infinity if there are none."""
     _, here, there = np.intersect1d(view.ids, other.ids, assume_unique=True, return_indices=True)
     if not here.size:
         return np.inf

@@ -1,7 +1,7 @@
-"""What a set of views covers: which parts of the image, which distances, and which tilts of the board.
+"""Coverage of a set of views: parts of the image, distances, and tilts of the board.
 
-Parts of the image are needed for the distortion and the principal point, tilts to tell the focal length from the
-distance, and distances to tell apart what both have in common.
+Views of all parts of the image determine the distortion and the principal point; tilted views separate the focal length
+from the distance; views at several distances separate effects that are equal at one distance.
 """
 
 from __future__ import annotations
@@ -19,60 +19,60 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.poses.pose import Pose
 
 CELLS = (6, 4)
-"""Columns and rows of the parts of the image."""
+"""Columns and rows of the grid of image regions."""
 WANTED = 2
-"""Views that see a part of the image, and that are at each distance and tilt."""
+"""Number of views wanted for each region, distance and tilt."""
 TILTED = math.radians(18)
-"""From where on a board counts as tilted."""
+"""Smallest angle in radians at which a board counts as tilted."""
 NEAR, FAR = 0.6, 0.4
-"""The side of a square of the board's area in the image, in parts of that of the image's."""
+"""Bounds of the distances: square root of the board's share of the image area."""
 
 DISTANCES = ("near", "middle", "far")
 TILTS = ("left edge nearer", "right edge nearer", "top edge nearer", "bottom edge nearer")
-"""Edges as they are in the image."""
+"""Tilts, by the board's edge in the image that is nearer to the camera."""
 
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Something that a calibration needs views of."""
+    """Requirement of a calibration, and the number of views that meet it."""
 
     kind: str
     """`region`, `distance` or `tilt`."""
     name: str
-    """Of a region the words for where it is; else one of `DISTANCES` or `TILTS`."""
+    """Region in words, or one of `DISTANCES` or `TILTS`."""
     have: int
-    """Views so far."""
+    """Number of views so far."""
     wanted: int = WANTED
     cell: tuple[int, int] | None = None
-    """A region's column and row in the grid of `CELLS`."""
+    """Column and row of a region in the grid of `CELLS`."""
 
     @property
     def met(self) -> bool:
-        """Whether there are enough."""
+        """True if there are enough views."""
         return self.have >= self.wanted
 
 
 @dataclass(frozen=True, slots=True)
 class Traits:
-    """What one view shows."""
+    """Properties of one view."""
 
     cells: frozenset[tuple[int, int]]
-    """Column and row of each part of the image that has corners."""
+    """Columns and rows of the regions that contain corners."""
     distance: str
     """One of `DISTANCES`."""
     tilts: frozenset[str]
-    """Those of `TILTS` that the board has; none where it faces the camera."""
+    """Tilts of the board, a subset of `TILTS`; empty if it faces the camera."""
 
 
 class Coverage:
-    """Counts what views show."""
+    """Counts the properties of views."""
 
     def __init__(self) -> None:
         self._seen: Counter[tuple[int, int] | str] = Counter()
 
     @property
     def cells(self) -> NDArray[np.intp]:
-        """How many views have corners in each part of the image (rows, columns)."""
+        """Number of views with corners in each region (rows, columns)."""
         columns, rows = CELLS
         return np.array([[self._seen[column, row] for column in range(columns)] for row in range(rows)])
 
@@ -81,7 +81,7 @@ class Coverage:
         self._seen.update((*traits.cells, traits.distance, *traits.tilts))
 
     def needs(self) -> tuple[Need, ...]:
-        """Everything that is needed, met or not: regions row by row, distances, tilts."""
+        """Return all needs, met or not: regions row by row, distances, tilts."""
         columns, rows = CELLS
         regions = (
             Need("region", region_name((column, row)), self._seen[column, row], cell=(column, row))
@@ -93,11 +93,11 @@ class Coverage:
         return (*regions, *distances, *tilts)
 
     def missing(self) -> tuple[Need, ...]:
-        """What is needed and not met."""
+        """Return the needs that are not met."""
         return tuple(need for need in self.needs() if not need.met)
 
     def adds(self, traits: Traits) -> Iterator[Need]:
-        """The unmet needs that a view would serve."""
+        """Yield the unmet needs that a view would serve."""
         shown = {*traits.cells, traits.distance, *traits.tilts}
         for need in self.missing():
             if (need.cell or need.name) in shown:
@@ -105,7 +105,7 @@ class Coverage:
 
 
 def region_name(cell: tuple[int, int]) -> str:
-    """Words for a part of the image: `upper left`, `middle`, and so on; several parts share a name."""
+    """Return the name of a region, such as `upper left` or `middle`; several regions share a name."""
     (column, row), (columns, rows) = cell, CELLS
     across = ("left", "", "right")[column * 3 // columns]
     down = "upper" if row == 0 else "lower" if row == rows - 1 else ""
@@ -113,7 +113,7 @@ def region_name(cell: tuple[int, int]) -> str:
 
 
 def traits(view: View, pose: Pose, outline: Floats) -> Traits:
-    """What a view shows of a board that is at a pose (board to camera), and whose outline (4, 2) is in pixels."""
+    """Return the properties of a view, given the board's pose (board to camera) and its outline (4, 2) in pixels."""
     size = np.array(view.size)
     cells = np.clip(np.floor((view.corners + 0.5) / size * CELLS), 0, np.array(CELLS) - 1).astype(int)
     return Traits(frozenset(map(tuple, cells.tolist())), _distance(outline, view.size), frozenset(_tilts(pose)))
@@ -127,8 +127,8 @@ def _distance(outline: Floats, size: tuple[int, int]) -> str:
 
 
 def _tilts(pose: Pose) -> Iterator[str]:
-    """How the board's normal leans, in the image."""
-    into = pose.rotation[:, 2]  # points away from the camera, and to the side that is nearer
+    """Yield the tilts of the board from the direction of its normal in the image."""
+    into = pose.rotation[:, 2]  # the normal points away from the camera, towards the nearer edge
     across, down = math.atan2(into[0], abs(into[2])), math.atan2(into[1], abs(into[2]))
     for angle, (negative, positive) in ((across, TILTS[:2]), (down, TILTS[2:])):
         if abs(angle) >= TILTED:

@@ -1,4 +1,4 @@
-"""What does not fit: how far off corners may be, and which of them, or of the views, are left out."""
+"""Outliers: corners and views that do not fit, and that the calibration leaves out."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from roverlink.vision.calibration.views import FEWEST_CORNERS, View
 from roverlink.vision.camera.camera_model import Floats
 
 OUTLIER = 3.5
-"""Corners whose residuals are longer than so many standard deviations of a coordinate are left out."""
-STRANGE = 4.0
-"""A view is left out whose residuals are so many times those of the others (medians)."""
+"""Length of a residual, in standard deviations of a coordinate, above which a corner is left out."""
+BAD_VIEW_RATIO = 4.0
+"""Ratio of a view's median residual to that of all views above which the view is left out."""
 HUBER = 1.345
-"""Standard deviations from where on residuals count by their size, not its square (Huber, 1964)."""
+"""Residual, in standard deviations, from which the cost is linear instead of quadratic (Huber, 1964)."""
 _RAYLEIGH_MEDIAN = 1.1774
-"""Median length of a vector of two normal components, in their standard deviations."""
+"""Median of the Rayleigh distribution: of the length of a vector with two normal components of sigma 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Misses:
-    """How far the corners of views are off, for each view (N,)."""
+class ResidualLengths:
+    """Lengths of the residuals of all corners, for each view (N,)."""
 
     pixels: tuple[Floats, ...]
-    """Lengths of the residuals; nan where a corner cannot have been seen."""
+    """Lengths in pixels; NaN for a corner that the camera cannot have seen."""
     sigmas: tuple[Floats, ...]
-    """Standard deviations of a coordinate in pixels."""
+    """Standard deviations of a corner's coordinate in pixels."""
 
     @property
     def lengths(self) -> list[Floats]:
@@ -39,11 +39,11 @@ class Misses:
         return [length / sigma for length, sigma in zip(self.pixels, self.sigmas)]
 
     def weights(self, masks: Sequence[NDArray[np.bool_]]) -> list[Floats]:
-        """What each corner counts, if those outside of the masks count nothing."""
+        """Return the corners' weights; those outside the masks have weight 0."""
         return [mask / sigma**2 for mask, sigma in zip(masks, self.sigmas)]
 
     def robust_weights(self) -> list[Floats]:
-        """What each corner counts, if those that stand out count less."""
+        """Return the corners' weights with Huber's function, in which outliers weigh less."""
         return [
             np.nan_to_num(np.minimum(1, HUBER / np.maximum(length, 1e-12))) / sigma**2
             for length, sigma in zip(self.lengths, self.sigmas)
@@ -52,63 +52,64 @@ class Misses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """What is used of views."""
+    """Selection of corners and views."""
 
     masks: tuple[NDArray[np.bool_], ...]
-    """Which corners (N,) of each view; none of one that is dropped."""
+    """Corners used in each view (N,); none of a dropped view."""
     dropped: tuple[str, ...]
-    """Why each view is left out; empty if it is not."""
+    """Reason why each view is left out; empty if it is used."""
 
     @property
     def kept(self) -> list[int]:
-        """The places of the views that are used."""
+        """Indices of the views that are used."""
         return [place for place, reason in enumerate(self.dropped) if not reason]
 
     def same(self, other: Choice | None) -> bool:
-        """Whether both use the same corners."""
+        """Return true if both selections use the same corners."""
         return other is not None and all((here == there).all() for here, there in zip(self.masks, other.masks))
 
 
-def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> Misses:
-    """How far off the corners are by an estimate.
+def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> ResidualLengths:
+    """Return the lengths of the residuals at an estimate.
 
-    What the noise of the images does not explain is taken as noise that all corners share: an uneven board, a lens
-    that is not as the model has it.
+    Residuals that the image noise does not explain are treated as additional noise of all corners: an uneven board, or
+    a lens that differs from its model.
     """
     lengths = tuple(
         np.linalg.norm(residuals(view, board, estimate.camera, pose), axis=1)
         for view, pose in zip(views, estimate.poses)
     )
+    # Medians, because outliers are not yet removed here.
     known = float(np.median(np.concatenate([view.sigmas for view in views])))
     seen = float(np.nanmedian(np.concatenate(lengths))) / _RAYLEIGH_MEDIAN
     shared = max(seen**2 - known**2, 0.0)
-    return Misses(lengths, tuple(np.sqrt(view.sigmas**2 + shared) for view in views))
+    return ResidualLengths(lengths, tuple(np.sqrt(view.sigmas**2 + shared) for view in views))
 
 
-def choose(misses: Misses) -> Choice:
-    """What to use of views that are so far off."""
+def choose(misses: ResidualLengths) -> Choice:
+    """Select the corners and views to use."""
     lengths = misses.lengths
-    reasons = _strange(misses)
-    masks = [length < OUTLIER for length in lengths]  # nan is no less
+    reasons = _bad_views(misses)
+    masks = [length < OUTLIER for length in lengths]  # false for NaN
     reasons = [reason or _emptied(mask) for reason, mask in zip(reasons, masks)]
     return Choice(tuple(mask & (not reason) for mask, reason in zip(masks, reasons)), tuple(reasons))
 
 
-def _strange(misses: Misses) -> list[str]:
-    """For each view, why it does not fit the others; empty where it does."""
+def _bad_views(misses: ResidualLengths) -> list[str]:
+    """Return for each view the reason why it does not fit the others; empty if it does."""
     medians = [float(np.median(np.nan_to_num(one, nan=np.inf))) for one in misses.lengths]
     typical = float(np.median(medians))
     others = float(np.nanmedian(np.concatenate(misses.pixels)))
     return [
-        _off(float(np.nanmedian(pixels)), others) if median > STRANGE * typical else ""
+        _off(float(np.nanmedian(pixels)), others) if median > BAD_VIEW_RATIO * typical else ""
         for median, pixels in zip(medians, misses.pixels)
     ]
 
 
 def _off(own: float, others: float) -> str:
     return (
-        f"its corners are off by {own:.2g} px, those of all views by {others:.2g} px (medians): it is blurred, or the "
-        "board was moving or bent"
+        f"its corners are off by {own:.2g} px, those of all views by {others:.2g} px (medians): it is blurred, or "
+        "the board was moving or bent"
     )
 
 

@@ -1,7 +1,7 @@
-"""The pictures of the report, as paths and fields of SVG in pixels of the camera's image.
+"""Figures of the report as SVG paths and rectangles, in pixels of the camera's image.
 
-Coordinates are rounded, so that the same calibration gives the same bytes. SVG counts from the corner of the first
-pixel, the camera from its centre.
+Coordinates are rounded, so that equal calibrations give equal bytes. SVG measures from the corner of the first pixel,
+the camera model from its centre.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 
 BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-"""Pixels between the classes of the uncertainty: fixed, so that reports can be compared."""
+"""Class bounds of the uncertainty in pixels; they are fixed, so that reports can be compared."""
 _COLUMNS = 64
-"""Fields across the picture of the uncertainty."""
+"""Number of rectangles across the figure of the uncertainty."""
 _ARROW = 1 / 25
-"""Widths of the image that a long residual is drawn long."""
+"""Drawn length of a long residual, as a fraction of the image width."""
 _LONG = 95
-"""Percentile of the residuals' lengths at which one is long."""
+"""Percentile of the residuals' lengths that counts as long."""
 _SHORTEST_LONG = 1e-3
-"""Pixels; what is shorter is not magnified any more."""
+"""Shortest length in pixels that is still magnified to full size."""
 _CORNER = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A rectangle of one class."""
+    """Rectangle of one uncertainty class."""
 
     x: float
     y: float
@@ -43,34 +43,34 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Where corners were seen, and how far from where they should be."""
+    """Figure of the residuals: from the expected to the observed position of each corner."""
 
     used: str
-    """The lines of the corners that the calibration rests on."""
+    """Path of the residuals that the calibration uses."""
     left_out: str
-    """The others'."""
+    """Path of the residuals that are left out."""
     magnified: float
-    """How many times longer than they are the lines are drawn."""
+    """Magnification of the lines."""
     bar: float
-    """A residual in pixels that is drawn as a scale, `bar * magnified` long."""
+    """Residual in pixels that is drawn as a scale bar, `bar * magnified` long."""
 
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """How far from the truth the calibration puts what is seen, over the image."""
+    """Figure of the uncertainty over the image."""
 
     fields: list[Field]
-    """Their levels count the `BOUNDS` that are not above the deviation."""
+    """Rectangles; a level is the number of `BOUNDS` that the standard deviation reaches."""
     seen: str
-    """A path around all corners that are used: what is outside is extrapolated."""
+    """Path around all used corners; outside it the camera model is extrapolated."""
     inside: float
-    """The largest standard deviation inside, in pixels."""
+    """Largest standard deviation inside the path in pixels."""
     outside: float | None
-    """The largest in the whole image; None where the model has no direction for some part of it."""
+    """Largest standard deviation in the whole image; None if the model has no ray for some part of it."""
 
 
 def residuals(calibration: Calibration) -> Residuals:
-    """Lines from every place where a corner should be towards where it was seen."""
+    """Return lines from each corner's expected position towards the observed one."""
     seen, misses, used = _corners(calibration)
     long = max(float(np.percentile(np.linalg.norm(misses[used], axis=1), _LONG)), _SHORTEST_LONG)
     magnified = round_down(calibration.views[0].view.size[0] * _ARROW / long)
@@ -84,7 +84,7 @@ def residuals(calibration: Calibration) -> Residuals:
 
 
 def uncertainty(calibration: Calibration) -> Uncertainty:
-    """The standard deviation of where a ray is seen, for fields of the image."""
+    """Return the standard deviation of a ray's pixel, for a grid of rectangles over the image."""
     width, height = calibration.views[0].view.size
     rows = max(1, round(_COLUMNS * height / width))
     x, y = np.meshgrid((np.arange(_COLUMNS) + 0.5) * width / _COLUMNS, (np.arange(rows) + 0.5) * height / rows)
@@ -102,19 +102,19 @@ def uncertainty(calibration: Calibration) -> Uncertainty:
 
 
 def dots(places: Floats) -> str:
-    """A path whose round ends are dots at places (N, 2)."""
+    """Return a path of dots at the given points (N, 2); the round line ends make the dots."""
     return "".join(f"M{x:.1f} {y:.1f}h0" for x, y in places + _CORNER)
 
 
 def arrows(places: Floats, misses: Floats, magnified: float) -> str:
-    """A path with a line from each place (N, 2) along its miss (N, 2), so many times as long."""
+    """Return a path with a line from each point (N, 2) along its residual (N, 2), magnified."""
     return "".join(
         f"M{x:.1f} {y:.1f}l{dx:.1f} {dy:.1f}" for (x, y), (dx, dy) in zip(places + _CORNER, misses * magnified)
     )
 
 
 def fields(levels: NDArray[np.intp], size: tuple[int, int]) -> list[Field]:
-    """Rectangles of an image of `size` (width, height) that show classes (rows, columns); equal neighbours are one."""
+    """Return rectangles for the classes (rows, columns) of an image of `size`; equal neighbours are merged."""
     rows, columns = levels.shape
     width, height = size[0] / columns, size[1] / rows
     found = []
@@ -129,13 +129,13 @@ def fields(levels: NDArray[np.intp], size: tuple[int, int]) -> list[Field]:
 
 
 def round_down(value: float) -> float:
-    """The largest of 1, 2, 5, 10, 20, 50 ... and of 0.5, 0.2, 0.1 ... that is not above a positive value."""
+    """Return the largest number of the series ... 0.1, 0.2, 0.5, 1, 2, 5, 10 ... that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(step * power for step in (1, 2, 5) if step * power <= value)
 
 
 def _corners(calibration: Calibration) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Of all views together: where corners were seen (N, 2), by how much that is off (N, 2), which are used (N,)."""
+    """Return all views' corners (N, 2), residuals (N, 2), and the mask of used corners (N,)."""
     judged = [fitted for fitted in calibration.views if np.isfinite(fitted.residuals).all()]
     return (
         np.concatenate([fitted.view.corners for fitted in judged]),

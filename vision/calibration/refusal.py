@@ -1,4 +1,4 @@
-"""When views are not enough for a calibration, and what to do about it."""
+"""Checks that refuse views which are not sufficient for a calibration, with instructions for the user."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from roverlink.vision.camera.camera_model import CameraParameters
 
 FEWEST_VIEWS = 10
 FEWEST_CELLS = 0.6
-"""Least part of the cells of the image that must have corners."""
+"""Least share of the image regions that must contain corners."""
 FEWEST_TILTED = 3
 
 
 def check_sizes(views: Iterable[View]) -> None:
-    """Refuse images of several sizes."""
+    """Raise `PoorViewsError` for images of several sizes."""
     sizes = sorted({view.size for view in views})
     if len(sizes) > 1:
         named = ", ".join(f"{width}x{height}" for width, height in sizes)
-        raise PoorViewsError((f"the images are of several sizes: {named}; calibrate one at a time",))
+        raise PoorViewsError((f"the images have several sizes: {named}; calibrate each size by itself",))
 
 
 def check_count(usable: int, given: int) -> None:
-    """Refuse too few views."""
+    """Raise `PoorViewsError` for too few views."""
     if usable < FEWEST_VIEWS:
-        raise PoorViewsError((f"{usable} of {given} views are usable, and {FEWEST_VIEWS} are needed",))
+        raise PoorViewsError((f"{usable} of {given} views are usable, but {FEWEST_VIEWS} are needed",))
 
 
 def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraParameters) -> None:
-    """Refuse views that show too little of the image, or too few tilts."""
+    """Raise `PoorViewsError` if the views show too little of the image or too few tilts."""
     coverage = Coverage()
     tilted = 0
     for one in kept:
@@ -46,8 +46,8 @@ def check_coverage(kept: Sequence[Fitted], board: CharucoBoard, camera: CameraPa
         reasons.append(f"{len(empty)} of {count} parts of the image have no corners: {where}")
     if tilted < FEWEST_TILTED:
         reasons.append(
-            f"the board is tilted in {tilted} views, and {FEWEST_TILTED} are needed: facing the camera, its distance "
-            "cannot be told from the focal length"
+            f"the board is tilted in {tilted} views, but {FEWEST_TILTED} are needed: without tilt, the distance "
+            "cannot be separated from the focal length"
         )
     if reasons:
         raise PoorViewsError(tuple(reasons))

@@ -1,6 +1,6 @@
-"""The report of a calibration: one page of HTML that needs nothing else, to be kept beside the parameters.
+"""Report of a calibration: a single self-contained HTML page, to be kept with the parameters.
 
-The same calibration gives the same bytes.
+Equal calibrations give equal bytes.
 """
 
 from __future__ import annotations
@@ -26,33 +26,33 @@ _TEMPLATE = "calibration.html.j2"
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One of the camera's numbers, as text."""
+    """Parameter of the camera, as text."""
 
     name: str
     value: str
     interval: str
-    """Half the width of the interval that holds the truth in 95 % of calibrations."""
+    """Half the width of the 95 % interval."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """A line of the table of views."""
+    """Row of the table of views."""
 
     fitted: Fitted
     used: str
     left_out: str
     judged: bool
-    """Whether the view was of use enough to have the numbers that follow."""
+    """True if the view's pose is known; otherwise the following numbers mean nothing."""
     worst: float
-    """The longest residual of a corner that is used, or of all of a dropped view, in pixels."""
+    """Longest residual of a used corner in pixels; of all corners for a dropped view."""
     distance: float
-    """From the camera to the middle of the board, in metres."""
+    """Distance from the camera to the board's centre in metres."""
     tilt: float
-    """Of the board against the image, in degrees."""
+    """Angle between board and image plane in degrees."""
 
 
 def parameters(calibration: Calibration) -> list[Parameter]:
-    """The camera's numbers, each with as many digits as its interval gives a meaning to."""
+    """Return the camera's parameters, with as many digits as the interval justifies."""
     halves = (calibration.interval * calibration.deviations).tolist()
     return [
         Parameter(name, f"{value:.{digits}f}", f"{half:.{digits}f}")
@@ -62,9 +62,9 @@ def parameters(calibration: Calibration) -> list[Parameter]:
 
 
 def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> str:
-    """The page: numbers, pictures of residuals, uncertainty and coverage, and every view.
+    """Return the page: parameters, figures of residuals, uncertainty and coverage, and all views.
 
-    `versions` are those of the programs that made the calibration, by their names.
+    `versions` are those of the programs that made the calibration, by name.
     """
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
@@ -72,6 +72,7 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        # A misspelt name in a template must fail, not print an empty cell.
         undefined=StrictUndefined,
     )
     coverage, size = _coverage(calibration, board), calibration.views[0].view.size
@@ -95,27 +96,27 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
 
 
 def write_report(path: Path, calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> None:
-    """Write the `report`, whole or not at all. Raises `SetupError` where it cannot be written."""
+    """Write the `report` completely or not at all. Raises `SetupError` if it cannot be written."""
     write_whole(path, report(calibration, board, versions).encode())
 
 
 def _digits(half: float) -> int:
-    """Decimals that show two digits of an interval."""
+    """Return the number of decimals that shows two digits of an interval."""
     return max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 1
 
 
 def _date(views: Sequence[Fitted]) -> str:
-    """When the data was taken, from the first view to the last."""
+    """Return the time span of the views."""
     stamps = [fitted.view.stamp_ns for fitted in views if fitted.view.stamp_ns]
     if not stamps:
-        return "not known"
+        return "unknown"
     first, last = (datetime.fromtimestamp(stamp // 1_000_000_000, timezone.utc) for stamp in (min(stamps), max(stamps)))
     until = f" to {last:%H:%M:%S}" if last.date() == first.date() else f" to {last:%Y-%m-%d %H:%M:%S}"
     return f"{first:%Y-%m-%d %H:%M:%S}{until if last != first else ''} UTC"
 
 
 def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
-    """What the views that are used cover."""
+    """Return the coverage of the used views."""
     coverage = Coverage()
     for fitted in calibration.views:
         if not fitted.dropped:

@@ -1,8 +1,9 @@
-"""Where a chessboard's corners are, from every pixel along the edges that meet there.
+"""Sub-pixel positions of chessboard corners, fitted to all pixels near them.
 
-At a corner two edges cross: its grey is that of four quadrants, two black and two white, blurred, on a brightness that
-rises linearly. Place, directions of the edges, blur and brightness are fitted together (Gauss and Newton), and how well
-they fit says how well the place is known. All corners of an image are fitted at once: K corners, N pixels each.
+At a corner two edges cross. Its grey values are modelled as four quadrants, two black and two white, blurred, with a
+linear gradient of brightness. Position, directions of the edges, blur and brightness are fitted together by the
+Gauss-Newton method; the quality of the fit gives the uncertainty. All corners of an image are fitted at once: K corners
+with N pixels each.
 """
 
 from __future__ import annotations
@@ -17,55 +18,55 @@ from roverlink.vision.markers.detection import Image
 from roverlink.vision.markers.pattern import look, make_pattern
 
 RADIUS = 7
-"""Pixels to each side of a corner that are looked at: so near, a lens does not bend an edge."""
+"""Half the side in pixels of the window around a corner; within it, lens distortion does not bend an edge."""
 CLEAR = 1.6
-"""How far pixels stay away from a marker's edge, in pixels."""
+"""Distance in pixels that used pixels keep from a marker's edge."""
 STEPS = 8
 SETTLED = 1e-3
-"""Pixels that a corner moves in a step after which it has been found."""
+"""Motion of a corner in pixels per step below which the fit has converged."""
 FARTHEST = 2.0
-"""Pixels that a corner may be away from where it was looked for."""
+"""Largest distance in pixels between a corner and its initial position."""
 FIRST_BLUR = 1.0
 BLURS = (0.3, 4.0)
-"""Standard deviations in pixels."""
+"""Range of the blur's standard deviation in pixels."""
 EXPLAINED = 0.9
-"""Least part of the pixels' variance that a corner explains; what is less is none, or partly hidden."""
+"""Least share of the variance that the model must explain; below it the corner is absent or partly hidden."""
 
 _FEWEST = 30  # pixels
 _UNKNOWNS = 9
 _LARGEST_TURN = 0.2
 _LARGEST_CHANGE = 0.3
 _FAR = 1000.0
-"""Pixels a square of the pattern: its other edges are out of sight."""
+"""Size of the pattern's squares in pixels, so large that other edges are out of the window."""
 _DIFFERENCES = make_pattern(np.eye(2, dtype=bool)).differences
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sites:
-    """Where to look for corners, in an image that is seen roughly as it is."""
+    """Initial positions of the corners in an image, with the board's local axes."""
 
     places: Floats
     """(K, 2) in pixels."""
     axes: Floats
-    """(K, 2, 2): the derivative of the pixels by the board's x and y, in pixels a metre."""
+    """Derivative (K, 2, 2) of the pixels by the board's x and y, in pixels per metre."""
     gap: float
-    """Metres from a corner to the nearest marker, along either axis."""
+    """Distance in metres from a corner to the nearest marker, along either axis."""
     reach: float
-    """Metres from a corner along its edges that pixels are taken from."""
+    """Distance in metres from a corner, along its edges, up to which pixels are used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Saddles:
-    """The corners (K, ...) as they were found."""
+    """Fitted corners (K, ...)."""
 
     places: Floats
     """(K, 2) in pixels."""
     sigmas: Floats
-    """(K,) pixels: standard deviation of a coordinate, by the noise of the pixels."""
+    """Standard deviation (K,) of a coordinate in pixels, from the noise of the grey values."""
     blurs: Floats
-    """(K,) pixels: standard deviation of the blur."""
+    """Standard deviation (K,) of the blur in pixels."""
     found: NDArray[np.bool_]
-    """(K,) whether there is a corner at all; the other values mean nothing where there is none."""
+    """Mask (K,) of the corners that exist; the other values are meaningless where it is false."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +74,7 @@ class _State:
     places: Floats
     """(K, 2) in pixels."""
     angles: Floats
-    """(K, 2): directions of the normals of both edges."""
+    """Directions (K, 2) of the normals of both edges."""
     log_blurs: Floats
     """(K,)"""
 
@@ -81,20 +82,20 @@ class _State:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
     covariance: Floats
-    """(K, 2, 2) of the places."""
+    """Covariance (K, 2, 2) of the positions."""
     explained: Floats
     contrast: Floats
 
 
 def find_saddles(image: Image, sites: Sites) -> Saddles:
-    """Fit the corners near the places where they were seen in a grey image (H, W)."""
+    """Fit corners near their initial positions in a grey image (H, W)."""
     pixels, real = _pixels(image, sites)
     grey = np.where(real, image[pixels[:, 1], pixels[:, 0]], 0.0)
     normals = np.linalg.inv(sites.axes)  # rows: the derivatives of the board's x and y by the pixels
     state = _State(
         sites.places, np.arctan2(normals[:, :, 1], normals[:, :, 0]), np.full(len(pixels), np.log(FIRST_BLUR))
     )
-    with np.errstate(all="ignore"):  # where there is no corner, anything may come
+    with np.errstate(all="ignore"):  # without a corner the fit may diverge; `found` is then false
         for _ in range(STEPS):
             before = state
             state, outcome = _step(before, pixels, grey, real)
@@ -108,14 +109,14 @@ def find_saddles(image: Image, sites: Sites) -> Saddles:
 
 
 def _pixels(image: Image, sites: Sites) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The pixels (K, 2, N) around each corner, and which of them (K, N) show nothing but the corner."""
+    """Return the pixels (K, 2, N) around each corner, and the mask (K, N) of those that show only the corner."""
     side = np.arange(-RADIUS, RADIUS + 1)
     around = np.stack(np.meshgrid(side, side)).reshape(2, -1)
     pixels = np.rint(sites.places).astype(np.intp)[:, :, None] + around
     offsets = pixels - sites.places[:, :, None]
     inverse = np.linalg.inv(sites.axes)
     on_board = np.abs(inverse @ offsets)  # metres along the board's axes
-    clear = CLEAR * np.linalg.norm(inverse, axis=2)[:, :, None]  # metres that are so many pixels
+    clear = CLEAR * np.linalg.norm(inverse, axis=2)[:, :, None]  # CLEAR in metres
     in_marker = (on_board > sites.gap - clear).all(axis=1)
     near = (on_board < sites.reach - clear).all(axis=1)
     height, width = image.shape
@@ -147,7 +148,7 @@ def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[n
 def _design(
     state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, Floats]:
-    """The derivatives (K, 9, N) by place, angles, logarithm of the blur and brightness; contrast; residuals."""
+    """Return derivatives (K, 9, N) by position, angles, logarithm of the blur and brightness; contrast; residuals."""
     offsets = pixels - state.places[:, :, None]
     normals = np.stack([np.cos(state.angles), np.sin(state.angles)], axis=2)  # (K, edge, 2)
     distances = normals @ offsets

@@ -1,4 +1,4 @@
-"""What a calibration hands back: the camera, how sure it is, and what became of each view."""
+"""Result of a calibration: the camera, its uncertainty, and the result of each view."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from roverlink.vision.poses.pose import Pose, predict
 
 
 class Model(str, Enum):
-    """Which distortion is estimated, by the names that ROS has for them."""
+    """Distortion model, with the names that ROS uses (sensor_msgs/distortion_models.hpp)."""
 
     PLUMB_BOB = "plumb_bob"
-    """k1 k2 p1 p2 k3: the default."""
+    """k1 k2 p1 p2 k3; the default."""
     RATIONAL = "rational_polynomial"
-    """k1 k2 p1 p2 k3 k4 k5 k6: wide lenses."""
+    """k1 k2 p1 p2 k3 k4 k5 k6; for wide lenses."""
     EQUIDISTANT = "equidistant"
-    """OpenCV's fisheye, k1 k2 k3 k4."""
+    """k1 k2 k3 k4; OpenCV's fisheye model."""
 
 
 COEFFICIENTS = {
@@ -33,12 +33,12 @@ COEFFICIENTS = {
     Model.EQUIDISTANT: ("k1", "k2", "k3", "k4"),
 }
 
-_NORMAL_QUANTILE = 1.96  # 97.5 %
+_NORMAL_QUANTILE = 1.96  # 97.5 % quantile of the normal distribution: 2.5 % are outside on each side
 _GRID = 15
 
 
 class PoorViewsError(RoverlinkError):
-    """The views do not determine the camera: too few, or of too little. `reasons` say what to do about it."""
+    """Views that do not determine the camera. `reasons` tell the user how to solve it."""
 
     def __init__(self, reasons: tuple[str, ...]) -> None:
         super().__init__("; ".join(reasons))
@@ -47,54 +47,54 @@ class PoorViewsError(RoverlinkError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """One view after the calibration."""
+    """View after the calibration."""
 
     view: View
     pose: Pose
-    """Board to camera."""
+    """Pose of the board (board to camera)."""
     residuals: Floats
-    """(N, 2) pixels, from where the corners should be to where they were seen; of dropped ones, too."""
+    """Residuals (N, 2) in pixels, from the expected to the observed position; also of dropped corners."""
     used: NDArray[np.bool_]
-    """(N,) which corners the calibration rests on; none of a dropped view."""
+    """Mask (N,) of the corners that the calibration uses; all false for a dropped view."""
     dropped: str = ""
-    """Why the view was left out; empty if it was not."""
+    """Reason why the view was left out; empty if it is used."""
 
     @property
     def rms(self) -> float:
-        """Root of the mean squared length of the residuals in pixels: of the used corners, or all of a dropped view.
+        """Root mean square of the residuals' lengths in pixels.
 
-        Nan of a view without corners.
+        It covers the used corners, or all corners of a dropped view. NaN for a view without corners.
         """
         chosen = self.residuals[self.used] if self.used.any() else self.residuals
         return float(np.sqrt((chosen**2).sum(axis=1).mean())) if chosen.size else math.nan
 
     @property
     def rejected(self) -> int:
-        """How many corners of a view that is used were left out."""
+        """Number of corners left out of a used view."""
         return 0 if self.dropped else int((~self.used).sum())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """A camera, and how well it is known."""
+    """Camera with its uncertainty."""
 
     camera: CameraParameters
     model: Model
     covariance: Floats
-    """(P, P) of the parameters: fx fy cx cy in pixels, then the distortion's coefficients."""
+    """Covariance (P, P) of the parameters: fx fy cx cy in pixels, then the distortion coefficients."""
     rms: float
-    """Root of the mean squared length of the residuals of all corners that are used, in pixels."""
+    """Root mean square of the residuals' lengths over all used corners, in pixels."""
     views: tuple[Fitted, ...]
-    """In the order in which they were given, the dropped ones included."""
+    """All views in the order given, including dropped ones."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the parameters are called."""
+        """Names of the parameters."""
         return ("fx", "fy", "cx", "cy", *COEFFICIENTS[self.model])
 
     @property
     def values(self) -> Floats:
-        """The parameters (P,)."""
+        """Values (P,) of the parameters."""
         return np.concatenate([self.camera.focal, self.camera.centre, self.camera.distortion])
 
     @property
@@ -104,14 +104,14 @@ class Calibration:
 
     @property
     def interval(self) -> float:
-        """How many standard deviations to each side of a parameter hold the truth in 95 % of calibrations."""
+        """Half width of the 95 % interval, in standard deviations."""
         return _NORMAL_QUANTILE
 
     def uncertainty(self, pixels: Floats) -> Floats:
-        """Standard deviation (...,) in pixels, over both axes, of where the rays of pixels (..., 2) are seen.
+        """Return the standard deviation (...,) in pixels, over both axes, of the rays seen at pixels (..., 2).
 
-        What a turn of the camera explains over the whole image is taken out first: turned cameras are used as well as
-        straight ones. Nan where no ray meets a pixel.
+        The part that a rotation of the camera explains over the whole image is removed first, because such a rotation
+        has no effect in use. NaN if no ray belongs to a pixel.
         """
         everywhere = self._rays(self._grid())
         everywhere = everywhere[np.isfinite(everywhere).all(axis=1)]
@@ -131,7 +131,7 @@ class Calibration:
 
 
 def _by_turn(camera: CameraParameters, rays: Floats) -> Floats:
-    """The derivative (N, 2, 3) of the pixels that rays (N, 2) meet by a small turn of the rays."""
+    """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) by a small rotation of the rays."""
     _, by_pose = predict(Pose(np.eye(3), np.zeros(3)), np.column_stack([rays, np.ones(len(rays))]))
-    derivative: Floats = camera.distort_with_slope(rays)[1] @ by_pose[:, :, 3:]
+    derivative: Floats = camera.distort_with_derivative(rays)[1] @ by_pose[:, :, 3:]
     return derivative

@@ -1,4 +1,4 @@
-"""From views to a camera: adjusts, leaves out what does not fit, and says how sure the rest makes it."""
+"""Solver: turn views into a calibration, leave out outliers, and estimate the uncertainty."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _ROUGHLY = 1e-3
 
 
 def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.PLUMB_BOB) -> Calibration:
-    """The camera that saw these views, which are of one size.
+    """Estimate the camera from views of one image size.
 
-    Raises `PoorViewsError` where the views that are usable are too few, or do not show enough.
+    Raises `PoorViewsError` if too few views are usable, or if they do not show enough.
     """
     usable = [view for view in views if not view.flaw]
     check_sizes(usable)
@@ -50,7 +50,7 @@ def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.P
 
 
 def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate:
-    """An estimate of all parameters from all corners, those that stand out counting less."""
+    """Return a robust estimate of all parameters from all corners."""
     rough = rough_camera(views, board, fisheye=model is Model.EQUIDISTANT)
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
     estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views))
@@ -64,11 +64,12 @@ def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate
 
 
 def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> tuple[Estimate, Choice]:
-    """Adjust to what fits until that stays the same."""
+    """Alternate between selecting corners and adjusting, until the selection stays the same."""
     free = np.ones(4 + estimate.camera.distortion.size, dtype=bool)
     before: Choice | None = None
     for _ in range(_ROUNDS):
         choice = choose(measure(views, board, estimate))
+        # Selecting and adjusting can alternate between two selections; `_ROUNDS` limits that.
         if choice.same(before):
             break
         check_count(len(choice.kept), len(views))
@@ -82,7 +83,7 @@ def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Esti
 
 
 def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> Estimate:
-    """The poses of dropped views, too, by the camera that the others gave: they may turn out to fit."""
+    """Estimate the poses of dropped views with the camera of the others, because they may fit in the next round."""
     fixed = np.zeros(4 + estimate.camera.distortion.size, dtype=bool)
     poses = list(estimate.poses)
     for place, reason in enumerate(choice.dropped):
@@ -95,12 +96,12 @@ def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate
 
 
 def _part(estimate: Estimate, choice: Choice) -> Estimate:
-    """An estimate of the views alone that are kept."""
+    """Return the estimate with only the kept views."""
     return Estimate(estimate.camera, tuple(estimate.poses[place] for place in choice.kept))
 
 
 def _observations(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> list[Observation]:
-    """What is used of the views that are kept."""
+    """Return the used corners of the kept views."""
     weights = measure(views, board, estimate).weights(choice.masks)
     return _weighted([views[place] for place in choice.kept], board, [weights[place] for place in choice.kept])
 
@@ -116,15 +117,17 @@ def _unusable(view: View) -> Fitted:
 
 
 def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floats:
-    """The covariance (P, P) of the camera's parameters.
+    """Return the covariance (P, P) of the camera's parameters.
 
-    By the standard deviations of the corners; and in directions in which the views disagree more than those explain, by
-    how much they do: the corners of a view may err together, by a bent board, or by what the model of the lens leaves
-    out. That is the sandwich of Huber (1967) and White (1980), with views as clusters and its correction for few.
+    It follows from the corners' standard deviations. In directions in which the views disagree more than these explain,
+    it follows from the disagreement, because errors within a view are correlated: the board may be bent, or the lens
+    may differ from its model. This is the sandwich estimator of Huber (1967) and White (1980), with views as clusters
+    and its correction for few clusters.
     """
-    said = [information(slopes) for slopes in linearise(observations, estimate)]
+    said = [information(linearizations) for linearizations in linearise(observations, estimate)]
     normal = np.sum([matrix for matrix, _ in said], axis=0)
     scale = 1 / np.sqrt(normal.diagonal())
+    # Scaled to a unit diagonal first: pixels and distortion coefficients differ by many orders of magnitude.
     root = np.linalg.inv(np.linalg.cholesky(normal * scale[:, None] * scale)) * scale  # root.T @ root: normal's inverse
     sides = np.stack([root @ side for _, side in said])
     disagreement = sides.T @ sides * len(said) / max(len(said) - len(normal), 1)

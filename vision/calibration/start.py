@@ -1,4 +1,4 @@
-"""A rough camera, and where boards are before it: enough to judge a view, and to start the solver."""
+"""Rough camera and rough board poses: good enough to judge a view and to start the solver."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pose import Pose, predict, rotation_of
 
 FOCALS = np.geomspace(0.4, 4.0, 13)
-"""Focal lengths to try, in widths of the image: fields of view from 103 to 14 degrees."""
+"""Focal lengths to try, in image widths: fields of view from 103 to 14 degrees."""
 GUESS = 1.0
-"""That of a camera about which no view tells anything."""
+"""Focal length, in image widths, while no view gives information."""
 _SOME = 6
-"""Views that are enough to tell such focal lengths apart."""
+"""Number of views that is enough to distinguish these focal lengths."""
 
 
 def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) -> CameraParameters:
-    """A camera without distortion that looks through the middle of its image; the focal length is in pixels."""
+    """Return a camera without distortion, with the principal point in the image's centre and `focal` in pixels."""
     width, height = size
     matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
     return CameraParameters(matrix, np.zeros(4), size, fisheye)
 
 
 def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = False) -> CameraParameters:
-    """The ideal camera, of those with `FOCALS`, that fits views best; of a single view, the one with `GUESS`."""
+    """Return the ideal camera of `FOCALS` that fits the views best; for a single view, the one of `GUESS`."""
     size = views[0].size
+    # With one view, a longer focal length and a larger distance look the same.
     if len(views) < 2:  # one view fits nearly any focal length
         return ideal_camera(GUESS * size[0], size, fisheye=fisheye)
     some = views[:: -(-len(views) // _SOME)]
@@ -39,10 +40,10 @@ def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = 
 
 
 def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tuple[Pose, float]:
-    """Where a board is (board to camera), and the median distance of its corners from their projections in pixels.
+    """Return the board's pose (board to camera) and the median reprojection error in pixels.
 
-    IPPE (Collins and Bartoli, 2014), by OpenCV; the better of its two solutions. The distance is infinite where the
-    camera cannot have seen the view.
+    Uses IPPE (Collins and Bartoli, 2014) from OpenCV and takes the better of its two solutions. The error is infinite
+    if the camera cannot have seen the view.
     """
     rays = camera.undistort(view.corners)
     met = np.isfinite(rays).all(axis=1)
@@ -59,6 +60,6 @@ def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tup
 
 
 def residuals(view: View, board: CharucoBoard, camera: CameraParameters, pose: Pose) -> Floats:
-    """From where a view's corners should be to where they are seen (N, 2), in pixels."""
+    """Return the residuals (N, 2) in pixels, from expected to observed positions."""
     rays, _ = predict(pose, board.points[view.ids])
     return view.corners - camera.distort(rays)

@@ -1,4 +1,4 @@
-"""Views of a board: which of its corners were seen where in an image."""
+"""Views of a board: the pixel positions of its corners in an image."""
 
 from __future__ import annotations
 
@@ -15,55 +15,55 @@ from roverlink.vision.markers.detection import CELL, Image, to_grey
 from roverlink.vision.opencv import cv2
 
 FEWEST_CORNERS = 8
-"""A view with fewer corners says little, and hides what is wrong with it."""
+"""Least number of corners of a usable view; with fewer, errors of the view cannot be detected."""
 OFFSET = 0.495 if int(cv2.__version__.split(".")[0]) < 5 else 0.0
-"""Pixels by which OpenCV's ChArUco corners are too far right and down: measured, see `tests/vision/test_views.py`."""
+"""Offset of OpenCV's ChArUco corners to the right and down in pixels; measured in `tests/vision/test_views.py`."""
 
 _FLAT = 0.05
-"""Corners that spread less across than so many times along are in one line."""
+"""Ratio of the corners' spread across to along a line, below which they count as collinear."""
 _STRAY = 5.0
-"""Pixels that corners may be off a plane that is seen by a camera without distortion, to tell where their edges go."""
+"""Largest distance in pixels of corners from a homography, for the directions of their edges."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """The corners of a board in one image. Integer pixel coordinates are centres of pixels."""
+    """Corners of a board in one image. Integer pixel coordinates are pixel centres."""
 
     name: str
-    """The image's file, or when the frame was taken: what a report calls it."""
+    """Name in reports: the image's file, or the time of the frame."""
     ids: NDArray[np.intp]
-    """(N,) numbers of the corners: places in `CharucoBoard.points`; rising."""
+    """Ids (N,) of the corners, ascending: indices of `CharucoBoard.points`."""
     corners: Floats
     """(N, 2) in pixels."""
     sigmas: Floats
-    """(N,) in pixels: standard deviation of a corner's coordinate, by the noise of the image alone."""
+    """Standard deviation (N,) of a corner's coordinate in pixels, from the image noise alone."""
     size: tuple[int, int]
     """Width and height of the image."""
     blur: float = 0.0
-    """Standard deviation of the blur in pixels: the median of the corners'; 0 where there are none."""
+    """Standard deviation of the blur in pixels: median over the corners; 0 without corners."""
     stamp_ns: int = 0
-    """When the image was taken, in nanoseconds since 1970; 0 where that is not known."""
+    """Time of the image in nanoseconds since 1970; 0 if unknown."""
 
     @property
     def flaw(self) -> str:
-        """Why the view is of no use, in words; empty if it is of use."""
+        """Reason why the view is unusable; empty if it is usable."""
         if not self.ids.size:
-            return "the board is not seen"
+            return "no board found"
         if self.ids.size < FEWEST_CORNERS:
-            return f"{self.ids.size} corners are seen, and {FEWEST_CORNERS} are needed"
+            return f"{self.ids.size} corners found, but {FEWEST_CORNERS} are needed"
         spread = np.linalg.svd(self.corners - self.corners.mean(axis=0), compute_uv=False)
-        return "the corners are in one line" if spread[1] < _FLAT * spread[0] else ""
+        return "all corners are on one line" if spread[1] < _FLAT * spread[0] else ""
 
 
 class BoardDetector:
-    """Finds a board's corners in images."""
+    """Detector of a board's corners in images."""
 
     def __init__(self, board: CharucoBoard) -> None:
         self.board = board
         self._detector: Any = cv2.aruco.CharucoDetector(board.opencv, *_parameters())
 
     def find(self, image: Image, name: str = "", stamp_ns: int = 0) -> View:
-        """The corners that are seen in an image, grey (H, W) or in colours (H, W, 3); there may be none."""
+        """Find the corners in an image, grey (H, W) or BGR (H, W, 3); there may be none."""
         image = to_grey(image)
         height, width = image.shape
         ids, corners = self._detect(image)
@@ -77,7 +77,7 @@ class BoardDetector:
         return View(name, ids[found], saddles.places[found], saddles.sigmas[found], (width, height), blur, stamp_ns)
 
     def _detect(self, image: Image) -> tuple[NDArray[np.intp], Floats]:
-        """Numbers (N,), rising, and corners (N, 2) as OpenCV finds them."""
+        """Return OpenCV's ids (N,), ascending, and corners (N, 2)."""
         corners, ids, _, _ = self._detector.detectBoard(image)
         if ids is None:
             return np.zeros(0, np.intp), np.zeros((0, 2))
@@ -87,7 +87,7 @@ class BoardDetector:
         return found[order], places[order]
 
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
-        """The derivative (N, 2, 2) of the pixels by the board's x and y at each corner; None of too few corners."""
+        """Return the derivative (N, 2, 2) of the pixels by the board's x and y; None for too few corners."""
         if len(ids) < 4:
             return None
         points = self.board.points[ids, :2]
@@ -101,8 +101,8 @@ class BoardDetector:
 
 
 def _parameters() -> tuple[Any, Any]:
-    """Of OpenCV's detector: of boards far away, they find half as many corners again as the defaults."""
+    """Return parameters of OpenCV's detector: they find 1.5 times as many corners of distant boards as its defaults."""
     charuco, markers = cv2.aruco.CharucoParameters(), cv2.aruco.DetectorParameters()
-    charuco.tryRefineMarkers = True  # looks again where the board says that markers must be
+    charuco.tryRefineMarkers = True  # searches again at positions where the board must have markers
     markers.perspectiveRemovePixelPerCell = CELL
     return charuco, markers

@@ -1,4 +1,4 @@
-"""Writes a calibration to the file of the camera's parameters."""
+"""Writing of a calibration to the file of camera parameters."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from roverlink.vision.camera.parameters_file import Fact, write_parameters
 
 
 def write_calibration(path: Path, calibration: Calibration) -> None:
-    """Write the camera, and beside it what is known of its accuracy, whole or not at all.
+    """Write the camera and its accuracy, completely or not at all.
 
-    Under `reprojection_error_rms` in pixels, `standard_deviations` of fx fy cx cy and the distortion's coefficients,
-    `views` and `corners` that it rests on, and `data_date`, the day (UTC) of the newest view where that is known.
-    Raises `SetupError` where the file cannot be written.
+    Additional keys: `reprojection_error_rms` in pixels, `standard_deviations` of fx fy cx cy and the distortion
+    coefficients, the numbers of used `views` and `corners`, and `data_date`, the day (UTC) of the newest view if known.
+    Raises `SetupError` if the file cannot be written.
     """
     used = [one for one in calibration.views if not one.dropped]
     facts: dict[str, Fact] = {

@@ -1,1 +1,1 @@
-"""Camera models and the file of their parameters."""
+"""Camera model and the file of its parameters."""

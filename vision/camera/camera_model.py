@@ -1,7 +1,7 @@
-"""How a camera maps directions to pixels: pinhole and lens distortion, after OpenCV's `projectPoints` and `fisheye`.
+"""Camera model: pinhole and lens distortion, as in OpenCV's `projectPoints` and `fisheye`.
 
-A *ray* is a direction in the camera's optical frame (x right, y down, z forward: REP-103), given by its point (x, y)
-on the plane z = 1. Integer pixel coordinates are centres of pixels.
+A *ray* is a direction in the camera's optical frame (x right, y down, z forward: REP 103), given by its point (x, y) in
+the plane z = 1. Integer pixel coordinates are pixel centres.
 """
 
 from __future__ import annotations
@@ -19,15 +19,17 @@ Floats = NDArray[np.floating[Any]]
 _MODELS = {0: "no distortion", 4: "k1 k2 p1 p2", 5: "k1 k2 p1 p2 k3", 8: "k1 k2 p1 p2 k3 k4 k5 k6"}
 _FISHEYE = 4
 _NEWTON_STEPS = 20
-_CONVERGED = 1e-10  # in the plane z = 1: below a millionth of a pixel
+_CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraParameters:
-    """Intrinsic parameters. Raises `SetupError` for what cannot be a camera.
+    """Intrinsic parameters of a camera.
 
-    `matrix` is 3x3 in pixels; `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4 of its fisheye
-    model where `fisheye` is set; `size` is (width, height) of the images that it was calibrated with, where known.
+    Raises `SetupError` for impossible values.
+
+    `matrix` is 3x3 in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4 of its fisheye
+    model if `fisheye` is set. `size` is (width, height) of the calibration images, if known.
     """
 
     matrix: Floats
@@ -39,7 +41,7 @@ class CameraParameters:
         matrix = np.asarray(self.matrix, dtype=float)
         distortion = np.asarray(self.distortion, dtype=float).ravel()
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or min(matrix[0, 0], matrix[1, 1]) <= 0:
-            raise SetupError(f"the camera matrix is {matrix.tolist()}; it is 3x3 with positive focal lengths")
+            raise SetupError(f"the camera matrix is {matrix.tolist()}; it must be 3x3 with positive focal lengths")
         if not np.isfinite(distortion).all():
             raise SetupError(f"the distortion is {distortion.tolist()}; it must be finite")
         if distortion.size != _FISHEYE if self.fisheye else distortion.size not in _MODELS:
@@ -50,24 +52,24 @@ class CameraParameters:
 
     @property
     def focal(self) -> Floats:
-        """The focal lengths (fx, fy) in pixels."""
+        """Focal lengths (fx, fy) in pixels."""
         focal: Floats = self.matrix[[0, 1], [0, 1]]
         return focal
 
     @property
     def centre(self) -> Floats:
-        """The principal point (cx, cy) in pixels."""
+        """Principal point (cx, cy) in pixels."""
         return self.matrix[:2, 2]
 
     def distort(self, rays: Floats) -> Floats:
-        """The pixels (..., 2) that rays (..., 2) meet."""
+        """Return the pixels (..., 2) of rays (..., 2)."""
         pixels: Floats = self._bend(rays)[0] * self.focal + self.centre
         return pixels
 
     def undistort(self, pixels: Floats) -> Floats:
-        """The rays (..., 2) that meet pixels (..., 2): Newton's method on `distort`.
+        """Return the rays (..., 2) of pixels (..., 2), by Newton's method on `distort`.
 
-        A pixel that no ray meets, far outside of what was calibrated, gives nan.
+        NaN for a pixel that no ray meets, far outside the calibrated area.
         """
         wanted: Floats = (np.asarray(pixels, dtype=float) - self.centre) / self.focal
         rays: Floats = wanted.copy()
@@ -76,6 +78,7 @@ class CameraParameters:
             miss = wanted - bent
             if np.abs(miss).max(initial=0) < _CONVERGED:
                 break
+            # Cramer's rule for all 2x2 systems at once.
             determinant = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
             step_x = slope[..., 1, 1] * miss[..., 0] - slope[..., 0, 1] * miss[..., 1]
             step_y = slope[..., 0, 0] * miss[..., 1] - slope[..., 1, 0] * miss[..., 0]
@@ -85,24 +88,24 @@ class CameraParameters:
             rays[~(np.abs(wanted - self._bend(rays)[0]).max(axis=-1) < _CONVERGED)] = np.nan
         return rays
 
-    def distort_with_slope(self, rays: Floats) -> tuple[Floats, Floats]:
-        """As `distort`, and its derivative (..., 2, 2): pixels by the rays' coordinates."""
+    def distort_with_derivative(self, rays: Floats) -> tuple[Floats, Floats]:
+        """Return the pixels of rays, as `distort`, and their derivative (..., 2, 2) by the rays' coordinates."""
         bent, slope = self._bend(rays)
         return bent * self.focal + self.centre, slope * self.focal[:, None]
 
     def project(self, points: Floats) -> Floats:
-        """The pixels (..., 2) of points (..., 3) in the camera's optical frame, in metres; those behind give nan."""
+        """Return the pixels (..., 2) of points (..., 3) in the optical frame, in metres; NaN behind the camera."""
         points = np.asarray(points, dtype=float)
         depth = np.where(points[..., 2:] > 0, points[..., 2:], np.nan)
         return self.distort(points[..., :2] / depth)
 
     def scaled(self, size: tuple[int, int]) -> CameraParameters:
-        """The same camera with its images resized to (width, height).
+        """Return the camera for images resized to (width, height).
 
-        Pixel areas are what scales, and coordinates count from the centre of the first: hence the halves.
+        Resizing scales pixel areas, but coordinates count from the centre of the first pixel: (c + 0.5) is scaled.
         """
         if self.size is None:
-            raise SetupError("the camera parameters say no image size, so they cannot be scaled to another")
+            raise SetupError("the camera parameters name no image size, so they cannot be scaled")
         factor = np.array(size) / self.size
         matrix = self.matrix.copy()
         matrix[:2] *= factor[:, None]
@@ -110,19 +113,19 @@ class CameraParameters:
         return CameraParameters(matrix, self.distortion, size, self.fisheye)
 
     def _bend(self, rays: Floats) -> tuple[Floats, Floats]:
-        """Rays (..., 2) after the lens, and the derivative (..., 2, 2)."""
+        """Return distorted rays (..., 2) and the derivative (..., 2, 2)."""
         return _bend_fisheye(rays, self.distortion) if self.fisheye else _bend(rays, self.distortion)
 
 
 def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """OpenCV's rational model: a quotient of polynomials in r^2, and the tangential part of Brown and Conrady."""
+    """Apply OpenCV's rational model: a quotient of polynomials in r^2, and Brown-Conrady tangential distortion."""
     given: list[float] = coefficients.tolist()
     k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
     x, y = rays[..., 0], rays[..., 1]
     xx, yy, xy = x * x, y * y, x * y
     r2 = xx + yy
     radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    # d radial / d r^2, twice: every use has the 2 of d r^2 / dx = 2 x
+    # 2 d radial / d r^2; the factor 2 comes from d r^2 / dx = 2 x
     growth = 2 * k1 + r2 * (4 * k2 + 6 * k3 * r2)
     if k4 or k5 or k6:
         below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6))
@@ -138,7 +141,7 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """OpenCV's fisheye model (Kannala and Brandt): a polynomial in the angle to the axis."""
+    """Apply OpenCV's fisheye model (Kannala and Brandt, 2006): a polynomial in the angle to the optical axis."""
     k1, k2, k3, k4 = coefficients
     r = np.maximum(np.hypot(rays[..., 0], rays[..., 1]), 1e-12)
     angle = np.arctan(r)

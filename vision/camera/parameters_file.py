@@ -1,4 +1,4 @@
-"""The file of a camera's parameters, `charuco_camera_params.yml`: OpenCV's FileStorage, with the keys of ROS beside.
+"""File of a camera's parameters, `charuco_camera_params.yml`: OpenCV's FileStorage with keys of ROS.
 
     %YAML:1.0
     ---
@@ -16,10 +16,10 @@
        dt: d
        data: [ 0.100096, -0.256227, 0.00111085, 0.000269882, 0.203651 ]
 
-Only `camera_matrix` and `distortion_coefficients` are needed; keys that are not known are left to whoever wrote them.
-The size of the images and the distortion's model are named as ROS's `camera_calibration` names them, so its files are
-read as well. The text is read as YAML, not by OpenCV, to know the line of a mistake; and it is not written by OpenCV,
-whose 5.0 begins the file otherwise than 4.x.
+Only `camera_matrix` and `distortion_coefficients` are required; unknown keys are ignored. Image size and distortion
+model have the keys of ROS's `camera_calibration`, so its files can be read as well. The text is parsed as YAML and not
+by OpenCV, because errors then have a line number. It is not written by OpenCV either, because 5.0 writes another first
+line than 4.x.
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.yaml_file import LARGEST, Item, parse
 
 PLUMB_BOB, RATIONAL, EQUIDISTANT = "plumb_bob", "rational_polynomial", "equidistant"
-"""The models' names in ROS: `sensor_msgs/distortion_models.hpp`."""
+"""Names of the distortion models in ROS (sensor_msgs/distortion_models.hpp)."""
 _MODELS = {PLUMB_BOB: (4, 5), RATIONAL: (8,), EQUIDISTANT: (4,)}
-"""How many coefficients each has."""
+"""Numbers of coefficients of each model."""
 
-_LINE = 120  # columns; OpenCV before 4.5.4 takes no longer line than 4096
+_LINE = 120  # columns; OpenCV before 4.5.4 rejects lines longer than 4096
 _TAG = "!!opencv-matrix"
 
 Fact = str | int | float | Floats
-"""What a key of the file may hold; an array is one of two dimensions."""
+"""Value of a key of the file; an array has two dimensions."""
 
 
 def model_name(camera: CameraParameters) -> str:
-    """The name of a camera's distortion model in ROS, as `sensor_msgs/CameraInfo` has it."""
+    """Return the name of a camera's distortion model in ROS, as in `sensor_msgs/CameraInfo`."""
     if camera.fisheye:
         return EQUIDISTANT
     return RATIONAL if camera.distortion.size > max(_MODELS[PLUMB_BOB]) else PLUMB_BOB
@@ -57,15 +57,17 @@ def model_name(camera: CameraParameters) -> str:
 def read_parameters(path: Path) -> CameraParameters:
     """Read a camera's parameters.
 
-    Raises `SetupError`, with the line where there is one, for a file that is missing, is no YAML, or is of no possible
+    Raises `SetupError`, with the line if there is one, if the file is missing, is not YAML, or describes an impossible
     camera.
     """
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        raise SetupError(f"{path}: there are no camera parameters; `roverlink aruco calibrate` makes them") from error
+        raise SetupError(
+            f"{path}: no such file with camera parameters; make one with `roverlink aruco calibrate`"
+        ) from error
     except (OSError, UnicodeDecodeError) as error:
-        raise SetupError(f"{path}: cannot be read: {error}") from error
+        raise SetupError(f"{path}: cannot read the file: {error}") from error
     entries = _Entries(path, text)
     matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
     size, fisheye = entries.size(), entries.model(distortion.size) == EQUIDISTANT
@@ -76,15 +78,16 @@ def read_parameters(path: Path) -> CameraParameters:
 
 
 def write_parameters(path: Path, camera: CameraParameters, facts: Mapping[str, Fact] | None = None) -> None:
-    """Write a camera's parameters, whole or not at all, and facts about them under keys of their own.
+    """Write a camera's parameters and additional facts, completely or not at all.
 
-    The same values give the same bytes. Raises `SetupError` where the file cannot be written.
+    Equal values give equal bytes. Raises `SetupError` if the file cannot be written.
     """
     entries: dict[str, Fact] = {}
     if camera.size is not None:
         entries["image_width"], entries["image_height"] = camera.size
     entries["camera_matrix"] = camera.matrix
     entries["distortion_model"] = model_name(camera)
+    # OpenCV and ROS both expect coefficients; five zeros mean no distortion.
     none = np.zeros(max(_MODELS[PLUMB_BOB]))
     entries["distortion_coefficients"] = (camera.distortion if camera.distortion.size else none).reshape(1, -1)
     entries |= facts or {}
@@ -110,7 +113,7 @@ def _lines(key: str, fact: Fact) -> Iterator[str]:
 
 
 def _scalar(value: str | int | float) -> str:
-    """A value as both YAML and OpenCV read it."""
+    """Return a value in a form that both YAML and OpenCV read."""
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, int) or math.isfinite(value):
@@ -119,70 +122,70 @@ def _scalar(value: str | int | float) -> str:
 
 
 class _Entries:
-    """The keys of a file with their values, and where each stands."""
+    """Keys of a file with their values and places."""
 
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
-        if text.startswith("%YAML"):  # OpenCV's first line is none of YAML's, and must not move the others
+        if text.startswith("%YAML"):  # "%YAML:1.0" is not valid YAML; as a comment it keeps the line numbers
             text = "#" + text
         whole = parse(path, text)
         self._items = whole.entries() if whole.is_mapping else {}
         if not self._items:
-            raise SetupError(f"{path}: no camera parameters, for it has no keys such as camera_matrix")
+            raise SetupError(f"{path}: no camera parameters found; the file needs keys such as camera_matrix")
 
     def matrix(self, key: str) -> Floats:
-        """A matrix under a key: of OpenCV, or as ROS writes it, without a tag."""
+        """Return the matrix of a key, in OpenCV's form or, without a tag, in that of ROS."""
         item = self._items.get(key)
         if item is None:
-            raise SetupError(f"{self._path}: there is no {key}; {nearest(key, map(str, self._items))}")
+            raise SetupError(f"{self._path}: missing key {key}; {nearest(key, map(str, self._items))}")
         parts = item.entries() if item.is_mapping else {}
         data = parts["data"].items(f"a number of {key}") if {"rows", "cols", "data"} <= parts.keys() else None
         if data is None:
-            raise item.error(f"{key} is no matrix of rows, cols and data")
+            raise item.error(f"{key} is not a matrix with rows, cols and data")
         rows, columns = (_whole(parts[name], name) for name in ("rows", "cols"))
         numbers = [_number(number) for number in data]
         if len(numbers) != rows * columns:
-            raise parts["data"].error(f"{key} is {rows}x{columns}, and has {len(numbers)} numbers")
+            raise parts["data"].error(f"{key} is {rows}x{columns}, but has {len(numbers)} numbers")
         return np.array(numbers).reshape(rows, columns)
 
     def size(self) -> tuple[int, int] | None:
-        """The images' width and height, where the file says them."""
+        """Return the images' width and height if the file has them."""
         keys = ("image_width", "image_height")
         given = [key for key in keys if key in self._items]
         if not given:
             return None
         if len(given) == 1:
-            raise self._items[given[0]].error(f"there is {given[0]} alone; width and height go together")
+            raise self._items[given[0]].error(f"{given[0]} is given alone; give both image_width and image_height")
         width, height = (_whole(self._items[key], key) for key in keys)
         return width, height
 
     def model(self, coefficients: int) -> str:
-        """The distortion's model: what the file says, else what so many coefficients mean."""
+        """Return the distortion model: the file's, or the one with this number of coefficients."""
         item = self._items.get("distortion_model")
         if item is None:
             return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
         name = item.text or ""
         if name not in _MODELS:
-            raise item.error(f"no distortion model {name!r}; {nearest(name, _MODELS)}")
+            raise item.error(f"unknown distortion model {name!r}; {nearest(name, _MODELS)}")
         if coefficients not in _MODELS[name]:
             wanted = " or ".join(map(str, _MODELS[name]))
-            raise item.error(f"{name} has {wanted} coefficients, and there are {coefficients}")
+            raise item.error(f"{name} needs {wanted} coefficients, but there are {coefficients}")
         return name
 
 
 def _whole(item: Item, what: str) -> int:
     number = item.value
     if isinstance(number, bool) or not isinstance(number, int) or number <= 0:
-        raise item.error(f"{what} is {item.said}; it is a whole number above 0")
+        raise item.error(f"{what} is {item.shown}; it must be a whole number above 0")
     return number
 
 
 def _number(item: Item) -> float:
-    """A number as OpenCV writes it, some of which YAML takes for text."""
+    """Return a number as OpenCV writes it; YAML reads some of these as text."""
     try:
         number = float(item.text or "")
     except ValueError:
         number = math.nan
-    if not abs(number) <= LARGEST:  # nan, too
-        raise item.error(f"{item.name} is {item.said}; it is a finite number, and not larger than {LARGEST:g}")
+    if not abs(number) <= LARGEST:  # true for NaN too
+        raise item.error(f"{item.name} is {item.shown}; it must be a finite number, at most {LARGEST:g}")
     return number

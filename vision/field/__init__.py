@@ -1,1 +1,1 @@
-"""The field: its landmarks, and where the camera is among them."""
+"""Field: landmarks, and the camera's pose relative to them."""

@@ -1,13 +1,13 @@
-"""The landmarks of a field: which marker or board is where, and how well that is known; read from `landmarks.yaml`.
+"""Landmarks of a field: the pose of each marker or board, and its accuracy; read from `landmarks.yaml`.
 
     frame: field
-    survey: {position: 0.01, rotation: 0.5}     # one sigma an axis: metres, degrees; these are the defaults
+    survey: {position: 0.01, rotation: 0.5}     # standard deviation per axis: metres, degrees; the defaults
     landmarks:
       7: {position: [1.0, 2.0, 0.5], rpy: [90, 0, -90]}
       gate: {position: [4, 0, 1], orientation: [0, 0, 0, 1], survey: {position: 0.03}}
 
-`rpy` are degrees about the field's fixed x, y and z axes, in that order; `orientation` is a quaternion x y z w. Both
-turn the landmark's axes (x right, y up the print, z out of it) to the field's.
+`rpy` are degrees about the field's fixed x, y and z axes, in this order; `orientation` is a quaternion x y z w. Both
+rotate from the landmark's axes (x right, y up on the print, z out of it) to those of the field.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from roverlink.vision.yaml_file import Item, read_file
 
 FRAME = "field"
 SURVEY_POSITION = 0.01
-"""Standard deviation in metres of a landmark's position along each axis, where none is given."""
+"""Default standard deviation in metres of a landmark's position along each axis."""
 SURVEY_ROTATION = math.radians(0.5)
-"""Standard deviation in radians of a landmark's orientation about each axis, where none is given."""
+"""Default standard deviation in radians of a landmark's orientation about each axis."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
-    """A marker's or board's pose on the field (landmark to field), and how well it is known (one sigma an axis)."""
+    """Pose of a marker or board on the field (landmark to field), with standard deviations per axis."""
 
     pose: Pose
     position_sigma: float = SURVEY_POSITION
@@ -40,21 +40,21 @@ class Landmark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmarks:
-    """Where the landmarks of a field are; `frame` is the field's name."""
+    """Landmarks of a field; `frame` is the name of the field's frame."""
 
     frame: str = FRAME
     places: Mapping[TargetId, Landmark] = field(default_factory=dict)
 
 
 def read_landmarks(path: Path) -> Landmarks:
-    """Read a file of landmarks. Raises `SetupError`, with the place, for what is missing or cannot be."""
+    """Read a file of landmarks. Raises `SetupError`, with the place, for missing or impossible values."""
     whole = read_file(path, "landmarks")
     top = whole.known_entries({"frame", "survey", "landmarks"})
     frame = _frame(top["frame"]) if "frame" in top else FRAME
     sigmas = _survey(top.get("survey"), (SURVEY_POSITION, SURVEY_ROTATION))
     places = top["landmarks"].entries("landmark") if "landmarks" in top else {}
     if not places:
-        raise whole.error("there are no landmarks; see the example in the documentation")
+        raise whole.error("no landmarks found; see the example in docs/vision.md")
     landmarks = {_name(key, item): _landmark(item, sigmas) for key, item in places.items()}
     return Landmarks(frame, landmarks)
 
@@ -62,13 +62,13 @@ def read_landmarks(path: Path) -> Landmarks:
 def _frame(item: Item) -> str:
     frame = item.value
     if not isinstance(frame, str) or not frame:
-        raise item.error(f"the field's frame is {item.said}; it is a name, in quotes where it looks like a number")
+        raise item.error(f"the field's frame is {item.shown}; it must be a name (in quotes if it looks like a number)")
     return frame
 
 
 def _name(key: object, item: Item) -> TargetId:
     if isinstance(key, bool) or not isinstance(key, int | str):
-        raise item.error(f"a landmark is named {key!r}; it is a marker's number or a board's name")
+        raise item.error(f"the landmark's name is {key!r}; it must be the number of a marker or the name of a board")
     return key
 
 
@@ -78,7 +78,7 @@ def _landmark(item: Item, sigmas: tuple[float, float]) -> Landmark:
 
 
 def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, float]:
-    """The standard deviations in metres and radians."""
+    """Return the standard deviations in metres and radians."""
     given = item.known_entries({"position", "rotation"}) if item else {}
     position = _sigma(given["position"]) if "position" in given else default[0]
     rotation = math.radians(_sigma(given["rotation"])) if "rotation" in given else default[1]
@@ -87,8 +87,8 @@ def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, flo
 
 def _sigma(item: Item) -> float:
     sigma = item.number
-    if not 0 <= sigma < math.inf:  # nan, too
+    if not 0 <= sigma < math.inf:  # true for NaN too
         raise item.error(
-            f"{item.name} is {item.said}; it is a standard deviation: metres for position, degrees for rotation"
+            f"{item.name} is {item.shown}; it must be a standard deviation: metres for position, degrees for rotation"
         )
     return sigma

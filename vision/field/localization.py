@@ -1,8 +1,8 @@
-"""Where the camera is on a field whose landmarks are known.
+"""Localization: the camera's pose on a field with known landmarks.
 
-All landmarks in view decide together: their corners are predicted from the camera's pose, and the differences are
-weighed by the noise of the image and by how well each landmark was surveyed. A landmark that was moved, or is another
-than one thinks, does not fit the pose that the others agree on; it is left out and named.
+All visible landmarks are used together. Their corners are predicted from the camera's pose, and the residuals are
+weighted by the image noise and by the accuracy of each landmark's survey. A landmark that was moved or misidentified
+does not fit the pose of the others; it is left out and reported.
 """
 
 from __future__ import annotations
@@ -20,34 +20,37 @@ from roverlink.vision.poses.pnp import chi2_limit
 from roverlink.vision.poses.pose import Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
-"""A start comes from one landmark, and may fit the others badly at first: by how much, in chi squared's limits."""
+"""Factors of the chi-squared limit in successive rounds.
+
+A start comes from a single landmark and may fit the others badly at first.
+"""
 _SINGULAR = 1e14
-"""Condition number of a normal matrix that determines no pose."""
+"""Condition number of a normal matrix above which the pose is undetermined."""
 _TRIED = 4
-"""How many starts are followed at most; one is enough where all landmarks agree."""
+"""Most starts that are refined; one is enough if all landmarks agree."""
 _STEPS = 15
-_CONVERGED = 1e-4  # change of chi squared, in parts of it
+_CONVERGED = 1e-4  # relative change of chi squared
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FieldPose:
-    """Where the camera is."""
+    """Pose of the camera on the field."""
 
     frame: str
     pose: Pose
-    """Takes points of the camera's optical frame to the field's, in metres."""
+    """Transform from the camera's optical frame to the field's frame, in metres."""
     covariance: Floats
-    """(6, 6): x y z rotX rotY rotZ, about the field's axes."""
+    """Covariance (6, 6) of x y z rotX rotY rotZ, about the field's axes."""
     used: tuple[TargetId, ...]
-    """The landmarks that agree."""
+    """Landmarks that agree."""
     rejected: tuple[TargetId, ...]
-    """The landmarks that do not: moved, or not what the landmarks say."""
+    """Landmarks that do not agree: moved, or misidentified."""
 
 
 def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
-    """The camera's pose on the field from all sightings of known landmarks; None where there is none.
+    """Return the camera's pose on the field from all sightings of known landmarks; None if there are none.
 
-    Of two landmarks that contradict each other nobody can tell which is wrong: the one that is surer is used.
+    If two landmarks contradict each other, it is unknown which is wrong; the more accurate one is used.
     """
     known = [_known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places]
     starts = [
@@ -55,6 +58,7 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
         for one in known
         for solution in one.sighting.solutions
     ]
+    # Best start first: usually it explains all landmarks, and the loop ends after it.
     starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
     best: tuple[float, Pose, list[_Known]] | None = None
     for start in starts[:_TRIED]:
@@ -78,21 +82,21 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Known:
-    """A sighting of a known landmark."""
+    """Sighting of a known landmark."""
 
     sighting: Sighting
     points: Floats
-    """The corners (N, 3) on the field."""
+    """Corners (N, 3) on the field in metres."""
     whitening: Floats
-    """Makes residuals (2N,) independent, with a standard deviation of 1."""
+    """Matrix that makes residuals (2N,) independent with a standard deviation of 1."""
     limit: float
-    """The chi squared that it has by chance once in a thousand."""
+    """Chi squared that a correct landmark exceeds once in a thousand cases."""
 
 
 def _known(sighting: Sighting, landmark: Landmark) -> _Known:
-    """Add the landmark's own uncertainty to the image's.
+    """Combine the landmark's own uncertainty with that of the image.
 
-    Its sigmas are the same along all axes, so it can be taken in the camera's, from the pose that was seen.
+    Its standard deviations are equal along all axes, so they can be applied in the camera's frame, at the seen pose.
     """
     seen = sighting.seen
     _, derivative = predict(sighting.pose, seen.points)
@@ -102,7 +106,7 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
-    """From a start (field to camera): the cost, the pose, and the sightings that fit it."""
+    """Refine a start (field to camera); return cost, pose and the sightings that fit. None if it fails."""
     used: list[_Known] = []
     for slack in _SLACK:
         used = [one for one in known if _chi2(one, pose) < slack * one.limit]
@@ -114,7 +118,7 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
 
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
-    """Chi squared, where what does not fit counts no more than what hardly does."""
+    """Return chi squared, in which each sighting counts at most its limit."""
     return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
 
 
@@ -125,13 +129,13 @@ def _chi2(one: _Known, pose: Pose) -> float:
 
 
 def _terms(one: _Known, pose: Pose) -> tuple[Floats, Floats]:
-    """Residuals (2N,) in standard deviations and their derivative (2N, 6) by the pose (field to camera)."""
+    """Return residuals (2N,) in standard deviations, and their derivative (2N, 6) by the pose (field to camera)."""
     rays, derivative = predict(pose, one.points)
     return one.whitening @ (one.sighting.seen.rays - rays).ravel(), one.whitening @ derivative.reshape(-1, 6)
 
 
 def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
-    """The normal matrix (6, 6), the right side (6,) and chi squared at a pose."""
+    """Return the normal matrix (6, 6), the right side (6,) and chi squared at a pose."""
     normal, right, chi2 = np.zeros((6, 6)), np.zeros(6), 0.0
     for one in used:
         residuals, derivative = _terms(one, pose)
@@ -142,12 +146,13 @@ def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
 
 
 def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
-    """Gauss-Newton steps, halved while they make it worse."""
+    """Minimize chi squared by Gauss-Newton steps, which are shortened while they make it worse."""
     normal, right, chi2 = _normal(used, pose)
     for _ in range(_STEPS):
         if not np.isfinite(chi2) or not np.linalg.cond(normal) < _SINGULAR:
             return None
         change = np.linalg.solve(normal, right)
+        # Line search: far from the solution a full Gauss-Newton step can overshoot.
         for part in (1.0, 0.5, 0.25, 0.1):
             moved = pose.moved(part * change)
             trial = _normal(used, moved)
@@ -163,10 +168,10 @@ def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
 
 
 def _of_inverse(pose: Pose, covariance: Floats) -> Floats:
-    """The covariance (6, 6) of a pose's inverse.
+    """Return the covariance (6, 6) of the inverse of a pose.
 
-    With R' = exp(r) R and t' = t + d, the inverse turns by -R^T r and its translation -R'^T t' changes by
-    -R^T (d + t x r).
+    With R' = exp(r) R and t' = t + d, the inverse rotates by -R^T r, and its translation -R'^T t' changes by -R^T (d +
+    t x r).
     """
     back = pose.rotation.T
     change = np.zeros((6, 6))

@@ -1,4 +1,4 @@
-"""What one frame showed."""
+"""Contents of one frame: landmarks, and the camera's pose."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from roverlink.vision.frames import Frame
 from roverlink.vision.markers.tracker import Sighting, Tracker
 from roverlink.vision.poses.pose import Pose, quaternion_of
 
-_DIGITS = 9  # far more than is known; a covariance has small numbers, so it is digits, not places
+_DIGITS = 9  # significant digits, because covariances are small numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """A frame, the landmarks in it, and where those put the camera."""
+    """Frame with the landmarks in it and the camera's pose from them."""
 
     frame: Frame
     sightings: tuple[Sighting, ...]
     place: FieldPose | None = None
-    """Where the camera is on the field; None without known landmarks in the frame."""
+    """Camera's pose on the field; None if the frame shows no known landmark."""
 
     def as_dict(self) -> dict[str, Any]:
-        """The view as JSON has it: metres, pixels, quaternions x y z w, covariances row by row."""
+        """Return the view as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
         markers = [_sighting(one) for one in self.sightings]
         found = {"stamp": self.frame.stamp, "frame": self.frame.number, "markers": markers}
         return {**found, "camera": _place(self.place)} if self.place else found
 
 
 def look(frames: Iterable[Frame], tracker: Tracker, landmarks: Landmarks | None = None) -> Iterator[View]:
-    """Track the markers through frames, and place the camera where there are landmarks."""
+    """Track the markers through frames, and localize the camera if landmarks are given."""
     for frame in frames:
         sightings = tracker.track(frame.image, frame.stamp)
         yield View(frame, sightings, localize(sightings, landmarks) if landmarks else None)
@@ -50,7 +50,7 @@ def _sighting(one: Sighting) -> Mapping[str, Any]:
 
 
 def _other(one: Sighting) -> Mapping[str, Any] | None:
-    """The pose that was decided against, and how many times its reprojection error is that of the pose."""
+    """Return the rejected pose, with the ratio of its reprojection error to that of the chosen pose."""
     for solution in one.solutions:
         if solution.pose is not one.pose:
             return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(one.ambiguity)}

@@ -1,11 +1,11 @@
-"""Where frames come from: a camera, a stream of the network, a video file, a folder of images.
+"""Sources of frames: a camera, a network stream, a video file, or a folder of images.
 
     with open_source("192.168.0.7:8080", say=print) as source:
         for frame in source:
             tracker.track(frame.image, frame.stamp)
 
-Recorded sources end, and their frames are stamped from the beginning of the recording; `live` ones go on until they are
-closed, and their frames are stamped with the time at which they were taken.
+Recorded sources end, and their frames are stamped from the start of the recording. `live` sources continue until they
+are closed, and their frames are stamped with the time at which they were taken.
 """
 
 from roverlink.vision.frames.frame import RATE, Frame, FrameSource

@@ -1,4 +1,4 @@
-"""What every source gives."""
+"""Frame, and the interface of all sources."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
 RATE = 30.0
-"""Frames a second where nobody says otherwise."""
-_FASTEST = 1000.0  # a stream without a rate says its clock's, 90000
+"""Default number of frames a second."""
+_FASTEST = 1000.0  # a stream without a rate reports its clock rate instead, 90000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """One image of a camera."""
+    """Image of a camera."""
 
     image: Image
-    """(H, W, 3), blue green red, 8 bits."""
+    """BGR image (H, W, 3), 8 bits."""
     stamp: int
-    """When it was taken, in nanoseconds: since 1970 where the source is live, else since the recording began."""
+    """Time of the frame in nanoseconds: since 1970 for a live source, otherwise since the start of the recording."""
     number: int
-    """Counts from 0 what the source had; where it grows by more than 1, frames came faster than they were taken."""
+    """Number of the frame at the source, from 0; a step above 1 means that frames were skipped."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -32,16 +32,16 @@ class Frame:
 
 
 class FrameSource(Protocol):
-    """Frames, oldest first. A context manager: leaving it closes the camera, and ends an iteration."""
+    """Frames, oldest first. A context manager: on exit it closes the camera and ends iterations."""
 
     name: str
-    """What was opened, for messages."""
+    """Name for messages."""
     live: bool
-    """Whether frames come as they are taken, without an end."""
+    """True if frames come as they are taken, without an end."""
     rate: float
-    """Frames a second, as the source says; where it says nothing, `RATE`."""
+    """Frames a second according to the source; `RATE` if it does not say."""
     total: int | None
-    """How many frames there are, where that is known."""
+    """Number of frames, if known."""
 
     def __iter__(self) -> Iterator[Frame]: ...
 
@@ -51,12 +51,12 @@ class FrameSource(Protocol):
 
 
 def size_of(image: Image) -> tuple[int, int]:
-    """Width and height of an image in pixels."""
+    """Return width and height of an image in pixels."""
     height, width = image.shape[:2]
     return int(width), int(height)
 
 
 def rate_of(capture: Any) -> float:
-    """Frames a second of a `VideoCapture`. Many cameras and streams say nothing, or what cannot be."""
+    """Return the frames a second of a `VideoCapture`. Many cameras and streams report nothing, or nonsense."""
     rate = float(capture.get(cv2.CAP_PROP_FPS))
     return rate if 0 < rate <= _FASTEST else RATE

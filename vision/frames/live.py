@@ -1,7 +1,7 @@
-"""Sources without an end: cameras and streams.
+"""Live sources: cameras and streams.
 
-A thread takes every frame as it comes, so that none waits in a queue and grows old, and stamps it; whoever iterates
-gets the newest. What stalls or ends is opened again, after pauses that double.
+A thread reads every frame as it comes and stamps it, so that no frame ages in a queue; an iteration gets the newest. A
+source that stalls or ends is opened again, after pauses that double.
 """
 
 from __future__ import annotations
@@ -16,24 +16,27 @@ from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 
 STALLED_S = 3.0
-"""Without a frame for so long, a stream is opened again; cameras by V4L2 tell after ten seconds of their own."""
+"""Time without a frame after which a stream is opened again. V4L2 has its own limit of ten seconds for cameras."""
 OPENING_S = 5.0
-"""How long a stream may take to answer."""
+"""Longest time in seconds that a stream may take to answer."""
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
-_OLDEST_S = 1.0  # a driver's own stamp that is older is on another clock
+_OLDEST_S = 1.0  # an older driver stamp comes from another clock
 _CLOSING_S = 1.0
 
 Say = Callable[[str], None]
 
 
 class LiveSource:
-    """A camera or a stream that is read by a thread."""
+    """Camera or stream that is read by a thread."""
 
     live = True
     total: int | None = None
 
     def __init__(self, name: str, connect: Callable[[], Any], say: Say) -> None:
-        """`connect` gives an open `VideoCapture`, or None. Raises `SetupError` where it does, or no frame comes."""
+        """Open the source; `connect` returns an open `VideoCapture` or None.
+
+        Raises `SetupError` if it returns None or gives no frame.
+        """
         self.name = name
         self._connect, self._say = connect, say
         self._news = threading.Condition()
@@ -42,16 +45,16 @@ class LiveSource:
         self._number = 0
         self._capture = connect()
         if self._capture is None:
-            raise SetupError(f"{name} cannot be opened")
+            raise SetupError(f"cannot open {name}")
         if not self._take():
             self._capture.release()
-            raise SetupError(f"{name} can be opened, and gives no frame")
+            raise SetupError(f"{name} can be opened but gives no frames")
         self.rate = rate_of(self._capture)
         self._thread = threading.Thread(target=self._read, name="frames", daemon=True)
         self._thread.start()
 
     def __iter__(self) -> Iterator[Frame]:
-        """The newest frame, again and again, none twice."""
+        """Yield the newest frame repeatedly, each frame once."""
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._newest is not None or self._closed.is_set())
@@ -67,7 +70,7 @@ class LiveSource:
         self._closed.set()
         with self._news:
             self._news.notify_all()
-        self._thread.join(_CLOSING_S)  # one that waits for a stream goes when that has been silent long enough
+        self._thread.join(_CLOSING_S)  # a thread blocked on a stream ends after the stream's timeout
 
     def _read(self) -> None:
         while not self._closed.is_set():
@@ -78,13 +81,14 @@ class LiveSource:
             self._capture.release()
 
     def _take(self) -> bool:
-        """Take a frame and hand it on."""
+        """Read a frame and publish it; return false if that fails."""
         if self._capture is None or not self._capture.grab():
             return False
         stamp = _taken_at(self._capture)
         there, image = self._capture.retrieve()
         if not there:
             return False
+        # Some cameras deliver grey images; the rest of the program expects BGR.
         if image.ndim == 2:
             image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         with self._news:
@@ -94,7 +98,7 @@ class LiveSource:
         return True
 
     def _reopen(self, waited: float) -> None:
-        """Open what has gone, until it is there again or nobody wants it any more."""
+        """Open the source again and again until it works or the source is closed."""
         what = f"has stalled: no frame for {waited:.0f} s" if waited > STALLED_S / 2 else "has ended"
         self._say(f"{self.name} {what}; opening it again")
         lost, pause = time.monotonic(), FIRST_PAUSE_S
@@ -105,20 +109,20 @@ class LiveSource:
                 self._say(f"{self.name} is back after {time.monotonic() - lost:.1f} s")
                 return
             pause = min(2 * pause, LONGEST_PAUSE_S)
-            self._say(f"{self.name} is not there; trying again in {pause:g} s")
+            self._say(f"{self.name} is not available; trying again in {pause:g} s")
 
 
 def _taken_at(capture: Any) -> int:
-    """When the frame was taken that was grabbed last: the driver's stamp where it has one, else now."""
+    """Return the time of the grabbed frame: the driver's stamp if there is one, otherwise now."""
     now = time.time_ns()
     if capture.getBackendName() != "V4L2":
         return now
-    age = time.monotonic() - capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # V4L2 stamps by the monotonic clock
+    age = time.monotonic() - capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # V4L2 stamps are on the monotonic clock
     return now - round(age * 1e9) if 0 <= age < _OLDEST_S else now
 
 
 def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSource:
-    """A camera by its number, asked for images of `size`. Raises `SetupError` where there is none."""
+    """Open a camera by its number and request images of `size`. Raises `SetupError` if there is none."""
 
     def connect() -> Any:
         capture = cv2.VideoCapture(index)
@@ -133,7 +137,7 @@ def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSourc
 
 
 def open_stream(urls: tuple[str, ...], say: Say) -> LiveSource:
-    """The first of the URLs that opens. Raises `SetupError` where none does."""
+    """Open the first URL that works. Raises `SetupError` if none does."""
     limits = [
         *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(OPENING_S * 1e3)),
         *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(STALLED_S * 1e3)),

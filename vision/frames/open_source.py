@@ -1,4 +1,4 @@
-"""Which source a text names."""
+"""Choice of the source that a text names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFi
 
 SCHEMES = ("http", "https", "rtsp")
 _WEBCAM = "/video"
-"""Where the app IP Webcam has its stream; people give its page."""
+"""Path of the stream of the app IP Webcam; users give the address of its page."""
 _DEVICE = re.compile(r"/dev/video(\d+)")
 _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])(:\d+)?([/?].*)?")
 
@@ -21,10 +21,10 @@ _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])
 def open_source(
     text: str, *, size: tuple[int, int] | None = None, rate: float = RATE, say: Say = lambda _: None
 ) -> FrameSource:
-    """Open what a text names: a camera's number, a device, a file, a folder of images, or a URL.
+    """Open the source that a text names: a camera's number, a device, a file, a folder of images, or a URL.
 
-    A camera is asked for images of `size` (width, height); a folder's images were taken `rate` a second; `say` hears
-    of a live source that has stalled or ended, and of its return. Raises `SetupError` for what cannot be opened.
+    `size` (width, height) is requested from a camera. `rate` is the number of images a second in a folder. `say` gets
+    messages about a live source that stalls, ends or returns. Raises `SetupError` if the source cannot be opened.
     """
     text = text.strip()
     path = Path(text).expanduser()
@@ -39,18 +39,18 @@ def open_source(
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
         return open_stream(_urls(f"http://{text}"), say)
     raise SetupError(
-        f"there is no file or folder {text!r}; a source is also the number of a camera, or a URL ({', '.join(SCHEMES)})"
+        f"no file or folder {text!r}; a source can also be the number of a camera or a URL ({', '.join(SCHEMES)})"
     )
 
 
 def _urls(text: str) -> tuple[str, ...]:
-    """A URL, and where else its stream may be."""
+    """Return a URL, and another one at which its stream may be."""
     try:
         parts = urlsplit(text)
     except ValueError as error:
-        raise SetupError(f"{text}: no URL: {error}") from error
+        raise SetupError(f"{text}: not a valid URL: {error}") from error
     if parts.scheme.lower() not in SCHEMES:
-        raise SetupError(f"{text}: frames come by {', '.join(SCHEMES)}, not by {parts.scheme}")
+        raise SetupError(f"{text}: unknown scheme {parts.scheme!r} (known: {', '.join(SCHEMES)})")
     if parts.scheme.lower() == "rtsp" or parts.path.endswith(_WEBCAM):
         return (text,)
     return text, urlunsplit(parts._replace(path=parts.path.rstrip("/") + _WEBCAM))

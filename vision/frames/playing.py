@@ -1,4 +1,4 @@
-"""Recordings as if they were taken now."""
+"""Playback of recordings in real time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from roverlink.vision.frames.frame import Frame, FrameSource
 
 
 def play(source: FrameSource, *, loop: bool = False) -> Iterator[Frame]:
-    """A recording's frames at the pace at which they were taken, stamped with the time at which they come.
+    """Yield a recording's frames at the pace at which they were taken, stamped with the current time.
 
-    None is left out where they are taken slowly. With `loop` it begins anew when it is over, and never ends.
+    A slow caller gets all frames, later. With `loop`, the recording is repeated without end.
     """
     begin = time.time_ns()
     passed = 0

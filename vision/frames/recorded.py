@@ -1,6 +1,6 @@
-"""Sources that end: video files, and folders of images.
+"""Sources that end: video files and folders of images.
 
-An orientation that a file notes is ignored: the camera's parameters belong to the sensor as it is.
+The orientation stored in a file is ignored, because the camera's parameters belong to the unrotated sensor.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from roverlink.vision.frames.frame import Frame, rate_of
 from roverlink.vision.opencv import cv2
 
 IMAGES = frozenset((".bmp", ".jpeg", ".jpg", ".png", ".ppm", ".tif", ".tiff", ".webp"))
-"""What files of images end with."""
+"""Suffixes of image files."""
 VIDEOS = frozenset((".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".ts", ".webm"))
-"""What video files mostly end with; others are tried as well."""
+"""Usual suffixes of video files; files with other suffixes are tried as well."""
 
 
 class _Recorded:
@@ -27,22 +27,22 @@ class _Recorded:
 
 
 class ImageFiles(_Recorded):
-    """A file of an image, or a folder of them, in the order of their names, in which numbers count as numbers."""
+    """An image file, or a folder of image files in natural order of their names (2 before 10)."""
 
     def __init__(self, path: Path, rate: float) -> None:
-        """`rate` is how many a second were taken. Raises `SetupError` for a folder without images."""
+        """List the images; `rate` is the number of images a second. Raises `SetupError` for a folder without images."""
         found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
         if not found:
-            raise SetupError(f"{path} has no images; looked for {' '.join(sorted(IMAGES))}")
+            raise SetupError(f"{path} contains no images (known: {' '.join(sorted(IMAGES))})")
         self.paths = sorted(found, key=_natural)
         super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
-        """The images. Raises `SetupError` at one that cannot be read."""
+        """Yield the images. Raises `SetupError` for one that cannot be read."""
         for number, path in enumerate(self.paths):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
             if image is None:
-                raise SetupError(f"{path} cannot be read as an image")
+                raise SetupError(f"{path}: cannot read the file as an image")
             yield Frame(image, round(number * 1e9 / self.rate), number)
 
     def __enter__(self) -> ImageFiles:
@@ -53,19 +53,20 @@ class ImageFiles(_Recorded):
 
 
 class VideoFile(_Recorded):
-    """A video file."""
+    """Video file."""
 
     def __init__(self, path: Path) -> None:
-        """Raises `SetupError` for what is no video."""
+        """Open the file. Raises `SetupError` if it is not a video."""
         self._capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
         if not self._capture.isOpened():
-            raise SetupError(f"{path} cannot be opened as a video")
+            raise SetupError(f"{path}: cannot open the file as a video")
+        # OpenCV would else rotate frames by the file's metadata.
         self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         total = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0) or None
         super().__init__(str(path), rate_of(self._capture), total)
 
     def __iter__(self) -> Iterator[Frame]:
-        """The frames, from the first. Raises `SetupError` where there is none."""
+        """Yield the frames from the first. Raises `SetupError` if there are none."""
         self._capture.set(cv2.CAP_PROP_POS_FRAMES, 0)
         number = 0
         while True:
@@ -85,5 +86,5 @@ class VideoFile(_Recorded):
 
 
 def _natural(path: Path) -> list[tuple[str, int]]:
-    """A key by which `2.png` comes before `10.png`."""
+    """Return a sort key by which `2.png` comes before `10.png`."""
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name)]

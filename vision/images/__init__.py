@@ -1,1 +1,1 @@
-"""Images that are drawn, written as a film, or rendered."""
+"""Drawing on images, writing of videos, and rendering."""

@@ -1,4 +1,4 @@
-"""Draws what was seen into the image."""
+"""Drawing of landmarks and of the camera's position on an image."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from roverlink.vision.opencv import cv2
 Colour = tuple[int, int, int]
 
 SEEN: Colour = (80, 220, 60)
-"""Blue, green, red: the outline of a landmark."""
+"""Colour (BGR) of a landmark's outline."""
 REJECTED: Colour = (40, 40, 235)
-"""The outline of a landmark that does not fit the others."""
+"""Colour (BGR) of the outline of a landmark that does not fit the others."""
 AXES: tuple[Colour, Colour, Colour] = ((40, 40, 235), (60, 200, 60), (235, 120, 40))
-"""x red, y green, z blue, as RViz has them."""
+"""Colours (BGR) of the axes: x red, y green, z blue, as in RViz."""
 _INK, _PAPER = (255, 255, 255), (30, 30, 30)
-_SHIFT = 4  # OpenCV draws at sixteenths of a pixel
-_LINE = 720  # pixels of height that a line of one pixel suits
+_SHIFT = 4  # fractional bits of OpenCV's coordinates: sixteenths of a pixel
+_LINE = 720  # image height in pixels for which lines are one pixel wide
 _FONT = 0
 
 
 def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
-    """A copy of an image (H, W, 3) with each landmark's outline, axes, name and distance, and the camera's place."""
+    """Return a copy of an image (H, W, 3) with outlines, axes, names and distances, and the camera's position."""
     drawn: Image = image.copy()
     rejected = place.rejected if place else ()
     for one in sightings:
@@ -54,7 +54,7 @@ def _outline(image: Image, one: Sighting, colour: Colour) -> None:
 
 
 def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
-    """The landmark's axes at its own origin, half as long as a marker's side."""
+    """Draw a landmark's axes at its origin, half as long as a marker's side."""
     length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
     ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
     if not np.isfinite(ends).all():
@@ -65,7 +65,7 @@ def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
 
 
 def _write(image: Image, text: str, place: tuple[float, float]) -> None:
-    """Light on dark, in a box whose lower left corner is at a place, and which is wholly in the image."""
+    """Write light text in a dark box; `place` is the box's lower left corner, moved into the image if needed."""
     width = _width(image)
     (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
     rim = 2 * width
@@ -76,6 +76,6 @@ def _write(image: Image, text: str, place: tuple[float, float]) -> None:
 
 
 def _fixed(points: Floats) -> Floats:
-    """Pixels as OpenCV wants them with `_SHIFT`."""
+    """Convert pixels to the fixed-point integers that OpenCV expects with `_SHIFT`."""
     fixed: Floats = np.rint(points * (1 << _SHIFT)).astype(np.int32)
     return fixed

@@ -1,4 +1,4 @@
-"""Writes images as a video file."""
+"""Writing of images to a video file."""
 
 from __future__ import annotations
 
@@ -12,39 +12,44 @@ from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
-"""What a film may end with, and OpenCV's code for how it is packed: both are in its wheels."""
+"""Suffixes of video files with OpenCV's codec; the wheels of OpenCV contain both codecs."""
 LONGEST_STILL_S = 2.0
-"""A longer time without an image is cut out."""
+"""Time without an image, in seconds, above which the gap is cut out."""
 
 
 class Film:
-    """A video file of constant rate. A context manager: the file is there, whole, when it is left.
+    """Video file of constant frame rate.
 
-    Images come when they were taken: where one is late the one before stands still, where two come at once one is left
-    out.
+    A context manager: the complete file appears on exit.
+
+    Images are placed by their stamps: for a late image the previous one is repeated; of two images at the same time one
+    is left out.
     """
 
     def __init__(self, path: Path, rate: float) -> None:
-        """`rate` is in images a second. Raises `SetupError` for a file that cannot be written."""
+        """Check the path; `rate` is in images a second. Raises `SetupError` if the file cannot be written."""
         if path.suffix.lower() not in CODECS:
-            raise SetupError(f"{path}: a film ends with {' or '.join(CODECS)}")
+            raise SetupError(f"{path}: unknown video format; the name must end with {' or '.join(CODECS)}")
         if not path.resolve().parent.is_dir():
-            raise SetupError(f"{path}: there is no such folder")
+            raise SetupError(f"{path}: the folder does not exist")
         self._path, self._rate = path, rate
+        # The suffix stays at the end, because OpenCV chooses the container by it.
         self._part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
         self._writer: Any = None
         self._size = (0, 0)
         self._stamp = self._start = self._written = 0
 
     def add(self, image: Image, stamp: int) -> None:
-        """Go on with an image (H, W, 3), taken at `stamp` in nanoseconds.
+        """Add an image (H, W, 3), taken at `stamp` in nanoseconds.
 
-        Raises `SetupError` where nothing can be written, or where the image has not the size of the first.
+        Raises `SetupError` if writing fails, or if the image's size differs from that of the first.
         """
         if self._writer is None:
             self._open(image, stamp)
         if size_of(image) != self._size:
-            raise SetupError(f"{self._path}: a film cannot change from {self._size} to {size_of(image)} pixels")
+            raise SetupError(
+                f"{self._path}: the image size changed from {self._size} to {size_of(image)}; a video has one size"
+            )
         self._start += max(stamp - self._stamp - round(LONGEST_STILL_S * 1e9), 0)
         self._stamp = stamp
         due = round((stamp - self._start) * self._rate / 1e9) + 1
@@ -57,7 +62,7 @@ class Film:
         code = cv2.VideoWriter_fourcc(*CODECS[self._path.suffix.lower()])
         self._writer = cv2.VideoWriter(str(self._part), cv2.CAP_FFMPEG, code, self._rate, self._size)
         if not self._writer.isOpened():
-            raise SetupError(f"{self._path}: cannot be written as a film of {self._rate:g} images a second")
+            raise SetupError(f"{self._path}: cannot write a video with {self._rate:g} images a second")
         self._start = self._stamp = stamp
 
     def __enter__(self) -> Film:

@@ -1,9 +1,11 @@
-"""Renders printed planes as a camera would see them, with a known truth.
+"""Renderer of printed planes as a camera sees them, with a known truth.
 
-Every pixel is the mean of several rays. A ray goes from a place on the sensor, through the inverse of the lens
-distortion and the pinhole, to the plane, and brings back the grey of the print there. The rays are blurred by the
-lens's point spread before they are averaged, noise is added, and the result is rounded to 8 bits. Integer coordinates
-are centres of pixels. Nothing here uses the rest of the package, so that its mistakes are not repeated.
+Each pixel is the mean of several rays. A ray goes from a point of the sensor, through the inverse of the lens
+distortion and the pinhole, to the plane, and returns the print's grey value there. The rays are blurred with the lens's
+point spread function before averaging; then noise is added and the result is rounded to 8 bits. Integer coordinates are
+pixel centres.
+
+This module uses nothing of the rest of the package, so that it does not repeat its errors.
 """
 
 from __future__ import annotations
@@ -21,21 +23,21 @@ Floats = NDArray[np.floating[Any]]
 Grey = NDArray[np.uint8]
 
 RAYS = 5
-"""Rays a pixel and axis."""
+"""Rays per pixel and axis."""
 PSF_SIGMA = 0.8
-"""Standard deviation of the point spread in pixels; the area of a pixel blurs on top of it."""
+"""Standard deviation of the point spread in pixels; the area of a pixel adds more blur."""
 NOISE_SIGMA = 2.0
 """Standard deviation of the noise in grey levels."""
-_MARGIN = 5  # pixels around a print that its blurred rim may reach
-_TILE = 64  # pixels a side that are painted together: what is computed of them stays in the processor's cache
-_OUTLINE = 16  # points on each side of a print's outline, which a lens may bend
+_MARGIN = 5  # pixels around a print that its blurred edge may reach
+_TILE = 64  # side in pixels of the tiles that are rendered together, so that the data fits in the CPU's cache
+_OUTLINE = 16  # points per side of a print's outline, since the lens bends it
 
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """A pinhole camera with the distortion k1 k2 p1 p2 k3 of OpenCV.
+    """Pinhole camera with OpenCV's distortion k1 k2 p1 p2 k3.
 
-    `matrix` is 3x3 in pixels, `size` (width, height).
+    `matrix` is 3x3 in pixels, `size` is (width, height).
     """
 
     matrix: Floats
@@ -43,7 +45,7 @@ class Lens:
     size: tuple[int, int]
 
     def distorted(self, rays: Floats) -> Floats:
-        """The pixels (..., 2) where rays (..., 2), given by their points on the plane z = 1, meet the sensor."""
+        """Return the pixels (..., 2) of rays (..., 2), which are points in the plane z = 1."""
         x, y = rays[..., 0], rays[..., 1]
         k1, k2, p1, p2, k3 = self.distortion
         r2 = x * x + y * y
@@ -54,7 +56,7 @@ class Lens:
         return np.stack([fx * bent_x + cx, fy * bent_y + cy], axis=-1)
 
     def rays(self, pixels: Floats) -> Floats:
-        """The rays (..., 2), as points on the plane z = 1, that meet the sensor at pixels (..., 2)."""
+        """Return the rays (..., 2) of pixels (..., 2), as points in the plane z = 1, by fixed-point iteration."""
         rays = (pixels - self.matrix[:2, 2]) / self.matrix.diagonal()[:2]
         focal = self.matrix.diagonal()[:2]
         for _ in range(50):
@@ -67,21 +69,21 @@ class Lens:
 
 @dataclass(frozen=True, slots=True)
 class Print:
-    """An image on a plane: its centre is the plane's origin, x goes right, y up the page and z out of it."""
+    """Image on a plane: the origin is its centre, x points right, y up on the page and z out of it."""
 
     image: Grey
     metres_per_pixel: float
 
     @property
     def half_size(self) -> tuple[float, float]:
-        """Half the width and half the height in metres."""
+        """Half of the width and height in metres."""
         rows, columns = self.image.shape
         return columns / 2 * self.metres_per_pixel, rows / 2 * self.metres_per_pixel
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where a plane is: `rotation` (3x3) and `translation` (3, metres) take its points to the camera's frame.
+    """Pose of a plane: `rotation` (3x3) and `translation` (3, metres) from the plane to the camera.
 
     The camera's frame is the optical one: x right, y down, z forward.
     """
@@ -93,9 +95,9 @@ class Pose:
 def marker_print(
     dictionary: int, number: int, side: float, *, quiet: int = 1, texels: int = 24, black: int = 25, white: int = 225
 ) -> Print:
-    """A marker with `side` metres between its outer edges, and a white rim of `quiet` modules around it.
+    """Return a marker of `side` metres between its outer edges, with a white border of `quiet` modules.
 
-    `texels` is the number of the print's pixels a module: about as many as rays that fall on a module is best.
+    `texels` is the number of the print's pixels per module; best is about the number of rays that hit a module.
     """
     bits = cv2.aruco.getPredefinedDictionary(dictionary)
     modules = bits.markerSize + 2
@@ -105,12 +107,12 @@ def marker_print(
 
 
 def texels_for(side_px: float, modules: int = 7) -> int:
-    """How many texels a module suit a marker that is `side_px` pixels wide: somewhat fewer than rays."""
+    """Return the texels per module for a marker that is `side_px` pixels wide: somewhat fewer than rays."""
     return max(4, round(0.75 * RAYS * side_px / modules))
 
 
 def texture(size: tuple[int, int], rng: np.random.Generator) -> Floats:
-    """A scene without markers: clouds at every scale, and boxes, strokes and chequers with sharp corners."""
+    """Return a scene without markers: noise at all scales, boxes, lines and chequered patterns with sharp corners."""
     width, height = size
     scene = np.full((height, width), rng.uniform(80, 170))
     for cell in (160, 80, 40, 20, 10, 5, 2):
@@ -150,7 +152,10 @@ def render(
     psf_sigma: float = PSF_SIGMA,
     noise_sigma: float = NOISE_SIGMA,
 ) -> Grey:
-    """A frame: the prints before a background (height, width) that is blurred already. Later prints hide earlier."""
+    """Render a frame: prints in front of a background (height, width) that is already blurred.
+
+    Later prints hide earlier ones.
+    """
     frame = background.astype(np.float32)
     for plane, pose in planes:
         _paint(frame, lens, plane, pose, psf_sigma)
@@ -159,7 +164,7 @@ def render(
 
 
 def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
-    """Pixels (N, 2) along the rim of a print."""
+    """Return pixels (N, 2) along the border of a print."""
     half_width, half_height = plane.half_size
     steps = np.linspace(-1, 1, _OUTLINE)
     ones = np.ones(_OUTLINE)
@@ -170,7 +175,7 @@ def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
 
 
 def project(lens: Lens, pose: Pose, points: Floats) -> Floats:
-    """The pixels (N, 2) of points (N, 3) of a plane's frame."""
+    """Return the pixels (N, 2) of points (N, 3) in a plane's frame."""
     seen = points @ pose.rotation.T + pose.translation
     return lens.distorted(seen[:, :2] / seen[:, 2:])
 
@@ -195,7 +200,7 @@ def _paint(frame: NDArray[np.float32], lens: Lens, plane: Print, pose: Pose, psf
 def _painted(
     place: NDArray[np.float32], plane: Print, pose: Pose, rays: Floats, psf_sigma: float
 ) -> NDArray[np.float32]:
-    """A part of a frame (H, W) with the print before it, exact but for `_MARGIN` pixels at the rim."""
+    """Return a part (H, W) of the frame with the print in front; only `_MARGIN` pixels at its border are inexact."""
     grey, cover = _sample(plane, pose, rays)
     if not cover.any():
         return place
@@ -209,14 +214,14 @@ def _painted(
 
 
 def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Floats:
-    """Rays (height * RAYS, width * RAYS, 2) of a region: exact at the pixels' corners, linear between."""
+    """Return the rays (height * RAYS, width * RAYS, 2) of a region: exact at pixel corners, linear in between."""
     x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
     corners = lens.rays(np.stack([x, y], axis=-1))
     return _between(_between(corners, 0), 1)
 
 
 def _between(borders: Floats, axis: int) -> Floats:
-    """From values at the pixels' borders along an axis to those at the rays, of which each pixel has `RAYS`."""
+    """Interpolate values at pixel borders along an axis to the rays, `RAYS` per pixel."""
     places = (np.arange((borders.shape[axis] - 1) * RAYS) + 0.5) / RAYS
     low = places.astype(np.intp)
     part = np.expand_dims(places - low, tuple(range(1, borders.ndim - axis)))
@@ -225,7 +230,7 @@ def _between(borders: Floats, axis: int) -> Floats:
 
 
 def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """What the rays (H, W, 2) bring from a plane: the grey (H, W), and how far (0 to 1) it is the print's."""
+    """Return the grey values (H, W) that rays (H, W, 2) see on a plane, and the print's coverage (0 to 1)."""
     to_plane = np.linalg.inv(np.column_stack([pose.rotation[:, :2], pose.translation]))
     x, y, w = np.moveaxis(rays @ to_plane[:, :2].T + to_plane[:, 2], -1, 0)
     rows, columns = plane.image.shape

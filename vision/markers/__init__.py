@@ -1,1 +1,1 @@
-"""Markers: which there are, how they are found, and how they are followed."""
+"""Markers: definition, detection, and tracking."""

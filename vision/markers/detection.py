@@ -1,8 +1,8 @@
-"""Finds markers: a scan of the whole frame, the same at half resolution, or a region of it.
+"""Marker detection: in the whole frame, in the whole frame at half resolution, or in a region.
 
-The corners are as good as OpenCV finds them without refinement, about a pixel; `edges` makes them better. Without
-refinement OpenCV 4.11 and 5.0 agree with the centres of pixels being integers (a test measures it); with refinement by
-APRILTAG, 5.0 is half a pixel off.
+Corners have the accuracy of OpenCV without refinement, about a pixel; `edges` improves them. A test checks that without
+refinement OpenCV 4.11 and 5.0 agree that integer coordinates are pixel centres. With APRILTAG refinement, 5.0 is half a
+pixel off.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from roverlink.vision.opencv import cv2
 Image = NDArray[np.uint8]
 
 CELL = 8
-"""Pixels to which OpenCV resamples a bit before it reads it; its 4 loses markers below 30 pixels."""
+"""Pixels to which OpenCV resamples a bit before reading it; with its default of 4 it misses markers below 30 pixels."""
 _WINDOWS = (7, 23, 16)
-"""Smallest and largest window of the adaptive threshold, and the step between, at full resolution."""
+"""Adaptive threshold at full resolution: smallest window, largest window, and step in pixels."""
 _HALF_WINDOWS = (5, 13, 8)
 _WINDOW = (15, 15, 2)
-"""In a region, where one window mostly does; where it does not, the others are tried."""
+"""Adaptive threshold in a region: one window is usually enough; if not, `_WINDOWS` are tried."""
 _SMALLEST_SIDE = 9
-"""Pixels; what is smaller cannot be read."""
+"""Smallest side of a marker in pixels that can be read."""
 _STEP = 64
-"""Pixels to which the size of a region is rounded, so that regions of about one size share a detector."""
+"""Pixels to which region sizes are rounded, so that regions of similar size share a detector."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detection:
-    """A marker's number, and its corners (4, 2) in pixels, in OpenCV's order."""
+    """Number of a marker with its corners (4, 2) in pixels, in OpenCV's order."""
 
     number: int
     corners: Floats
@@ -42,7 +42,7 @@ class Detection:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """A part of an image, in pixels: `right` and `bottom` are the first outside."""
+    """Part of an image in pixels; `right` and `bottom` are the first pixels outside."""
 
     left: int
     top: int
@@ -51,33 +51,33 @@ class Region:
 
 
 def to_grey(image: Image) -> Image:
-    """An image (H, W) or, blue green red, (H, W, 3) as one of grey (H, W)."""
+    """Convert an image (H, W) or BGR (H, W, 3) to grey (H, W)."""
     return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
 
 
 class Detector:
-    """OpenCV's detector, set up for each way to look."""
+    """OpenCV's detector, with parameters for each kind of search."""
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
         self._detectors: dict[tuple[tuple[int, int, int], int], Any] = {}
 
     def scan(self, image: Image) -> list[Detection]:
-        """Look at a whole grey image (H, W)."""
+        """Search a whole grey image (H, W)."""
         return self._detect(image, _WINDOWS)
 
     def scan_half(self, image: Image) -> list[Detection]:
-        """Look at a whole image at half its resolution: a quarter of the time, and nothing below some 25 pixels."""
+        """Search a whole image at half resolution: a quarter of the time, but it misses markers below 25 pixels."""
         height, width = image.shape
         half = cv2.resize(
             image[: height // 2 * 2, : width // 2 * 2], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
         )
-        # the centre of the half image's first pixel is the corner between four pixels
+        # the first pixel of the half image has its centre between four pixels, at (0.5, 0.5)
         found = self._detect(half, _HALF_WINDOWS)
         return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
-        """Look at a region of an image."""
+        """Search a region of an image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _WINDOW) or self._detect(part, _WINDOWS)
@@ -87,7 +87,7 @@ class Detector:
         height, width = image.shape
         if min(height, width) < 2 * _SMALLEST_SIDE:
             return []
-        # every version has (N, 1, 4, 2) corners in one shape or another, and ids (N, 1) or (N,) or None
+        # shapes differ between OpenCV versions: ids are (N, 1), (N,) or None
         corners, numbers, _ = self._detector(windows, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
         return [
@@ -111,5 +111,6 @@ def _parameters(windows: tuple[int, int, int], longest: int) -> Any:
     parameters.adaptiveThreshWinSizeMax = windows[1]
     parameters.adaptiveThreshWinSizeStep = windows[2]
     parameters.perspectiveRemovePixelPerCell = CELL
+    # OpenCV wants the perimeter relative to the longer side of the image.
     parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
     return parameters

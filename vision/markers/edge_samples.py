@@ -1,6 +1,6 @@
-"""Which pixels the edge fit compares: those along the edges of each marker's pattern.
+"""Selection of the pixels that the edge fit compares: those along the edges of each marker's pattern.
 
-Arrays are (K, ..., N) for K markers with up to N pixels each; shorter rows are filled up.
+Arrays are (K, ..., N) for K markers with up to N pixels each; shorter rows are padded.
 """
 
 from __future__ import annotations
@@ -15,53 +15,53 @@ from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.markers.pattern import Pattern
 
 ACROSS = (-1.0, 0.0, 1.0)
-"""How far from an edge pixels are taken, in pixels."""
+"""Distances from an edge, in pixels, at which pixels are taken."""
 CLEAR = 2.2
-"""How far pixels stay away from what is behind the white rim, in pixels; the rim is at least one module wide."""
+"""Distance in pixels that used pixels keep from the outside of the white border, which is at least one module wide."""
 SQUARE = np.array([[-1.0, 1, 1, -1], [-1.0, -1, 1, 1]])  # a marker's corners, v down, in OpenCV's order
 LIFTED = np.vstack([SQUARE, np.ones(4)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Views:
-    """The markers before the fit."""
+    """Markers before the fit."""
 
     differences: Floats
-    """(K, n, n)"""
+    """Mixed differences (K, n, n) of the patterns."""
     places: Floats
-    """(K, 2, M) in modules."""
+    """Points (K, 2, M) on the edges, in modules."""
     across_u: NDArray[np.bool_]
-    """(K, M)"""
+    """Mask (K, M) of the edges that are crossed along u."""
     real: NDArray[np.bool_]
-    """(K, M), false for what fills up rows."""
+    """Mask (K, M); false for padding."""
     half: float
-    """Half the modules a side."""
+    """Half the number of modules of a side."""
     centre: Floats
-    """(K, 2), the middle of the corners' rays."""
+    """Mean (K, 2) of the corners' rays."""
     scale: Floats
-    """(K,), their extent: the fit works with rays that are centred and scaled by these."""
+    """Extent (K,) of the corners' rays; the fit works with rays that are centred and scaled with these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
-    """The pixels of each marker."""
+    """Selected pixels of each marker."""
 
     grey: Floats
-    """(K, N), 0 where not real."""
+    """Grey values (K, N); 0 for padding."""
     points: Floats
     """Scaled rays (K, 2, N)."""
     by_pixel: Floats
-    """The derivative (K, 2, 2, N) of the points by the pixels' coordinates."""
+    """Derivative (K, 2, 2, N) of the points by the pixels' coordinates."""
     real: Floats
-    """(K, N): 1, and 0 for what fills up rows."""
+    """Weights (K, N): 1, or 0 for padding."""
 
     def every(self, stride: int) -> Pixels:
-        """Only each so-manyth pixel."""
+        """Return every `stride`-th pixel."""
         return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
 def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
-    """Put patterns of several lengths into arrays."""
+    """Put patterns of different lengths into padded arrays."""
     most = max(pattern.across_u.size for pattern in patterns)
     places = np.zeros((len(patterns), 2, most))
     across_u, real = np.zeros((2, len(patterns), most), dtype=bool)
@@ -81,7 +81,7 @@ def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
 
 
 def homographies(points: Floats) -> Floats:
-    """The homographies (K, 3, 3), their last element 1, from the square to points (K, 2, 4)."""
+    """Return the homographies (K, 3, 3) from the square to points (K, 2, 4); their last element is 1."""
     u, v = SQUARE
     rows = np.zeros((len(points), 2, 4, 8))
     rows[:, 0, :, :3] = rows[:, 1, :, 3:6] = LIFTED.T
@@ -93,7 +93,7 @@ def homographies(points: Floats) -> Floats:
 
 
 def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """The images (K, 2, N) of points (K, 2, N), and their derivative (K, 2, 2, N)."""
+    """Return the images (K, 2, N) of points (K, 2, N) under homographies, and their derivative (K, 2, 2, N)."""
     lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
     images = lifted[:, :2] / lifted[:, 2:]
     slope = homography[:, :2, :2, None] - images[:, :, None] * homography[:, 2, None, :2, None]
@@ -101,27 +101,31 @@ def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
 
 
 def _inverse(matrices: Floats) -> Floats:
-    """The inverses of 2x2 matrices (K, 2, 2, N)."""
+    """Return the inverses of 2x2 matrices (K, 2, 2, N)."""
     a, b, c, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 0], matrices[:, 1, 1]
     swapped: Floats = np.stack([d, -b, -c, a], axis=1).reshape(matrices.shape)
     return swapped / (a * d - b * c)[:, None, None]
 
 
 def product(left: Floats, right: Floats) -> Floats:
-    """The products of 2x2 matrices (K, 2, 2, N)."""
+    """Return the products of 2x2 matrices (K, 2, 2, N)."""
     return left[:, :, :1] * right[:, :1] + left[:, :, 1:] * right[:, 1:]
 
 
 def _turned(matrices: Floats, vectors: Floats) -> Floats:
-    """2x2 matrices (K, 2, 2, N) times vectors (K, 2, M, N)."""
+    """Return the products of 2x2 matrices (K, 2, 2, N) and vectors (K, 2, M, N)."""
     return matrices[:, :, :1] * vectors[:, None, 0] + matrices[:, :, 1:] * vectors[:, None, 1]
 
 
 def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
-    """The pixels along the patterns' edges. Their rays come from the edges' by the lens's slope there."""
+    """Select the pixels along the patterns' edges.
+
+    Their rays are computed from those of the edge points with the local derivative, since undistorting each pixel would
+    be slow.
+    """
     points, by_square = apply(homography, views.places / views.half - 1)
     rays = points * views.scale[:, None, None] + views.centre[:, :, None]
-    seen, slope = camera.distort_with_slope(rays.transpose(0, 2, 1))
+    seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
     seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / views.scale[:, None, None, None]
     modules_by_pixel = product(_inverse(by_square) * views.half, by_pixel)
     modules_a_pixel = np.sqrt((modules_by_pixel**2).sum(axis=2))
@@ -154,7 +158,7 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Vie
 def _distinct(
     index: NDArray[np.intp], usable: NDArray[np.bool_], size: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Each usable pixel once: its marker, in rising order, and its place among the marker's."""
+    """Return marker (ascending) and index of each usable pixel, without duplicates."""
     each = index[0].size
     keys = (index + np.arange(len(index))[:, None, None] * size)[usable]
     _, first = np.unique(keys, return_index=True)

@@ -1,10 +1,11 @@
-"""Fits the edges of markers: their four corners to hundredths of a pixel, and how uncertain they are.
+"""Edge fit of markers: corners to hundredths of a pixel, with their covariance.
 
-The number of a marker says where all its edges are, the outer ones and those between its bits. Pixels along them are
-compared with what a camera sees of the `pattern` at a homography. Gauss-Newton steps move the homography, the width of
-the blur, and the brightness, which may change linearly over the marker. It is the pixels themselves that are compared,
-nothing is interpolated, so their noise is independent, and the residuals' variance, through the fit's normal matrix, is
-the corners' covariance.
+The number of a marker determines all its edges: the outer ones and those between its bits. Pixels near them are
+compared with a model of the `pattern` under a homography. Gauss-Newton steps change the homography, the width of the
+blur, and the brightness, which may vary linearly over the marker.
+
+The pixels themselves are compared, without interpolation, so their noise is independent. Therefore the variance of the
+residuals and the normal matrix give the covariance of the corners.
 
 All markers of a frame are fitted together: arrays are (K, ..., N) for K markers with up to N pixels each.
 """
@@ -33,92 +34,92 @@ from roverlink.vision.markers.edge_samples import (
 from roverlink.vision.markers.pattern import Pattern, look
 
 COARSE = 3
-"""The first steps take every third pixel."""
+"""Stride of the pixels in the first steps."""
 COARSE_STEPS = 3
-"""The most steps with every third pixel."""
+"""Most steps with the stride."""
 FINE_STEPS = 8
-"""The most steps with all pixels."""
+"""Most steps with all pixels."""
 NEAR = 0.2
-"""Pixels that corners move in a step: from here on all pixels are taken."""
+"""Motion of corners in pixels per step below which all pixels are used."""
 SETTLED = 0.05
-"""Pixels that corners move in a step: the next one moves them by next to nothing."""
+"""Motion of corners in pixels per step below which the fit has converged."""
 UNSETTLED = 0.5
-"""Pixels that corners still move after the last step of those that run away."""
+"""Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIER = 4.0
-"""Pixels are dropped whose residual is so many standard deviations."""
+"""Residual, in standard deviations, above which a pixel is dropped."""
 FIRST_BLUR = 0.85
-"""Standard deviation of a focused lens's blur in pixels, a pixel's area included."""
+"""Standard deviation in pixels of a focused lens's blur, including the area of a pixel."""
 BLURS = (0.4, 4.0)
 _LOG_BLURS = (math.log(BLURS[0]), math.log(BLURS[1]))
-_LARGEST_CHANGE = 0.5  # of the blur's logarithm in one step
+_LARGEST_CHANGE = 0.5  # largest change of the blur's logarithm per step
 _UNKNOWNS = 15
-_FEWEST = 4 * _UNKNOWNS  # pixels
-_MAD_TO_SIGMA = 1.4826
-_ROUNDING = 0.3  # standard deviation of rounding to whole grey levels
-_RIDGE = 1e-9  # so that a marker without contrast does not stop the others
+_FEWEST = 4 * _UNKNOWNS  # fewest pixels of a fit
+_MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
+_ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
+_RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible, for the sake of the others
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """A marker to be fitted: about where it is."""
+    """Marker to fit, with its approximate position."""
 
     pattern: Pattern
     corners: Floats
-    """(4, 2) in pixels."""
+    """Corners (4, 2) in pixels."""
     blur: float = FIRST_BLUR
-    """Standard deviation of the blur in pixels, as in the frame before."""
+    """Standard deviation of the blur in pixels, from the previous frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """The outcome for one marker."""
+    """Result for one marker."""
 
     rays: Floats
-    """The corners (4, 2) as rays, in OpenCV's order."""
+    """Corners (4, 2) as rays, in OpenCV's order."""
     covariance: Floats
-    """Of the corners' rays (8, 8): x and y of the first, x and y of the second..."""
+    """Covariance (8, 8) of the corners' rays: x and y of the first corner, of the second, and so on."""
     noise: float
     """Standard deviation of the residuals in grey levels."""
     contrast: float
-    """White minus black in grey levels; negative where they are swapped."""
+    """White minus black in grey levels; negative if they are swapped."""
     explained: float
-    """Part of the pixels' variance that the pattern explains, outliers included: 1 is a perfect marker."""
+    """Share of the pixels' variance that the pattern explains, including outliers; 1 for a perfect marker."""
     blur: float
     """Standard deviation of the blur in pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
-    """What the steps move, besides the brightness."""
+    """Unknowns of the fit, except the brightness."""
 
     homography: Floats
-    """(K, 3, 3) from (-1, -1)...(1, 1), v down, to scaled rays; the last element is 1."""
+    """Homography (K, 3, 3) from the square (-1, -1)...(1, 1), v down, to scaled rays; the last element is 1."""
     log_blur: Floats
     """(K,)"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """How K patterns fit before a step, and what the step leaves."""
+    """Fit of K patterns before a step, and the residuals after it."""
 
     normal: Floats
     """(K, 15, 15)"""
     contrast: Floats
-    """(K,) in grey levels, as in `Fit`."""
+    """Contrast (K,) in grey levels, as in `Fit`."""
     residuals: Floats
-    """(K, N) in grey levels, before the step."""
+    """Residuals (K, N) in grey levels before the step."""
     weights: Floats
-    """(K, N): 0 for pixels that stand out."""
+    """Weights (K, N); 0 for outliers."""
     left: Floats
-    """(K, N), the residuals after it; 0 of pixels that stand out."""
+    """Residuals (K, N) after the step; 0 for outliers."""
 
     def variance(self) -> Floats:
-        """(K,) of the residuals that are left."""
+        """Return the variance (K,) of the residuals after the step."""
         variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - _UNKNOWNS, 1.0)
         return variance
 
     def explained(self, pixels: Pixels) -> Floats:
-        """(K,), the part of the pixels' variance."""
+        """Return the explained share (K,) of the pixels' variance."""
         mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
         spread = pixels.grey - mean[:, None] * pixels.real
         explained: Floats = 1 - _squares(self.residuals) / np.maximum(_squares(spread), 1e-9)
@@ -126,20 +127,23 @@ class _Outcome:
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
-    """Fit each marker near its guess in a grey image (H, W). None where too little of it is seen, or it is none."""
+    """Fit each marker near its guess in a grey image (H, W).
+
+    None if too little of the marker is visible, or if there is no marker.
+    """
     if not guesses:
         return []
     rays = camera.undistort(np.stack([guess.corners for guess in guesses]))
     visible = np.isfinite(rays).all(axis=(1, 2))
-    rays[~visible] = SQUARE.T  # anything that can be computed with
+    rays[~visible] = SQUARE.T  # any valid numbers
     views = make_views([guess.pattern for guess in guesses], rays)
     scaled = (rays - views.centre[:, None]) / views.scale[:, None, None]
     blurs = np.clip([guess.blur for guess in guesses], *BLURS)
     state = _State(homographies(scaled.transpose(0, 2, 1)), np.log(blurs))
-    with np.errstate(all="ignore"):  # of a guess that was wrong anything may come; it is left out below
+    with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
         pixels = choose_pixels(image, camera, views, state.homography)
         coarse = pixels.every(COARSE)
-        pixel = views.scale * float(np.max(camera.focal))  # of scaled rays
+        pixel = views.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
         for _ in range(COARSE_STEPS):
             before, (state, _unused) = state, _step(views, state, coarse)
             if not (_shift(before, state) * pixel > NEAR)[visible].any():
@@ -158,12 +162,13 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
 
 
 def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome]:
-    """One Gauss-Newton step, without the pixels that stand out."""
+    """Make one Gauss-Newton step without outliers."""
     design, square = _design(views, state, pixels)
     light = design[:, 9:]
     level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
     residuals = pixels.grey - (level[:, None] @ light)[:, 0]
     contrast = level[:, 3, None] + (level[:, None, 4:] @ square)[:, 0]
+    # Variable projection: brightness is solved linearly first, then all unknowns take one step together.
     design[:, :9] *= contrast[:, None]
     weights = _weights(residuals, pixels.real)
     weighted = design * weights[:, None]
@@ -178,7 +183,7 @@ def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome
 
 
 def _shift(before: _State, after: _State) -> Floats:
-    """How far (K,) the corners moved, in scaled rays."""
+    """Return the motion (K,) of the corners in scaled rays."""
     places = [lifted[:, :2] / lifted[:, 2:] for lifted in (before.homography @ LIFTED, after.homography @ LIFTED)]
     distance: Floats = np.hypot(*(places[1] - places[0]).transpose(1, 0, 2)).max(axis=1)
     return distance
@@ -190,15 +195,15 @@ def _squares(values: Floats) -> Floats:
 
 
 def _solve(normal: Floats, right: Floats) -> Floats:
-    """The solutions (K, n) of normal equations (K, n, n) with right sides (K, n, 1)."""
+    """Return the solutions (K, n) of normal equations (K, n, n) with right sides (K, n, 1)."""
     diagonal = np.einsum("kii->ki", normal)
     diagonal += _RIDGE * (diagonal + 1)
     return np.linalg.solve(normal, right)[..., 0]
 
 
 def _weights(residuals: Floats, real: Floats) -> Floats:
-    """1 (K, N) for pixels near the others in terms of their median, 0 for those that stand out."""
-    sizes = np.abs(residuals) - (1 - real)  # what fills up rows comes first
+    """Return weights (K, N): 1 for pixels with a residual near the median, 0 for outliers and padding."""
+    sizes = np.abs(residuals) - (1 - real)  # padding sorts first
     count = real.sum(axis=1).astype(np.intp)
     middle = np.sort(sizes, axis=1)[
         np.arange(len(sizes)), np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)
@@ -208,10 +213,10 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
 
 
 def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats]:
-    """The derivatives (K, 15, N) by homography, logarithm of the blur and brightness; the pixels' places in the square.
+    """Return the derivatives (K, 15, N) by homography, log blur and brightness, and the pixels' places in the square.
 
-    The first nine are for a contrast of 1. A point that stays while the homography moves sees the pattern move the
-    other way.
+    The first nine are for a contrast of 1. If the homography moves and a pixel stays, the pixel sees the pattern move
+    in the opposite direction.
     """
     square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * views.half
@@ -234,7 +239,7 @@ def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats
 
 
 def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
-    """What came out for one marker."""
+    """Return the result of one marker; None if its covariance is not finite."""
     try:
         covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
     except np.linalg.LinAlgError:
@@ -254,7 +259,7 @@ def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float
 
 
 def _corners(homography: Floats) -> tuple[Floats, Floats]:
-    """The corners (4, 2), and their derivative (8, 8) by the homography's first eight elements."""
+    """Return the corners (4, 2), and their derivative (8, 8) by the homography's first eight elements."""
     lifted = homography @ LIFTED
     corners = (lifted[:2] / lifted[2]).T
     place = (LIFTED / lifted[2]).T

@@ -1,7 +1,7 @@
-"""Decides over time which of two poses a marker has.
+"""Choice between the two poses of a marker over time.
 
-A flat square seen from afar looks nearly the same at two poses. One frame may not tell; but only the true pose goes on
-fitting from frame to frame. Both are followed, each with its misfit so far, which is forgotten slowly.
+A small or distant flat square looks nearly the same in two poses, so one frame may not decide between them. But only
+the true pose fits in every frame. Both are followed, each with its accumulated misfit, which decays slowly.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ from roverlink.vision.poses.pnp import Solution
 from roverlink.vision.poses.pose import Pose
 
 FORGETTING_S = 0.3
-"""After so long a misfit counts for a third."""
+"""Time constant of the misfit's decay in seconds: after this time a misfit counts for a third."""
 JUMP = 6.0
-"""What it costs to be a pose that was not there in the frame before, in chi squared."""
+"""Penalty, in chi squared, for a pose that was absent in the previous frame."""
 LARGEST = 25.0
-"""No single frame counts for more, in chi squared."""
+"""Largest contribution of a single frame, in chi squared."""
 
 
 class Flips:
-    """The two poses of one landmark. They are told apart by how little each turns from frame to frame."""
+    """The two poses of one landmark, matched between frames by the smaller rotation."""
 
     def __init__(self) -> None:
         self._followed: list[tuple[Pose, float]] = []
         self._stamp = 0
 
     def decide(self, solutions: Sequence[Solution], stamp: int) -> int:
-        """Which of the solutions, at most two and best first, is the pose; `stamp` in nanoseconds."""
+        """Return the index of the true pose among at most two solutions, best first; `stamp` is in nanoseconds."""
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
+        # Relative to the best solution, so that noise common to both cancels.
         misfits = [old + min(one.chi2 - solutions[0].chi2, LARGEST) for one, (_, old) in zip(solutions, before)]
         least = min(misfits)
         self._followed = [(one.pose, misfit - least) for one, misfit in zip(solutions, misfits)]
@@ -38,7 +39,7 @@ class Flips:
         return misfits.index(least)
 
     def _inherited(self, solutions: Sequence[Solution]) -> list[tuple[Pose, float]]:
-        """For each solution the pose that it continues, with that pose's misfit."""
+        """Return for each solution the pose that it continues, with the accumulated misfit."""
         if not self._followed:
             return [(one.pose, 0.0) for one in solutions]
         if len(self._followed) == 1 or len(solutions) == 1:

@@ -1,11 +1,11 @@
-"""What a camera sees of a marker's pattern: every edge in it, blurred.
+"""Model of a marker's pattern as a camera sees it: all edges, blurred.
 
-The pattern's grey at (u, v), in modules from the upper left outer corner, is 1 + sum over the lattice's corners (i, j)
-of D[j, i] * P((u - i) / su, (v - j) / sv): D the mixed differences of the black (0) and white (1) modules, P the normal
-distribution of two variables, and su, sv the blur measured across the lines of u and of v. P is taken by Mehler's
-series in the correlation, which is 0 where the lattice's lines meet at right angles.
+With (u, v) in modules from the upper left outer corner, the grey value is 1 + sum over the lattice's corners (i, j) of
+D[j, i] * P((u - i) / su, (v - j) / sv). D are the mixed differences of black (0) and white (1) modules, P is the
+bivariate normal distribution function, and su and sv are the blur measured across the lines of u and v. P is computed
+with Mehler's series in the correlation, which is 0 if the lattice's lines meet at right angles.
 
-Several markers are looked at together, for numpy's sake: K markers, N pixels each.
+Several markers are processed together, since numpy is slow on small arrays: K markers with N pixels each.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from roverlink.vision.camera.camera_model import Floats
 Singles = NDArray[np.float32]
 
 ALONG = (1 / 4, 3 / 4)
-"""Where along a module's edge pixels are taken, in modules."""
+"""Positions along a module's edge at which pixels are taken, in modules."""
 
-_REACH = 5.0  # standard deviations
-_RESOLUTION = 1600  # table entries a standard deviation: the rounding is below a fortieth of a grey level
+_REACH = 5.0  # range of the tables, in standard deviations
+_RESOLUTION = 1600  # table entries per standard deviation: rounding errors are below 1/40 grey level
 _GRID = np.arange(-_REACH, _REACH + 0.5 / _RESOLUTION, 1 / _RESOLUTION)
 _STEP = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in _GRID], np.float32)
 _BELL = (np.exp(-0.5 * _GRID**2) / math.sqrt(2 * math.pi)).astype(np.float32)
@@ -32,32 +32,32 @@ _BELL = (np.exp(-0.5 * _GRID**2) / math.sqrt(2 * math.pi)).astype(np.float32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pattern:
-    """What a marker's modules are, prepared for the fit."""
+    """Pattern of a marker's modules, prepared for the fit."""
 
     modules: int
-    """Modules a side, the black rim included."""
+    """Number of modules per side, including the black border."""
     differences: Floats
     """Mixed differences (modules + 1, modules + 1) of white (1) and black (0), by v and u."""
     places: Floats
     """Points (2, M) on the edges, in modules."""
     across_u: NDArray[np.bool_]
-    """Which of the points' edges (M,) are crossed along u; the others along v."""
+    """Mask (M,) of the points whose edge is crossed along u; the others are crossed along v."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """What pixels see of patterns, (K, N) each: black 0, white 1; and the derivatives of that."""
+    """Model values (K, N) of pixels: black 0, white 1, and the derivatives."""
 
     grey: Floats
     by_u: Floats
-    """By the place in modules."""
+    """Derivative by u, in modules."""
     by_v: Floats
     by_blur: Floats
-    """By the logarithm of the blur."""
+    """Derivative by the logarithm of the blur."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
-    """Prepare a pattern of modules (n, n), rim included, upper row first."""
+    """Prepare a pattern of modules (n, n), border included, upper row first."""
     around = np.pad(white.astype(float), 1, constant_values=1.0)
     along = np.array(ALONG)
     places, across_u = [], []
@@ -72,10 +72,10 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
 
 
 def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) -> Look:
-    """What is seen at places (K, 2, N) in modules, whose derivative by the pixels is (K, 2, 2, N).
+    """Compute the model at places (K, 2, N) in modules, whose derivative by the pixels is (K, 2, 2, N).
 
-    `differences` is (K, n, n); `blur` (K,) is the standard deviation in pixels. The many values, one for each line of
-    the lattice, are of single precision, which is exact to some hundredths of a grey level, and faster.
+    `differences` is (K, n, n); `blur` (K,) is the standard deviation in pixels. Values per lattice line use single
+    precision, which is faster and exact to some hundredths of a grey level.
     """
     spread = np.sqrt(by_pixel[:, :, 0] ** 2 + by_pixel[:, :, 1] ** 2)
     correlation = (by_pixel[:, 0] * by_pixel[:, 1]).sum(axis=1) / (spread[:, 0] * spread[:, 1])
@@ -99,6 +99,6 @@ def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) ->
 
 
 def _sum(of_u: Singles, both: Singles) -> Floats:
-    """The sum over the lattice's lines of v."""
+    """Return the sum over the lattice's lines of v."""
     total: Floats = np.einsum("kin,kin->kn", of_u, both[:, 1]).astype(np.float64)
     return total

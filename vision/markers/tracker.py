@@ -1,9 +1,8 @@
-"""Follows markers from frame to frame.
+"""Tracking of markers from frame to frame.
 
-The whole frame is scanned at half resolution now and then, and at full resolution rarely. Between, the markers of the
-frame before are fitted where they should be by their speed; where that does not fit, the region around is searched, and
-where that finds nothing, the whole frame. Every marker is fitted at full resolution, so that the way it was found does
-not matter to its pose.
+The whole frame is searched at half resolution every few frames, and rarely at full resolution. In between, each marker
+is fitted at its predicted position. If that fails, the region around it is searched, and then the whole frame. Every
+marker is fitted at full resolution, so its pose does not depend on how it was found.
 """
 
 from __future__ import annotations
@@ -20,65 +19,68 @@ from roverlink.vision.markers.detection import Detection, Detector, Image, Regio
 from roverlink.vision.markers.edges import FIRST_BLUR, Fit, Guess, fit_edges
 from roverlink.vision.markers.flips import Flips
 from roverlink.vision.markers.marker_set import MarkerSet, TargetId
-from roverlink.vision.poses.pnp import Corners, Solution, doubted, solve, square_poses
+from roverlink.vision.poses.pnp import Corners, Solution, solve, square_poses, with_model_error
 from roverlink.vision.poses.pose import Pose
 
 SCAN_EVERY = 6
-"""Frames from one scan of the whole frame to the next."""
+"""Number of frames between searches of the whole frame."""
 FULL_EVERY = 5
-"""Every so many scans is at full resolution, and so is the first."""
+"""Every so many searches uses full resolution, beginning with the first."""
 FORGOTTEN_S = 0.5
-"""How long a marker that is not found is looked for where it should be."""
+"""Time in seconds for which a lost marker is still searched at its predicted position."""
 EXPLAINED = 0.75
-"""The part of the pixels' variance that a marker's pattern must explain; what passes for one by chance stays below."""
+"""Least share of the pixels' variance that a marker's pattern must explain; accidental patterns stay below."""
 CONTRAST = 8.0
-"""Grey levels that white must be brighter than black."""
+"""Least difference of white and black in grey levels."""
 NEAR = 1.0
-"""Pixels that corners may be from where they should be: from farther the fit may have begun at the wrong pixels."""
-_MARGIN = 0.3  # of a marker's size, around where it should be
+"""Largest distance in pixels between fitted and predicted corners.
+
+A fit that ends farther away may have started with wrong pixels.
+"""
+_MARGIN = 0.3  # border around the predicted position, as a fraction of the marker's size
 _LEAST_MARGIN = 10  # pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sighting:
-    """A marker or board that was seen, and where it is in the camera's optical frame (x right, y down, z forward)."""
+    """Marker or board in a frame, with its pose in the camera's optical frame (x right, y down, z forward)."""
 
     id: TargetId
-    """The marker's number, or the board's name."""
+    """Number of the marker, or name of the board."""
     stamp: int
-    """Nanoseconds, as given with the image."""
+    """Time in nanoseconds, as given with the image."""
     corners: Floats
-    """(N, 2) in pixels of the image, 4 for each marker that was seen, in OpenCV's order; refined."""
+    """Refined corners (N, 2) in pixels, 4 for each visible marker, in OpenCV's order."""
     pose: Pose
-    """Takes points of the landmark's frame to the camera's, in metres."""
+    """Transform from the landmark's frame to the camera's, in metres."""
     covariance: Floats
-    """Of the pose (6, 6), in the order x y z rotX rotY rotZ and about the camera's axes; see `vision/poses/pose.py`."""
+    """Covariance (6, 6) of the pose: x y z rotX rotY rotZ, about the camera's axes; see `vision/poses/pose.py`."""
     ambiguity: float
-    """Reprojection error of the other pose over that of this one; infinite where there is no other.
+    """Ratio of the other pose's reprojection error to that of this one; infinity if there is no other.
 
-    Near 1 one frame cannot tell which is true; below 1 the frames before decided against what this one shows.
+    If it is near 1, one frame cannot decide. Below 1, earlier frames decided against this frame's better fit.
     """
     error: float
-    """Reprojection error: root of the mean squared distance in pixels from the corners to the pose's."""
+    """Reprojection error: root mean square distance in pixels between observed and projected corners."""
     seen: Corners
-    """What the pose was computed from."""
+    """Input of the pose computation."""
     solutions: tuple[Solution, ...]
-    """All poses that were found, the best fitting first."""
+    """All poses found, the best fitting first."""
 
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """A marker of earlier frames."""
+    """Marker of earlier frames."""
 
     corners: Floats
     velocity: Floats
-    """Of the corners (4, 2) in pixels a second."""
+    """Velocity (4, 2) of the corners in pixels per second."""
     stamp: int
     blur: float
 
 
 class Tracker:
-    """Finds and follows the markers of one camera. Not to be shared between threads."""
+    """Finds and tracks the markers of one camera. Not thread-safe."""
 
     def __init__(
         self,
@@ -88,25 +90,26 @@ class Tracker:
         scan_every: int = SCAN_EVERY,
         full_every: int = FULL_EVERY,
     ) -> None:
-        """`scan_every` 1 scans every frame; `full_every` 1 makes every scan one at full resolution."""
+        """Create a tracker; `scan_every` 1 searches every frame, `full_every` 1 always at full resolution."""
         self._camera, self._markers = camera, markers
         self._detector = Detector(markers)
         self._scan_every, self._full_every = scan_every, full_every
         self.reset()
 
     def reset(self) -> None:
-        """Forget what was seen, as at a jump in time."""
+        """Forget all tracks, for instance when time jumps back."""
         self._tracks: dict[int, _Track] = {}
         self._flips: dict[TargetId, Flips] = {}
         self._frames = self._scans = 0
         self._stamp = 0
 
     def track(self, image: Image, stamp: int) -> tuple[Sighting, ...]:
-        """The landmarks in an image, grey (H, W) or BGR (H, W, 3), taken at `stamp` in nanoseconds.
+        """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), taken at `stamp` in nanoseconds.
 
-        Raises `SetupError` for an image whose size is not the one that the camera was calibrated with.
+        Raises `SetupError` if the image's size is not that of the camera's calibration.
         """
         grey = self._grey(image)
+        # A looped recording or a changed clock: predictions across the jump would be wrong.
         if stamp < self._stamp:
             self.reset()
         self._stamp = stamp
@@ -125,11 +128,13 @@ class Tracker:
         height, width = image.shape[:2]
         if self._camera.size not in (None, (width, height)):
             raise SetupError(
-                "the camera was calibrated with images of {}x{} pixels, and this one has {}x{}; calibrate at this "
-                "size, or give parameters scaled to it".format(*(self._camera.size or ()), width, height)
+                "the camera was calibrated with images of {}x{} pixels, but this image has {}x{}; calibrate at this "
+                "size, or scale the parameters".format(*(self._camera.size or ()), width, height)
             )
         if image.dtype != np.uint8 or image.ndim not in (2, 3):
-            raise SetupError(f"an image has 8 bits, (H, W) or (H, W, 3); this is {image.dtype} of {image.shape}")
+            raise SetupError(
+                f"the image is {image.dtype} of shape {image.shape}; it must be uint8, (H, W) or (H, W, 3)"
+            )
         return to_grey(image)
 
     def _forget(self, stamp: int) -> None:
@@ -140,7 +145,7 @@ class Tracker:
     # --- finding ---
 
     def _find(self, grey: Image, stamp: int) -> dict[int, Fit]:
-        """Look where it is due; scan also where a marker is lost and nothing was scanned."""
+        """Fit all markers; search the whole frame when it is due, or when a marker is lost."""
         due = self._frames % self._scan_every == 0
         self._frames += 1
         found = self._scan(grey) if due else {}
@@ -167,7 +172,7 @@ class Tracker:
         return found
 
     def _keep(self, found: dict[int, Detection], more: Iterable[Detection]) -> None:
-        """Add what was found; of two with one number the larger."""
+        """Add detections; of two with the same number keep the larger."""
         for one in more:
             old = found.get(one.number)
             if old is None or _extent(one) > _extent(old):
@@ -178,7 +183,7 @@ class Tracker:
     def _fit_all(
         self, grey: Image, found: Mapping[int, Detection], stamp: int, expected: Container[int] = ()
     ) -> dict[int, Fit]:
-        """Fit each; those that were only `expected` have to be near where they were."""
+        """Fit detections; the `expected` ones must stay near their predicted position."""
         fits = {}
         guesses = [self._guess(detection) for detection in found.values()]
         fitted = {
@@ -205,7 +210,7 @@ class Tracker:
         return targets
 
     def _seen(self, numbers: list[int], fits: Mapping[int, Fit]) -> Corners:
-        """What was seen of a landmark."""
+        """Return the corners of a landmark with their covariance."""
         points = [self._markers.points(number) for number in numbers]
         covariance = np.zeros((8 * len(numbers), 8 * len(numbers)))
         for place, number in enumerate(numbers):
@@ -213,7 +218,7 @@ class Tracker:
         return Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
 
     def _starts(self, landmarks: Iterable[list[int]], fits: Mapping[int, Fit]) -> list[list[Pose]]:
-        """The poses of each landmark, given by its markers' numbers, that one of its markers has alone."""
+        """Return start poses of each landmark, given by the numbers of its markers: the poses of single markers."""
         if not fits:
             return []
         points = np.stack([self._markers.points(number) for number in fits])
@@ -223,7 +228,7 @@ class Tracker:
     def _sight(
         self, target: TargetId, numbers: list[int], seen: Corners, solutions: Sequence[Solution], stamp: int
     ) -> Sighting:
-        seen, solutions = doubted(seen, solutions[:2])
+        seen, solutions = with_model_error(seen, solutions[:2])
         chosen = self._flips.setdefault(target, Flips()).decide(solutions, stamp)
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
@@ -245,14 +250,14 @@ def _extent(detection: Detection) -> float:
 
 
 def _followed(old: _Track | None, corners: Floats, stamp: int, blur: float) -> _Track:
-    """A marker's track with a new place."""
+    """Return a marker's track at its new position."""
     if old is None or stamp <= old.stamp:
         return _Track(corners, np.zeros((4, 2)), stamp, blur)
     return _Track(corners, (corners - old.corners) / ((stamp - old.stamp) / 1e9), stamp, blur)
 
 
 def _predicted(track: _Track, stamp: int) -> tuple[Floats, float]:
-    """Where a marker's corners should be, and how far off they may be in pixels."""
+    """Return the predicted corners of a marker, and the largest prediction error in pixels."""
     seconds = (stamp - track.stamp) / 1e9
     return track.corners + track.velocity * seconds, float(np.abs(track.velocity).max()) * seconds / 2
 

@@ -1,1 +1,1 @@
-"""Poses, and how they are computed from points."""
+"""Poses, and their computation from points."""

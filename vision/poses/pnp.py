@@ -1,6 +1,6 @@
-"""Where a marker or a board is, from its corners (perspective-n-point): both solutions, and how uncertain each is.
+"""Perspective-n-point: the pose of a marker or board from its corners, both solutions with covariances.
 
-Corners are taken as rays, so that no lens enters here.
+Corners are given as rays, so no lens model is needed here.
 """
 
 from __future__ import annotations
@@ -18,19 +18,22 @@ from roverlink.vision.opencv import cv2
 from roverlink.vision.poses.pose import Pose, predict_all, rotation_of
 
 STEPS = 30
-HOPELESS = 1000.0
-"""A start is not refined whose chi squared is so many times the best start's: IPPE's solutions are nearly minima."""
+WORST_START = 1000.0
+"""Ratio of a start's chi squared to that of the best start above which it is not refined.
+
+IPPE's solutions are nearly minima, so a start with a much worse fit stays worse.
+"""
 _CONVERGED = 1e-3
-"""Change of chi squared, in parts of it, at which a refinement ends."""
+"""Relative change of chi squared below which a refinement ends."""
 _SAME = np.radians(0.05)
-"""Solutions whose rotations differ less are one."""
+"""Angle in radians below which two solutions count as one."""
 _MOST_DAMPED = 1e6
-_NORMAL_QUANTILE = 3.09  # 99.9 %
+_NORMAL_QUANTILE = 3.09  # 99.9 % quantile of the normal distribution
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Corners:
-    """What was seen of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
+    """Corners of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
 
     points: Floats
     rays: Floats
@@ -39,21 +42,21 @@ class Corners:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """A pose (landmark to camera) at which the corners fit best among the poses near it."""
+    """Pose (landmark to camera) at a local optimum of the fit."""
 
     pose: Pose
     covariance: Floats
-    """(6, 6): x y z rotX rotY rotZ."""
+    """Covariance (6, 6) of x y z rotX rotY rotZ."""
     chi2: float
-    """Squared residuals in standard deviations; about 2N - 6 where all is as assumed."""
+    """Sum of squared residuals in standard deviations; about 2N - 6 if all assumptions hold."""
     error: float
-    """Root of the mean squared distance between corners and their projections, in the plane z = 1."""
+    """Root mean square distance between corners and their projections, in the plane z = 1."""
 
 
 def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
-    """Both poses of each of K markers, squares anywhere in their landmarks' frames (K, 4, 3), seen at rays (K, 4, 2).
+    """Return both poses of each of K markers, given their corners (K, 4, 3) and rays (K, 4, 2).
 
-    IPPE (Collins and Bartoli, 2014), by OpenCV.
+    The markers may lie anywhere in their landmarks' frames. Uses IPPE (Collins and Bartoli, 2014) from OpenCV.
     """
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
     sides = np.sqrt((right * right).sum(axis=1))
@@ -75,7 +78,10 @@ def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
 
 
 def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
-    """Turns (3,) and shifts (3,) from a marker's own frame, x right and y up from its middle, to the camera's."""
+    """Return rotation vectors (3,) and translations (3,) from a marker's own frame to the camera's.
+
+    The marker's own frame has its origin in the marker's centre, x to the right and y up.
+    """
     _, turns, shifts, _ = cv2.solvePnPGeneric(
         square(side), rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
@@ -83,9 +89,9 @@ def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
 
 
 def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[list[Solution]]:
-    """Refine the starts of each landmark; its different outcomes, best first.
+    """Refine the starts of each landmark; return its distinct solutions, best first.
 
-    Landmarks of as many corners are refined together, for numpy's sake.
+    Landmarks with the same number of corners are refined together, because numpy is slow on small arrays.
     """
     found: list[list[Solution]] = [[] for _ in seen]
     by_count: dict[int, list[_Start]] = {}
@@ -101,17 +107,17 @@ def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[lis
 
 
 class _Start(NamedTuple):
-    """Where the refinement of a landmark's pose begins."""
+    """Start of the refinement of a landmark's pose."""
 
     owner: int
-    """Which landmark's."""
+    """Index of the landmark."""
     corners: Corners
     whitening: Floats
     pose: Pose
 
 
 def _whitening(corners: Corners) -> Floats | None:
-    """What makes the corners' errors independent and of variance 1; None where their covariance is none."""
+    """Return the matrix that makes the corners' errors independent with variance 1; None if there is none."""
     try:
         return np.linalg.inv(np.linalg.cholesky(corners.covariance))
     except np.linalg.LinAlgError:
@@ -119,7 +125,7 @@ def _whitening(corners: Corners) -> Floats | None:
 
 
 def _different(solutions: list[Solution]) -> list[Solution]:
-    """The solutions, best first, without those that are one with a better one."""
+    """Return the solutions, best first, without duplicates of better ones."""
     kept: list[Solution] = []
     for solution in sorted(solutions, key=lambda one: one.chi2):
         if all(solution.pose.angle_to(other.pose) > _SAME for other in kept):
@@ -128,7 +134,7 @@ def _different(solutions: list[Solution]) -> list[Solution]:
 
 
 class _Problem:
-    """The corners (P, N, ...) to which P poses are fitted."""
+    """Corners (P, N, ...) to which P poses are fitted."""
 
     def __init__(self, starts: Sequence[_Start]) -> None:
         self.owners = np.array([start.owner for start in starts])
@@ -137,7 +143,7 @@ class _Problem:
         self.whitening = np.stack([start.whitening for start in starts])
 
     def at(self, rotation: Floats, translation: Floats) -> _Places:
-        """How poses fit."""
+        """Evaluate the fit of poses."""
         rays, derivative = predict_all(rotation, translation, self.points)
         missed = self.rays - rays
         count = len(missed)
@@ -148,47 +154,48 @@ class _Problem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """How P poses fit."""
+    """Fit of P poses."""
 
     rotation: Floats
     """(P, 3, 3)"""
     translation: Floats
     """(P, 3)"""
     missed: Floats
-    """(P, N, 2), the rays less their predictions."""
+    """Differences (P, N, 2) between the rays and their predictions."""
     residuals: Floats
-    """(P, 2N) in standard deviations."""
+    """Residuals (P, 2N) in standard deviations."""
     derivative: Floats
-    """Of the prediction (P, 2N, 6), in standard deviations."""
+    """Derivative (P, 2N, 6) of the prediction, in standard deviations."""
     chi2: Floats
     """(P,)"""
 
     def normal(self) -> Floats:
-        """The normal matrices (P, 6, 6)."""
+        """Return the normal matrices (P, 6, 6)."""
         matrices: Floats = np.swapaxes(self.derivative, 1, 2) @ self.derivative
         return matrices
 
     def where(self, chosen: NDArray[np.bool_], other: _Places) -> _Places:
-        """These where chosen, else the others."""
+        """Return the chosen elements of this fit, and the others of `other`."""
         pairs = ((getattr(self, part.name), getattr(other, part.name)) for part in fields(self))
         return _Places(*(np.where(chosen.reshape(-1, *[1] * (one.ndim - 1)), one, two) for one, two in pairs))
 
 
 def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
-    """Refine starts of landmarks with as many corners; None where the corners determine no pose."""
+    """Refine starts of landmarks with the same number of corners; None if the corners determine no pose."""
     if not starts:
         return []
     problem = _Problem(starts)
-    with np.errstate(all="ignore"):  # of what is behind the camera, or leaves for infinity
+    with np.errstate(all="ignore"):  # poses behind the camera, or that diverge
         places = problem.at(
             np.stack([start.pose.rotation for start in starts]), np.stack([start.pose.translation for start in starts])
         )
         least = np.full(problem.owners.max() + 1, np.inf)
         np.fmin.at(least, problem.owners, places.chi2)
-        places = _refine(problem, places, places.chi2 < HOPELESS * (1 + least[problem.owners]))
+        places = _refine(problem, places, places.chi2 < WORST_START * (1 + least[problem.owners]))
         normal = places.normal()
         usable = _invertible(normal)
         covariance = np.linalg.inv(np.where(usable[:, None, None], normal, np.eye(6)))
+    # A nearly singular matrix can have an inverse with negative variances.
     usable &= covariance.diagonal(axis1=1, axis2=2).min(axis=1) > 0
     covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
     error = np.sqrt((places.missed**2).sum(axis=2).mean(axis=1))
@@ -205,7 +212,7 @@ def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
 
 
 def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _Places:
-    """Levenberg and Marquardt's method, for those that are `moving`."""
+    """Refine the poses that are `moving` by the Levenberg-Marquardt algorithm."""
     damping: Floats = np.full(len(moving), 1e-4)
     for _ in range(STEPS):
         normal = places.normal()
@@ -216,7 +223,7 @@ def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _P
         normal[~moving] = np.eye(6)
         change = np.linalg.solve(normal, np.swapaxes(places.derivative, 1, 2) @ places.residuals[..., None])[..., 0]
         moved = problem.at(rotation_of(change[:, 3:]) @ places.rotation, places.translation + change[:, :3])
-        better = moving & (moved.chi2 <= places.chi2)  # not where it is nan
+        better = moving & (moved.chi2 <= places.chi2)  # false for NaN
         gain = places.chi2 - moved.chi2
         goes_on = np.where(better, gain >= _CONVERGED * (0.1 + moved.chi2), damping <= _MOST_DAMPED)
         moving = moving & goes_on
@@ -226,15 +233,15 @@ def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _P
 
 
 def _invertible(matrices: Floats) -> NDArray[np.bool_]:
-    """Which matrices (P, n, n) have an inverse; one with nan has none."""
+    """Return which matrices (P, n, n) are invertible; those with NaN are not."""
     invertible: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) > 0)
     return invertible
 
 
-def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
-    """Both with larger covariances where the best chi squared is not chance.
+def with_model_error(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
+    """Enlarge the covariances if the best chi squared is larger than chance explains.
 
-    Then the camera's parameters, the marker's side or its flatness are not what one thinks.
+    In that case the camera's parameters, the marker's side or its flatness differ from the assumptions.
     """
     freedom = corners.rays.size - 6
     chi2 = solutions[0].chi2
@@ -246,6 +253,6 @@ def doubted(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, l
 
 
 def chi2_limit(freedom: int) -> float:
-    """What chi squared of so many degrees of freedom exceeds once in a thousand (Wilson and Hilferty, 1931)."""
+    """Return the value that chi squared exceeds once in a thousand cases (Wilson and Hilferty, 1931)."""
     part = 2 / (9 * freedom)
     return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)

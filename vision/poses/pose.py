@@ -1,7 +1,7 @@
-"""Poses, and what they do to points.
+"""Poses and their effect on points.
 
-A pose's error is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation exp([r]x) R; both in the
-axes of the frame that the pose is given in, as in ROS 2's `PoseWithCovariance`.
+The error of a pose is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation is exp([r]x) R. Both
+are in the axes of the frame in which the pose is given, as in ROS 2's `PoseWithCovariance`.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ import numpy as np
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 
-_HALF_TURN = -0.99  # cosine
-_TINY = 1e-150  # half an angle that is next to none: its sine over it is 1
-_CROSS = np.zeros((3, 9))  # takes a vector to the matrix of its vector product, row by row
+_HALF_TURN = -0.99  # cosine of an angle near 180 degrees
+_TINY = 1e-150  # smallest half angle; it avoids 0 / 0 in sin(x) / x
+_CROSS = np.zeros((3, 9))  # maps a vector to its cross product matrix, row by row
 _CROSS[0, [5, 7]], _CROSS[1, [2, 6]], _CROSS[2, [1, 3]] = (-1, 1), (1, -1), (-1, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """Takes points of one frame to another: `rotation` (3, 3) @ point + `translation` (3,) in metres."""
+    """Transform of points from one frame to another: `rotation` (3, 3) @ point + `translation` (3,) in metres."""
 
     rotation: Floats
     translation: Floats
 
     def apply(self, points: Floats) -> Floats:
-        """The points (..., 3) in the other frame."""
+        """Return points (..., 3) in the other frame."""
         moved: Floats = points @ self.rotation.T + self.translation
         return moved
 
@@ -36,25 +36,28 @@ class Pose:
         return Pose(self.rotation @ first.rotation, self.rotation @ first.translation + self.translation)
 
     def inverse(self) -> Pose:
-        """The way back."""
+        """Return the inverse transform."""
         return Pose(self.rotation.T, -self.rotation.T @ self.translation)
 
     def moved(self, change: Floats) -> Pose:
-        """The pose after a change (6,): x y z rotX rotY rotZ."""
+        """Return the pose after a change (6,) of x y z rotX rotY rotZ."""
         return Pose(rotation_of(change[3:]) @ self.rotation, self.translation + change[:3])
 
     def change_to(self, other: Pose) -> Floats:
-        """The change (6,) that makes this pose the other: the inverse of `moved`."""
+        """Return the change (6,) from this pose to the other: the inverse of `moved`."""
         return np.concatenate([other.translation - self.translation, angles_of(other.rotation @ self.rotation.T)])
 
     def angle_to(self, other: Pose) -> float:
-        """The angle in radians between both rotations: two that differ by it are sqrt(8) sin(angle / 2) apart."""
+        """Return the angle in radians between both rotations.
+
+        The Frobenius norm of the difference of two rotation matrices is sqrt(8) sin(angle / 2).
+        """
         apart = (other.rotation - self.rotation).ravel()
         return 2 * math.asin(min(math.sqrt(float(apart @ apart) / 8), 1.0))
 
 
 def rotation_of(angles: Floats) -> Floats:
-    """The rotations (..., 3, 3) about axes (..., 3) by their lengths in radians (Rodrigues's formula)."""
+    """Return the rotations (..., 3, 3) about axes (..., 3), whose lengths are the angles in radians (Rodrigues)."""
     axes = np.asarray(angles, dtype=float)
     half = np.maximum(np.sqrt((axes * axes).sum(axis=-1)) / 2, _TINY)[..., None, None]
     cross = (axes @ _CROSS).reshape(*axes.shape, 3)
@@ -65,7 +68,10 @@ def rotation_of(angles: Floats) -> Floats:
 
 
 def angles_of(rotation: Floats) -> Floats:
-    """The inverse of `rotation_of`. OpenCV's takes angles below 1e-5 for nothing, so it only does the half turns."""
+    """Return the rotation vector of a rotation: the inverse of `rotation_of`.
+
+    OpenCV's Rodrigues treats angles below 1e-5 as zero, so it is used only near 180 degrees.
+    """
     (_, a, b), (c, _, d), (e, f, _) = rotation.tolist()
     sine = math.sqrt((f - d) ** 2 + (b - e) ** 2 + (c - a) ** 2) / 2
     cosine = (float(rotation.trace()) - 1) / 2
@@ -77,19 +83,21 @@ def angles_of(rotation: Floats) -> Floats:
 
 
 def quaternion_of(rotation: Floats) -> Floats:
-    """A rotation (3, 3) as the quaternion x y z w of length 1, w not negative."""
+    """Return the unit quaternion x y z w of a rotation (3, 3), with w not negative."""
     angles = angles_of(rotation)
     half = float(np.linalg.norm(angles)) / 2
-    return np.append(angles / 2 * np.sinc(half / np.pi), max(math.cos(half), 0.0))  # a half turn, rounded
+    return np.append(
+        angles / 2 * np.sinc(half / np.pi), max(math.cos(half), 0.0)
+    )  # rounding can make the cosine of 90 degrees negative
 
 
 def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
-    """The rays (N, 2) of points (N, 3), and their derivative (N, 2, 6) by the pose's change; nan behind the camera."""
+    """Return the rays (N, 2) of points (N, 3), and their derivative (N, 2, 6) by the pose; NaN behind the camera."""
     return predict_all(pose.rotation, pose.translation, points)
 
 
 def predict_all(rotation: Floats, translation: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """As `predict`, for any number of poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
+    """Compute as `predict` for many poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
     turned = points @ np.swapaxes(rotation, -1, -2)
     seen = turned + translation[..., None, :]
     z = np.where(seen[..., 2] > 0, seen[..., 2], np.nan)[..., None]
@@ -98,7 +106,7 @@ def predict_all(rotation: Floats, translation: Floats, points: Floats) -> tuple[
     derivative = np.zeros((*rays.shape, 6))
     derivative[..., 0, 0] = derivative[..., 1, 1] = 1
     derivative[..., :, 2] = -rays
-    # a turn r moves a point by r x turned
+    # a small rotation r moves a point by the cross product of r and `turned`
     derivative[..., 0, 3], derivative[..., 0, 4], derivative[..., 0, 5] = -u * y, depth + u * x, -y
     derivative[..., 1, 3], derivative[..., 1, 4], derivative[..., 1, 5] = -depth - v * y, v * x, x
     return rays, derivative / z[..., None]

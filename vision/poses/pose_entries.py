@@ -1,7 +1,7 @@
-"""Poses in the files that people write.
+"""Poses in YAML files.
 
-A pose has a `position` in metres, and its turn as `rpy` or as `orientation`. `rpy` are degrees about the fixed x, y and
-z axes, in that order (as in URDF); `orientation` is a quaternion x y z w.
+A pose has a `position` in metres, and its rotation as `rpy` or as `orientation`. `rpy` are degrees about the fixed x, y
+and z axes, in this order (as in URDF); `orientation` is a quaternion x y z w.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from roverlink.vision.poses.pose import Pose, rotation_of
 from roverlink.vision.yaml_file import Item
 
 POSE = frozenset(("position", "rpy", "orientation"))
-"""The keys of a pose."""
-_UNIT = 0.01  # how far a quaternion's length may be from 1
+"""Keys of a pose."""
+_UNIT = 0.01  # largest deviation of a quaternion's length from 1
 
 
 def pose(item: Item, entries: Mapping[str, Item]) -> Pose:
-    """The pose that an item has among its entries. Raises `SetupError` where there is none."""
+    """Return the pose in an item's entries. Raises `SetupError` if there is none."""
     if "position" not in entries:
         raise item.error(f"{item.name} has no position")
     if ("rpy" in entries) == ("orientation" in entries):

@@ -1,4 +1,4 @@
-"""Prints markers and boards to true scale: as PDF, whose shapes are exact, and as PNG at a resolution."""
+"""Printing of markers and boards to scale: as PDF with exact shapes, or as PNG with a given resolution."""
 
 from roverlink.vision.printing.pdf import to_pdf
 from roverlink.vision.printing.png import to_png

@@ -1,6 +1,6 @@
-"""Sheets as PDF (ISO 32000): rectangles and words need so little of it that a library would bring more than it spares.
+"""Sheets as PDF (ISO 32000), written directly, since rectangles and text need only a few operators.
 
-The same sheets give the same bytes.
+Equal sheets give equal bytes.
 """
 
 from __future__ import annotations
@@ -10,17 +10,17 @@ from collections.abc import Iterator, Sequence
 from roverlink.vision.printing.sheet import Sheet
 
 _POINTS = 72 / 0.0254
-"""A metre in the units of PDF."""
+"""PDF units (points) per metre."""
 _CAPITALS = 0.718
-"""Height of Helvetica's capitals in parts of its size, by its metrics (Adobe, AFM)."""
-_FIRST_PAGE = 4  # after the catalogue, the list of pages and the font
+"""Height of Helvetica's capitals as a fraction of the font size (Adobe font metrics)."""
+_FIRST_PAGE = 4  # object number; 1 to 3 are the catalogue, the page list and the font
 
 
 def to_pdf(sheets: Sequence[Sheet]) -> bytes:
-    """A page a sheet, in black. A viewer prints it to scale if it is told 100 %, or actual size."""
+    """Return a PDF with one page for each sheet. Viewers print it to scale at 100 % (actual size)."""
     pages = " ".join(f"{_FIRST_PAGE + 2 * index} 0 R" for index in range(len(sheets)))
     objects = [
-        # asks viewers not to shrink the page to what the printer can reach
+        # asks viewers not to shrink the page to the printable area
         "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
         f"<< /Type /Pages /Kids [{pages}] /Count {len(sheets)} >>",
         "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
@@ -41,7 +41,7 @@ def _content(sheet: Sheet) -> Iterator[str]:
     for one in sheet.rectangles:
         bottom = sheet.height - one.top - one.height
         yield f"{_number(one.left)} {_number(bottom)} {_number(one.width)} {_number(one.height)} re"
-    yield "f"  # all at once: between shapes that are filled one by one, viewers show seams
+    yield "f"  # fill all shapes at once: viewers show seams between shapes that are filled separately
     for label in sheet.labels:
         size, place = _number(label.height / _CAPITALS), f"{_number(label.left)} {_number(sheet.height - label.base)}"
         yield f"BT /F {size} Tf {place} Td ({_escaped(label.text)}) Tj ET"
@@ -60,7 +60,7 @@ def _file(objects: Sequence[str]) -> bytes:
 
 
 def _number(metres: float) -> str:
-    """A length in PDF's units, to a tenth of a micrometre."""
+    """Return a length in points, to a tenth of a micrometre."""
     return f"{metres * _POINTS:.4f}".rstrip("0").rstrip(".")
 
 

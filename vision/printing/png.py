@@ -1,4 +1,4 @@
-"""Sheets as PNG: edges are rounded to pixels, and the file says how large a pixel is."""
+"""Sheets as PNG: edges are rounded to pixels, and the file states the size of a pixel."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from roverlink.vision.printing.sheet import Sheet
 
 _INCH = 0.0254
 _HEADER = 8 + 25
-"""Bytes of PNG's signature and of its first chunk, IHDR."""
+"""Bytes of the PNG signature and of the first chunk, IHDR."""
 _LARGEST = 30_000
-"""Pixels a side; more is a mistake."""
+"""Largest side in pixels; a larger image is a mistake."""
 
 
 def to_png(sheet: Sheet, dpi: float) -> bytes:
-    """An image of so many pixels an inch. Raises `SetupError` for one that is too large."""
+    """Return a PNG image of a sheet. Raises `SetupError` if it is too large."""
     scale = dpi / _INCH
     width, height = round(sheet.width * scale), round(sheet.height * scale)
     if max(width, height) > _LARGEST:
-        raise SetupError(f"an image of {width}x{height} pixels; write a PDF, or take fewer than {dpi:g} DPI")
+        raise SetupError(f"the image would have {width}x{height} pixels; write a PDF, or use fewer than {dpi:g} DPI")
     image = np.full((height, width), 255, np.uint8)
     for one in sheet.rectangles:
+        # Round the edges, not the widths, so that neighbours share an edge without gaps.
         left, right = round(one.left * scale), round((one.left + one.width) * scale)
         top, bottom = round(one.top * scale), round((one.top + one.height) * scale)
         image[top:bottom, left:right] = 0
@@ -37,7 +38,7 @@ def to_png(sheet: Sheet, dpi: float) -> bytes:
 
 
 def _with_resolution(png: bytes, pixels_a_metre: float) -> bytes:
-    """A PNG with the chunk that says how large its pixels are, which OpenCV does not write."""
+    """Add the chunk pHYs with the size of a pixel (PNG specification, 11.3.5.3), which OpenCV does not write."""
     data = b"pHYs" + struct.pack(">IIB", round(pixels_a_metre), round(pixels_a_metre), 1)
     chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
     return png[:_HEADER] + chunk + png[_HEADER:]

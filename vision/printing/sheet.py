@@ -1,4 +1,4 @@
-"""What is on a sheet of paper: black rectangles and words, in metres from its upper left corner, y down."""
+"""Content of a sheet of paper: black rectangles and text, in metres from the upper left corner, y down."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Rectangle:
-    """A black rectangle."""
+    """Black rectangle."""
 
     left: float
     top: float
@@ -16,13 +16,13 @@ class Rectangle:
     height: float
 
     def moved(self, right: float, down: float) -> Rectangle:
-        """The same elsewhere."""
+        """Return the rectangle at another position."""
         return Rectangle(self.left + right, self.top + down, self.width, self.height)
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Words in capitals of a height, that start at the left of their base line."""
+    """Text in capitals of a given height; `left` and `base` are the start of its base line."""
 
     left: float
     base: float
@@ -32,7 +32,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """A page."""
+    """Page of paper."""
 
     width: float
     height: float
@@ -41,5 +41,5 @@ class Sheet:
 
 
 def moved(rectangles: Iterable[Rectangle], right: float, down: float) -> list[Rectangle]:
-    """Rectangles elsewhere."""
+    """Return the rectangles at another position."""
     return [one.moved(right, down) for one in rectangles]

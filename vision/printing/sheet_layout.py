@@ -1,4 +1,4 @@
-"""Where markers, boards and rulers are on sheets of paper."""
+"""Layout of markers, boards and rulers on sheets of paper."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ PAPERS = {
     "letter": (0.2159, 0.2794),
     "tabloid": (0.2794, 0.4318),
 }
-"""Width and height upright in metres: ISO 216, and ANSI's."""
+"""Width and height in portrait orientation in metres (ISO 216 and ANSI)."""
 
 RULER = 0.1
-"""Metres."""
+"""Length of a ruler in metres."""
 _MARGIN = 0.005
-"""That printers do not reach."""
+"""Border in metres that printers cannot reach."""
 _STRIP = 0.004
-"""Of a ruler and the words beside it."""
+"""Width in metres of a ruler with its text."""
 _LINE, _TICK, _LONG_TICK = 0.0003, 0.0012, 0.002
 _CAPITALS = 0.0022
 _STEP = 0.01  # between ticks
 
 
 def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
-    """A ChArUco board in the middle of a sheet, with rulers. Raises `SetupError` where it does not fit."""
+    """Return a sheet with a ChArUco board in the centre, and rulers. Raises `SetupError` if it does not fit."""
     width, height = board.size
     page_width, page_height = _page(paper, width, height, f"a board of {board.columns}x{board.rows} squares")
     left, top = (page_width - width) / 2, (page_height - height) / 2
@@ -50,7 +50,7 @@ def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
 
 
 def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> list[Sheet]:
-    """Markers of their sizes on as many sheets as it takes, with a white rim of a module, a number, and rulers.
+    """Return sheets with markers, each with a white border of one module and its number, and with rulers.
 
     Raises `SetupError` for a marker that is larger than the sheet.
     """
@@ -76,7 +76,7 @@ def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> lis
 
 
 def _page(paper: str, width: float, height: float, what: str) -> tuple[float, float]:
-    """The paper upright, or across where only that has the room."""
+    """Return the size of the paper in portrait, or in landscape if the content fits only there."""
     rim = 2 * (_MARGIN + _STRIP)
     upright = PAPERS[paper]
     for page in (upright, upright[::-1]):
@@ -87,12 +87,12 @@ def _page(paper: str, width: float, height: float, what: str) -> tuple[float, fl
         for name, (short, long) in sorted(PAPERS.items(), key=lambda one: one[1])
         if min(width, height) + rim <= short and max(width, height) + rim <= long
     ]
-    cure = f"take {fitting[0]}, or smaller sides" if fitting else "take smaller sides"
-    raise SetupError(f"{what} is {_mm(width)} x {_mm(height)}, too large for {paper} with its margins; {cure}")
+    cure = f"use {fitting[0]}, or smaller sides" if fitting else "use smaller sides"
+    raise SetupError(f"{what} ({_mm(width)} x {_mm(height)}) is too large for {paper} with its margins; {cure}")
 
 
 def _board(board: CharucoBoard) -> Iterator[Rectangle]:
-    """The black parts of a board; the squares without a marker are black."""
+    """Yield the black parts of a board; its squares without a marker are black."""
     opencv = board.opencv
     white = set()
     for number, corners in zip(np.ravel(opencv.getIds()).tolist(), opencv.getObjPoints()):
@@ -108,12 +108,12 @@ def _board(board: CharucoBoard) -> Iterator[Rectangle]:
 
 
 def _bits(dictionary: Any, number: int) -> NDArray[np.bool_]:
-    """Which modules (n, n) of a marker are black, its rim included."""
+    """Return a mask (n, n) of a marker's black modules, including its border."""
     return np.asarray(dictionary.generateImageMarker(number, dictionary.markerSize + 2)) < 128
 
 
 def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:
-    """A marker's black modules, those in a row together."""
+    """Yield a marker's black modules; neighbours in a row are merged."""
     module = side / len(black)
     for row, modules in enumerate(black):
         column = 0
@@ -125,7 +125,7 @@ def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:
 
 
 def _rulers(height: float, words: str) -> tuple[list[Rectangle], tuple[Label, ...]]:
-    """A ruler along the lower edge and one along the left, and what they are for beside the lower."""
+    """Return a ruler along the lower edge and one along the left edge, and the text next to the lower one."""
     lower = height - _MARGIN - _LINE
     across = [Rectangle(_MARGIN, lower, RULER, _LINE)]
     down = [Rectangle(_MARGIN, lower - RULER, _LINE, RULER)]
@@ -133,7 +133,7 @@ def _rulers(height: float, words: str) -> tuple[list[Rectangle], tuple[Label, ..
         length, place = (_TICK if index % 5 else _LONG_TICK), index * _STEP
         across.append(Rectangle(_MARGIN + place - (_LINE if place else 0), lower - length, _LINE, length))
         down.append(Rectangle(_MARGIN, lower - place, length, _LINE))
-    text = f"Both rulers are {_mm(RULER)} long, or the printer has scaled.  {words}"
+    text = f"If a ruler is not {_mm(RULER)} long, the printer has scaled the page.  {words}"
     return across + down, (Label(_MARGIN + RULER + _LONG_TICK, lower + _LINE, _CAPITALS, text),)
 
 

@@ -1,1 +1,1 @@
-"""What was seen, as ROS 2 messages on topics."""
+"""ROS 2 output of the camera programs."""

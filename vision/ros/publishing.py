@@ -1,15 +1,15 @@
-"""Publishes what is seen on ROS 2's topics.
+"""Publishing of a camera's results on ROS 2 topics.
 
-| topic                   | type                                    | what                                            |
+| topic                   | type                                    | content                                         |
 |-------------------------|-----------------------------------------|-------------------------------------------------|
-| /tf                     | tf2_msgs/TFMessage                      | where each landmark is                          |
-| aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | the same of one, with its covariance            |
+| /tf                     | tf2_msgs/TFMessage                      | transform of each landmark                      |
+| aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | pose of one landmark, with covariance           |
 | aruco/detections        | vision_msgs/Detection3DArray            | all landmarks of a frame, both poses of each    |
 | aruco/camera_info       | sensor_msgs/CameraInfo                  | the camera's parameters                         |
-| aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame, with what was seen drawn into it     |
-| aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | where the camera is on the field                |
+| aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame with the landmarks drawn into it      |
+| aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
 
-What takes time to make is made for those who listen.
+A message is made only if its topic has a subscriber, because some take long to make.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from roverlink.vision.ros import sighting_messages
 from roverlink.vision.ros.sighting_messages import FrameNames
 
 NODE = "aruco_tracker"
-_TRANSFORMS = Qos(depth=100)  # as tf2's broadcaster has it
-_LATEST = Qos(depth=5)  # of images and what belongs to them, as sensors have it
+_TRANSFORMS = Qos(depth=100)  # the depth of tf2's broadcaster
+_LATEST = Qos(depth=5)  # the depth of ROS 2's sensor data profile
 
 
 class Publishing:
-    """The topics of one camera."""
+    """Publishers of one camera."""
 
     def __init__(
         self,
@@ -46,7 +46,10 @@ class Publishing:
         topic: Callable[[str], str],
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """`topic` gives a topic's full name; `say` hears of one that cannot be published (of an rclpy without it)."""
+        """Open the topics; `topic` returns a topic's full name.
+
+        `say` is called if a topic cannot be published, for instance if rclpy lacks the message type.
+        """
         self._middleware, self._camera, self._names, self._topic, self._say = middleware, camera, names, topic, say
         self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
         self._detections = self._open("aruco/detections", vision_msgs.Detection3DArray)
@@ -56,7 +59,7 @@ class Publishing:
         self._poses: dict[str, _Output] = {}
 
     def publish(self, view: View) -> None:
-        """Publish what a frame showed. Without landmarks in it, there is nothing on /tf."""
+        """Publish the results of a frame. Without landmarks nothing is sent on /tf."""
         names, stamp, sightings = self._names, view.frame.stamp, view.sightings
         if sightings:
             self._transforms.put(lambda: sighting_messages.transforms_of(sightings, names))
@@ -81,17 +84,17 @@ class Publishing:
         try:
             return _Output(self._middleware.publisher(topic, message_type, qos))
         except MiddlewareError as error:
-            self._say(f"nothing is published on {topic}: {error}")
+            self._say(f"cannot publish on {topic}: {error}")
             return _Output(None)
 
 
 class _Output:
-    """A topic, or none."""
+    """Topic, or a placeholder for one that cannot be published."""
 
     def __init__(self, publisher: Publisher | None) -> None:
         self._publisher = publisher
 
     def put(self, make: Callable[[], Message]) -> None:
-        """Publish a message where somebody listens."""
+        """Publish a message if the topic has a subscriber."""
         if self._publisher is not None and self._publisher.has_subscribers():
             self._publisher.publish([cdr.encode(make())])

@@ -1,4 +1,4 @@
-"""The rover's position on the field, published on the topic that a bridge forwards to the basestation."""
+"""Publishing of the rover's position, on the topic that a bridge sends to the basestation."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from roverlink.runtime.middleware import Middleware
 from roverlink.vision.camera.camera_model import Floats
 
 ROW = "rover_localization"
-"""The table's row that carries the position."""
+"""Row of the table that carries the position."""
 AXES = ("x", "y", "z")
-"""The fields of its message, whatever its type is: metres in the field's frame."""
+"""Fields of the row's message, of any type: metres in the field's frame."""
 
 
 def position_publisher(
@@ -22,20 +22,22 @@ def position_publisher(
     topic: Callable[[str], str],
     warn: Callable[[str], object] = lambda _: None,
 ) -> Callable[[Floats], None]:
-    """Return a function that publishes a position (3,) as the message that the table has for `ROW`.
+    """Return a function that publishes a position (3,) as the message of the row `ROW`.
 
-    Where the table has no such row, or its message lacks one of `AXES`, ``warn`` hears of it, and the function does
-    nothing: whoever tracks markers may have no peer to tell.
+    If the table has no such row, or its message lacks one of `AXES`, ``warn`` is called and the function does nothing,
+    because tracking is useful without a peer too.
     """
     rows = (*registry.handlers, *registry.feeds)
     handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)
     if handler is None:
-        warn(f"the table has no row {ROW} that goes to a peer: no peer is told where the rover is")
+        warn(f"the table has no row {ROW} to a peer, so the rover's position is not sent")
         return lambda _: None
     route, message_type = handler.route, handler.message_type
     if missing := [axis for axis in AXES if axis not in {field.name for field in fields_of(message_type)}]:
         name = message_type.__msgtype__
-        warn(f"{name} of the row {ROW} has no field {', '.join(missing)}: no peer is told where the rover is")
+        warn(
+            f"{name}, the message of row {ROW}, has no field {', '.join(missing)}, so the rover's position is not sent"
+        )
         return lambda _: None
     publish = middleware.publisher(topic(route.topic), message_type, route.qos).publish
 

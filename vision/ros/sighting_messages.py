@@ -1,7 +1,7 @@
-"""What was seen, as ROS 2 messages.
+"""Conversion of sightings to ROS 2 messages.
 
-A marker's frame has x to the right of the print, y up and z out of it; the camera's is the optical one (REP-103).
-Covariances are about the axes of the frame that the pose is given in, as `geometry_msgs/PoseWithCovariance` has it.
+A marker's frame has x to the right on the print, y up and z out of it; the camera's frame is the optical one (REP 103).
+Covariances are about the axes of the frame in which the pose is given, as in `geometry_msgs/PoseWithCovariance`.
 """
 
 from __future__ import annotations
@@ -30,24 +30,24 @@ _QUALITY = 80  # of JPEG
 
 @dataclass(frozen=True, slots=True)
 class FrameNames:
-    """The names of the coordinate frames."""
+    """Names of the coordinate frames."""
 
     camera: str = "camera_frame"
     marker: str = "aruco_"
-    """What comes before a marker's number, or before a board's name."""
+    """Prefix of a marker's number or a board's name."""
 
     def of(self, target: TargetId) -> str:
-        """The frame of a landmark."""
+        """Return the name of a landmark's frame."""
         return f"{self.marker}{target}"
 
 
 def header_of(stamp: int, frame: str) -> Header:
-    """A header with nanoseconds since 1970."""
+    """Return a header; `stamp` is in nanoseconds since 1970."""
     return Header(Time(stamp // 10**9, stamp % 10**9), frame)
 
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
-    """Where each landmark is in the camera's frame, for tf2."""
+    """Return the landmarks' poses in the camera's frame, for tf2."""
     return tf2_msgs.TFMessage(
         [
             geometry_msgs.TransformStamped(
@@ -61,19 +61,19 @@ def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.
 
 
 def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Where a landmark is in the camera's frame."""
+    """Return a landmark's pose in the camera's frame."""
     pose = _with_covariance(one.pose, one.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
 
 
 def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Where the camera is on the field."""
+    """Return the camera's pose on the field."""
     pose = _with_covariance(place.pose, place.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
 
 
 def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> vision_msgs.Detection3DArray:
-    """The landmarks in a frame, with both poses of each: the first result is the one that was decided for."""
+    """Return the landmarks of a frame with both poses of each; the first result is the chosen pose."""
     header = header_of(stamp, names.camera)
     return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
 
@@ -81,7 +81,7 @@ def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) 
 def camera_info_of(
     camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames
 ) -> sensor_msgs.CameraInfo:
-    """The camera's parameters, for images of `size` (width, height) that nobody has rectified."""
+    """Return the camera's parameters, for unrectified images of `size` (width, height)."""
     width, height = size
     return sensor_msgs.CameraInfo(
         header=header_of(stamp, names.camera),
@@ -96,14 +96,15 @@ def camera_info_of(
 
 
 def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.CompressedImage:
-    """An image (H, W, 3) as JPEG. Raises `SetupError` for one that JPEG cannot hold."""
+    """Return an image (H, W, 3) as JPEG. Raises `SetupError` if JPEG cannot hold it."""
     done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
     if not done:
-        raise SetupError(f"an image of {image.shape[1]}x{image.shape[0]} pixels cannot be compressed")
+        raise SetupError(f"cannot write an image of {image.shape[1]}x{image.shape[0]} pixels as JPEG")
     return sensor_msgs.CompressedImage(header_of(stamp, names.camera), "jpeg", data.tobytes())
 
 
 def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.Detection3D:
+    # False sorts before True: the chosen pose comes first.
     ordered = sorted(one.solutions, key=lambda solution: solution.pose is not one.pose)
     results = [
         vision_msgs.ObjectHypothesisWithPose(
@@ -123,7 +124,7 @@ def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.
 
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
-    """How likely this frame alone makes a solution among all, from their chi squared."""
+    """Return the probability of a solution among all, from the chi squared of this frame alone."""
     least = min(one.chi2 for one in solutions)
     weights = [math.exp((least - one.chi2) / 2) for one in solutions]
     return math.exp((least - solution.chi2) / 2) / sum(weights)

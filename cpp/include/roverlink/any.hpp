@@ -16,11 +16,12 @@ template<typename Payload>
 bool holds(const google::protobuf::Any & payload)
 {
   const std::string url(payload.type_url());
+  // As in protobuf's own Any::Is, only the name after the last slash counts.
   const auto slash = url.rfind('/');
   return slash != std::string::npos && url.substr(slash + 1) == Payload::descriptor()->full_name();
 }
 
-/// Parse the message in an Any. Throws ConversionError if its bytes are no such message.
+/// Parse the message in an Any. Throws ConversionError if its bytes are not such a message.
 template<typename Payload>
 Payload unpacked(const google::protobuf::Any & payload, const char * place)
 {

@@ -25,7 +25,7 @@ std::vector<const typename Map::value_type *> sorted(const Map & map)
   return entries;
 }
 
-/// Add a key to a map and return its new value. Throws ConversionError for a repeated key: a value would be lost.
+/// Add a key to a map and return its new value. Throws ConversionError for a repeated key: a map would lose a value.
 template<typename Map, typename Key>
 typename Map::mapped_type & added(Map & map, const Key & key, const char * field)
 {

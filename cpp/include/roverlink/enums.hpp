@@ -13,7 +13,7 @@
 namespace roverlink
 {
 
-/// The number of an enum value. It converts to whichever enum it is assigned to.
+/// Number of an enum value. It converts to any enum that it is assigned to.
 class Enumerator
 {
 public:
@@ -49,7 +49,7 @@ ConversionError no_counterpart(const char * field, Number value)
 {
   std::ostringstream shown;
   shown << +value;
-  return ConversionError(field, shown.str() + " has no counterpart");
+  return ConversionError(field, shown.str() + " is not among the values that the table lists for it");
 }
 
 }  // namespace roverlink

@@ -10,7 +10,7 @@
 namespace roverlink
 {
 
-/// The quality of service of a topic, in the words of ROS 2.
+/// Quality of service of a topic, with the names of ROS 2.
 struct Qos
 {
   const char * reliability = "reliable";
@@ -22,13 +22,13 @@ struct Qos
 /// A row of mapping.yaml, or an extra topic of a row.
 struct Route
 {
-  /// The field number in the envelope's oneof.
+  /// Field number in the envelope's oneof.
   int number;
-  /// The name of the field in the envelope's oneof.
+  /// Field name in the envelope's oneof.
   const char * name;
-  /// As mapping.yaml spells it.
+  /// ROS 2 topic as mapping.yaml spells it.
   const char * topic;
-  /// For example `hardware_to_ros` or `ros_to_basestation`.
+  /// Direction, for example `hardware_to_ros` or `ros_to_basestation`.
   const char * direction;
   Qos qos = {};
 };

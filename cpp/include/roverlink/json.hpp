@@ -8,17 +8,17 @@
 namespace roverlink
 {
 
-// google.protobuf.Struct, Value and ListValue to and from a text of JSON.
+// Conversion of google.protobuf.Struct, Value and ListValue to and from JSON text (RFC 8259).
 //
-// Texts are written here and not by protobuf, whose output has no order of keys and other digits in each version: the
-// C++ and the Python bridge publish the same bytes, keys in order, and every double keeps its bits.
+// JSON is written here and not by protobuf, whose output has no fixed order of keys, and whose digits differ between
+// versions. The C++ and the Python bridge publish the same bytes: keys are sorted, and every double keeps its bits.
 //
-// Texts are read by protobuf. JSON that the Python bridge reads means the same here, except that up to version 21 objects
-// in each other are read 33 deep (Python: 49), and that from version 22 on the integer -0 keeps its sign. Beyond that,
-// protobuf takes texts that the Python bridge refuses: integers that no double holds exactly, which it rounds, and,
+// JSON is read by protobuf. Text that the Python bridge accepts means the same here, with two exceptions: up to version
+// 21 objects can be nested only 33 deep (Python: 49), and from version 22 on the integer -0 keeps its sign. Besides,
+// protobuf accepts text that the Python bridge refuses: integers that no double holds exactly, which it rounds, and,
 // depending on its version, text that is not quite JSON, such as [1,] and 'a' and {a: 1}.
 //
-// All functions throw ConversionError for what the other side cannot hold.
+// All functions throw ConversionError for values that the other side cannot hold.
 
 /// Write a Struct as a JSON object.
 std::string json_struct_to_ros(const google::protobuf::Struct & payload, const char * field);
@@ -29,7 +29,7 @@ google::protobuf::Struct json_struct_from_ros(const std::string & text, const ch
 /// Write a Value as JSON. Throws ConversionError for a Value without a kind, and for NaN and infinity.
 std::string json_value_to_ros(const google::protobuf::Value & payload, const char * field);
 
-/// Read JSON of any kind.
+/// Read any JSON value.
 google::protobuf::Value json_value_from_ros(const std::string & text, const char * field);
 
 /// Write a ListValue as a JSON array.

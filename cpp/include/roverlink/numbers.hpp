@@ -38,7 +38,7 @@ To narrow(From value, const char * field)
   return static_cast<To>(number);
 }
 
-/// Round to the nearest integer; a half is rounded to the even one, as Python's round() does.
+/// Round to the nearest integer; a half is rounded to the even integer, as Python's round() does.
 ///
 /// Throws ConversionError for NaN, infinity and numbers from 2^100 on.
 Wide whole(double value, const char * field);

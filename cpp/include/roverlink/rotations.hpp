@@ -4,7 +4,7 @@
 namespace roverlink
 {
 
-/// Rotations about the fixed axes x, y and z in this order, in radians (REP-103).
+/// Rotations about the fixed axes x, y and z in this order, in radians (REP 103).
 struct Angles
 {
   double roll;
@@ -12,7 +12,7 @@ struct Angles
   double yaw;
 };
 
-/// A rotation. It converts from and to every struct with these members, as geometry_msgs::msg::Quaternion.
+/// A rotation. It converts from and to every struct with these members, such as geometry_msgs::msg::Quaternion.
 struct Quaternion
 {
   double x;
@@ -54,8 +54,8 @@ Quaternion quaternion(const Angles & angles, const char * field);
 
 /// Convert a quaternion to angles.
 ///
-/// At a pitch of 90 degrees up or down, roll and yaw are one rotation: all of it is returned as yaw. The quaternion can
-/// have any length; for length 0, all angles are 0.
+/// At a pitch of 90 degrees up or down, only the sum or difference of roll and yaw is defined: all of it is returned as
+/// yaw. The quaternion can have any length; for length 0, all angles are 0.
 Angles angles(const Quaternion & rotation);
 
 }  // namespace roverlink

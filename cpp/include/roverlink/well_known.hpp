@@ -13,7 +13,7 @@
 namespace roverlink
 {
 
-// All functions throw ConversionError for what the other side cannot hold.
+// All functions throw ConversionError for values that the other side cannot hold.
 
 /// Convert a timestamp to a time, which can be from 1901 to 2038.
 Stamp timestamp_to_ros(const google::protobuf::Timestamp & payload, const char * field);
@@ -32,7 +32,7 @@ google::protobuf::Duration duration_from_ros(const Stamp & message, const char *
 /// Return the paths of a field mask.
 std::vector<std::string> field_mask_to_ros(const google::protobuf::FieldMask & payload, const char * field);
 
-/// Make a field mask of paths.
+/// Make a field mask from paths.
 google::protobuf::FieldMask field_mask_from_ros(const std::vector<std::string> & paths, const char * field);
 
 }  // namespace roverlink

@@ -1,4 +1,4 @@
-"""``roverlink aruco``: what is done with a camera; one module a subcommand."""
+"""``roverlink aruco``: camera commands, one module each."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "aruco",
-        "find ArUco markers with a camera, and where that puts it",
+        "track ArUco markers, calibrate cameras, print boards",
         "roverlink aruco track 0",
-        "What is done with a camera. Needs OpenCV: pip install 'roverlink[vision]'.",
+        "Camera commands: track ArUco markers, calibrate a camera, print boards and markers.\n"
+        "They need OpenCV: pip install 'roverlink[vision]'.",
     )
     subcommands = parser.add_subparsers(required=True, metavar="command")
     for name in _COMMANDS:

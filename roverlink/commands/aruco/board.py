@@ -26,35 +26,40 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "board",
-        "print a ChArUco board, or markers, to true scale",
+        "make a sheet with a ChArUco board or markers, for printing to scale",
         "roverlink aruco board --paper A3 --square 0.036 --marker 0.027 --out board.pdf",
-        "Write a ChArUco board for `roverlink aruco calibrate`, or with --markers the markers themselves, to be\n"
-        "printed to true scale (in the print dialogue: 100 %, or actual size). The rulers on the sheet check the\n"
-        "printer.",
+        "Write a ChArUco board for `roverlink aruco calibrate`, or single markers with --markers, as PDF or PNG.\n"
+        "Print the sheet at 100 % (actual size). The rulers on it show whether the printer kept the scale.",
     )
     add_board(parser)
     parser.add_argument(
         "--markers",
         type=_numbers,
         metavar="IDS",
-        help=f"print these markers instead, such as 0-5,20 (dictionary by default: {_MARKERS})",
+        help=f"make a sheet with these markers, such as 0-5,20 (default dictionary: {_MARKERS})",
     )
     parser.add_argument(
-        "--side", type=metres, default=0.05, metavar="METRES", help="side of each of those (default: %(default)s)"
+        "--side",
+        type=metres,
+        default=0.05,
+        metavar="METRES",
+        help="side of each of these markers (default: %(default)s)",
     )
-    parser.add_argument("--paper", choices=_PAPERS, default="A4", help="(default: %(default)s)")
+    parser.add_argument("--paper", choices=_PAPERS, default="A4", help="paper size (default: %(default)s)")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help=".pdf or .png (default: charuco_board.pdf or markers.pdf)"
+        "--out", type=Path, metavar="FILE", help="PDF or PNG file (default: charuco_board.pdf or markers.pdf)"
     )
-    parser.add_argument("--dpi", type=_dpi, default=600.0, help="pixels an inch of a PNG (default: %(default)g)")
+    parser.add_argument(
+        "--dpi", type=_dpi, default=600.0, help="resolution of a PNG in pixels per inch (default: %(default)g)"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the file."""
+    """Write the sheets."""
     out: Path = arguments.out or Path("markers.pdf" if arguments.markers else "charuco_board.pdf")
     if out.suffix.lower() not in _FORMATS:
-        raise SetupError(f"{out}: a sheet is written as {' or '.join(_FORMATS)}")
+        raise SetupError(f"{out}: unknown format; the name must end with {' or '.join(_FORMATS)}")
     from roverlink.vision import printing  # only here, so that the help needs no OpenCV
 
     sheets = _sheets(arguments)
@@ -63,9 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
     elif len(sheets) == 1:
         content = printing.to_png(sheets[0], arguments.dpi)
     else:
-        raise SetupError(f"{out}: the markers need {len(sheets)} sheets, and a PNG is one; write a PDF")
+        raise SetupError(f"{out}: the markers need {len(sheets)} sheets, but a PNG holds only one; write a PDF")
     write_whole(out, content)
-    print(f"{out}: {counted(len(sheets), 'sheet')} of {arguments.paper}; print at 100 %, and check the rulers")
+    print(f"{out}: {counted(len(sheets), 'sheet')} of {arguments.paper}; print it at 100 % and check the rulers")
     return OK
 
 
@@ -81,13 +86,13 @@ def _sheets(arguments: argparse.Namespace) -> list[Sheet]:
 
 
 def _numbers(text: str) -> list[int]:
-    """`0-5,20` as numbers, in their order."""
+    """Parse ``0-5,20`` into numbers, in their order."""
     numbers: list[int] = []
     for part in text.split(","):
         found = _RANGE.fullmatch(part.strip())
         first, last = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
         if first > last:
-            raise argparse.ArgumentTypeError(f"{text!r} are no numbers of markers such as 0-5,20")
+            raise argparse.ArgumentTypeError(f"{text!r} is not a list of marker numbers, such as 0-5,20")
         numbers += range(first, last + 1)
     return list(dict.fromkeys(numbers))
 
@@ -98,5 +103,5 @@ def _dpi(text: str) -> float:
     except ValueError:
         found = 0.0
     if not 30 <= found <= 4800:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a resolution of 30 to 4800 pixels an inch")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a resolution from 30 to 4800 pixels per inch")
     return found

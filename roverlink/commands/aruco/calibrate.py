@@ -1,4 +1,4 @@
-"""``roverlink aruco calibrate``: a camera's parameters, and how well they are known."""
+"""``roverlink aruco calibrate``: measure a camera's parameters and their uncertainty."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "calibrate",
-        "find a camera's parameters with a ChArUco board",
+        "calibrate a camera with a ChArUco board",
         "roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785",
-        "Find a camera's parameters with a ChArUco board (`roverlink aruco board` prints one; measure its squares).\n"
-        "Of a camera, a stream or a video, views are taken that add something, until nothing is missing or Ctrl-C\n"
-        "says that it is enough; a folder's images are all taken. Exit code 1 where the views are not enough.",
+        "Calibrate a camera with a ChArUco board. `roverlink aruco board` makes one; measure its squares after\n"
+        "printing. From a camera, a stream or a video, useful views are taken until the coverage is complete or you\n"
+        "press Ctrl-C; from a folder, every image is taken. Exit code 1: the views are not sufficient.",
     )
     add_source(parser)
     add_board(parser)
@@ -29,25 +29,25 @@ def add(commands: Subparsers) -> None:
         "--model",
         choices=_MODELS,
         default=_MODELS[0],
-        help="of the lens: 5 coefficients, 8 for wide lenses, or fisheye (default: %(default)s)",
+        help="lens model: 5 coefficients, 8 coefficients for wide lenses, or fisheye (default: %(default)s)",
     )
     parser.add_argument(
         "--out",
         type=Path,
         default=PARAMETERS,
         metavar="FILE",
-        help="where the parameters are written, and a report beside them as .html (default: %(default)s)",
+        help="file for the parameters; the report has its name and .html (default: %(default)s)",
     )
     parser.add_argument(
-        "--views", type=count, default=20, metavar="N", help="views to collect at least (default: %(default)s)"
+        "--views", type=count, default=20, metavar="N", help="least number of views to collect (default: %(default)s)"
     )
     parser.add_argument(
-        "--json", action="store_true", help="print an object for each view that is taken, and the result"
+        "--json", action="store_true", help="print a JSON object for each view that is taken, and one for the result"
     )
     parser.add_argument(
         "--page",
         action="store_true",
-        help="show the picture and what is missing on a page for a browser; views are dropped, and all is saved there",
+        help="show picture and coverage on a page for a web browser; drop views and save the result there",
     )
     parser.add_argument(
         "--page-port", type=port, default=8788, metavar="PORT", help="TCP port of the page (default: %(default)s)"
@@ -56,13 +56,13 @@ def add(commands: Subparsers) -> None:
         "--page-address",
         default="127.0.0.1",
         metavar="ADDRESS",
-        help="where the page is served (default: %(default)s, for this computer alone)",
+        help="address of the page (default: %(default)s, which only this computer can reach)",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate; exit code 1 where the views do not determine the camera."""
+    """Calibrate. Exit code 1 if the views do not determine the camera."""
     from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
     return calibrate(arguments)

@@ -1,4 +1,4 @@
-"""``roverlink aruco track``: where ArUco markers are, and where that puts the camera."""
+"""``roverlink aruco track``: poses of ArUco markers, and of the camera relative to landmarks."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "track",
-        "find ArUco markers, and say where they are",
+        "find ArUco markers and publish their poses",
         "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
-        "Find ArUco markers, and publish where they are: on /tf, with covariances, as detections, and drawn into the\n"
-        "image. With --landmarks, where that puts the camera, too, which goes to the basestation over a bridge that\n"
-        "runs. With --json or --save nothing of ROS is needed.\n"
+        "Find ArUco markers and publish their poses: on /tf, with covariances, as detections, and drawn into the\n"
+        "image. With --landmarks, publish the camera's position too; a running bridge sends it to the basestation.\n"
+        "With --json or --save, no ROS 2 is needed.\n"
         "After --ros-args: -r from:=to, -r __ns:=/x, -r __node:=n, --log-level LEVEL.",
     )
     add_source(parser)
-    parser.add_argument("--loop", action="store_true", help="play a recording again and again")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after so many frames")
+    parser.add_argument("--loop", action="store_true", help="repeat a recording until interrupted")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N frames")
     _add_camera(parser)
     _add_markers(parser)
     _add_outputs(parser)
@@ -44,49 +44,57 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=PARAMETERS,
         metavar="FILE",
-        help="the camera's parameters, as `roverlink aruco calibrate` writes them (default: %(default)s)",
+        help="camera parameters from `roverlink aruco calibrate` (default: %(default)s)",
     )
     parser.add_argument(
-        "--rescale", action="store_true", help="take parameters of another image size, scaled to this one"
+        "--rescale", action="store_true", help="scale camera parameters of another image size to this one"
     )
-    parser.add_argument("--camera-frame", default="camera_frame", metavar="NAME", help="(default: %(default)s)")
+    parser.add_argument(
+        "--camera-frame", default="camera_frame", metavar="NAME", help="frame of the camera (default: %(default)s)"
+    )
 
 
 def _add_markers(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--dictionary", default="DICT_5X5_250", metavar="NAME", help="(default: %(default)s)")
+    parser.add_argument(
+        "--dictionary", default="DICT_5X5_250", metavar="NAME", help="dictionary of the markers (default: %(default)s)"
+    )
     parser.add_argument(
         "--side",
         type=_side,
         action="append",
         default=[],
         metavar="[ID=]METRES",
-        help="the black square's side, of all markers or of one (default: 0.05)",
+        help="side of the black square, of all markers or of marker ID (default: 0.05)",
     )
-    parser.add_argument("--boards", type=Path, metavar="FILE", help="markers that are one landmark together")
-    parser.add_argument("--landmarks", type=Path, metavar="FILE", help="where the landmarks are on the field")
+    parser.add_argument(
+        "--boards", type=Path, metavar="FILE", help="YAML file of boards: markers that form one landmark"
+    )
+    parser.add_argument(
+        "--landmarks", type=Path, metavar="FILE", help="YAML file with the positions of the landmarks on the field"
+    )
     parser.add_argument(
         "--marker-frame",
         default="aruco_",
         metavar="PREFIX",
-        help="a marker's frame is this and its number (%(default)s)",
+        help="frame of a marker: PREFIX and its number (default: %(default)s)",
     )
 
 
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print an object a frame")
-    parser.add_argument("--save", type=Path, metavar="FILE", help="save a film with what was seen drawn into it")
+    parser.add_argument("--json", action="store_true", help="print a JSON object for each frame")
+    parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
     parser.add_argument(
         "--middleware",
         choices=(*NAMES, NO_MIDDLEWARE),
-        help=f"auto: rclpy where it imports, else dds (default: auto, or {NO_MIDDLEWARE} with --json or --save)",
+        help=f"auto: rclpy if it can be imported, else dds (default: auto, or {NO_MIDDLEWARE} with --json or --save)",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Track until the source ends, or until a signal comes; then exit code 0."""
+    """Track until the source ends or a signal comes; both give exit code 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     if names := [name for name in ros.parameters if name != "use_sim_time"]:
-        raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options, see --help")
+        raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options (see --help)")
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None)
     if arguments.middleware is None and not (arguments.json or arguments.save):
         arguments.middleware = "auto"
@@ -98,9 +106,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _side(text: str) -> tuple[int | None, float]:
-    """`0.15` for all markers, `7=0.1` for one."""
+    """Parse ``0.15`` for all markers, ``7=0.1`` for one."""
     number, separator, side = text.rpartition("=")
     try:
         return (int(number) if separator else None), metres(side)
     except (ValueError, argparse.ArgumentTypeError) as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither metres above 0 nor ID=METRES") from error
+        raise argparse.ArgumentTypeError(f"{text!r} is not METRES or ID=METRES, such as 0.15 or 7=0.1") from error

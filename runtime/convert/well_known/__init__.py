@@ -1,4 +1,4 @@
-"""Types of google.protobuf that mean more than their fields: to and from what ROS 2 has for them, a module each.
+"""Well-known types (google.protobuf.*) to and from their ROS 2 counterparts, one module each.
 
-``field``, in all of them, is the name of the field for an error.
+``field`` is the field's name, for errors.
 """

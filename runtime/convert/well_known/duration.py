@@ -1,7 +1,7 @@
 """google.protobuf.Duration to and from builtin_interfaces/Duration.
 
-In protobuf, seconds and nanoseconds have one sign: -0.5 s is 0 s and -500,000,000 ns. In ROS 2 the seconds are rounded
-down and the nanoseconds are added: -1 s and 500,000,000 ns.
+In protobuf, seconds and nanoseconds have the same sign (duration.proto): -0.5 s is 0 s and -500,000,000 ns. In ROS 2
+nanoseconds are never negative: -0.5 s is -1 s and 500,000,000 ns.
 """
 
 from __future__ import annotations
@@ -14,17 +14,21 @@ from roverlink.runtime.interfaces import Duration
 
 
 def to_ros(payload: Payload, field: str) -> Duration:
-    """The duration that a payload is. Raises `ConversionError` where it is longer than 68 years, or is none."""
+    """Convert a duration. Raises `ConversionError` if it is longer than 68 years (int32 seconds) or invalid."""
     return Duration(*parts(payload, field))
 
 
 def parts(payload: Payload, field: str) -> tuple[int, int]:
-    """`to_ros` as seconds and nanoseconds."""
+    """Convert as `to_ros`, to a pair of seconds and nanoseconds."""
     seconds, nanoseconds = payload.seconds, payload.nanos
     if not -NANOSECONDS < nanoseconds < NANOSECONDS:
-        raise ConversionError(f"{nanoseconds} nanoseconds are a second or more", field)
+        raise ConversionError(f"{nanoseconds} nanoseconds are a second or more; protobuf allows less", field)
     if seconds * nanoseconds < 0:
-        raise ConversionError(f"{seconds} seconds and {nanoseconds} nanoseconds differ in their signs", field)
+        raise ConversionError(
+            f"{seconds} seconds and {nanoseconds} nanoseconds have different signs, which protobuf does not allow",
+            field,
+        )
+    # Borrow a second, since ROS 2 stores nanoseconds as uint32.
     if nanoseconds < 0:
         seconds, nanoseconds = seconds - 1, nanoseconds + NANOSECONDS
     check_time(seconds, nanoseconds, field)
@@ -32,7 +36,7 @@ def parts(payload: Payload, field: str) -> tuple[int, int]:
 
 
 def from_ros(message: Duration, field: str) -> Payload:
-    """The payload that a duration is. Raises `ConversionError` where it is none."""
+    """Convert a duration back. Raises `ConversionError` if its nanoseconds are a second or more."""
     check_time(message.sec, message.nanosec, field)
     if message.sec < 0 < message.nanosec:
         return Payload(seconds=message.sec + 1, nanos=message.nanosec - NANOSECONDS)

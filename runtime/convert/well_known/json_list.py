@@ -1,4 +1,4 @@
-"""google.protobuf.ListValue to and from a text of JSON that is a list."""
+"""google.protobuf.ListValue to and from a JSON array in a string."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def to_ros(payload: ListValue, field: str) -> str:
-    """The text that says what the payload says. Raises `ConversionError` where no JSON can."""
+    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
     return text_of(plain_list, payload, field)
 
 
 def from_ros(text: str, field: str) -> ListValue:
-    """The payload that says what the text says. Raises `ConversionError` where that is no list."""
+    """Parse JSON text. Raises `ConversionError` if it is not a JSON array."""
     value = value_of(text, field)
     if not value.HasField("list_value"):
-        raise ConversionError("is JSON, but no list", field)
+        raise ConversionError("is JSON, but not an array", field)
     return value.list_value

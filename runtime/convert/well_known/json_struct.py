@@ -1,4 +1,4 @@
-"""google.protobuf.Struct to and from a text of JSON that is an object."""
+"""google.protobuf.Struct to and from a JSON object in a string."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def to_ros(payload: Struct, field: str) -> str:
-    """The text that says what the payload says. Raises `ConversionError` where no JSON can."""
+    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
     return text_of(plain_struct, payload, field)
 
 
 def from_ros(text: str, field: str) -> Struct:
-    """The payload that says what the text says. Raises `ConversionError` where that is no object."""
+    """Parse JSON text. Raises `ConversionError` if it is not a JSON object."""
     value = value_of(text, field)
     if not value.HasField("struct_value"):
-        raise ConversionError("is JSON, but no object", field)
+        raise ConversionError("is JSON, but not an object", field)
     return value.struct_value

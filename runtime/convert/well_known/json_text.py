@@ -1,4 +1,7 @@
-"""The values of google.protobuf.Value as JSON, and back; every double keeps its bits; NaN and infinity are refused."""
+"""JSON text of google.protobuf.Value and back, without loss.
+
+Every double keeps its bits. NaN and infinity are refused, because JSON has no number for them (RFC 8259, section 6).
+"""
 
 from __future__ import annotations
 
@@ -15,22 +18,23 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def text_of(read: Callable[[Any], object], payload: Struct | Value | ListValue, field: str) -> str:
-    """The JSON of a payload, keys in order. Raises `ConversionError` where it says something that JSON cannot."""
+    """Write a payload as JSON with sorted keys. Raises `ConversionError` if JSON cannot hold a value."""
     try:
+        # Keys are sorted: a protobuf map has no order, and equal payloads must give equal messages.
         return json.dumps(read(payload), ensure_ascii=False, sort_keys=True, allow_nan=False)
     except ValueError as error:
         raise ConversionError(f"cannot be JSON: {error}", field) from error
 
 
 def value_of(text: str, field: str) -> Value:
-    """Parse JSON. Raises `ConversionError` if the text is not JSON, or if a Value cannot hold what it says."""
+    """Parse JSON text. Raises `ConversionError` if it is not JSON, or if a Value cannot hold it."""
     try:
         said = json.loads(
             text, parse_int=_integer, parse_float=_finite, parse_constant=_finite, object_pairs_hook=_without_repetition
         )
         return ParseDict(said, Value())
     except (ValueError, ParseError) as error:
-        raise ConversionError(f"is no JSON that protobuf can hold: {error}", field) from error
+        raise ConversionError(f"is not JSON that a protobuf Value can hold: {error}", field) from error
     except RecursionError as error:
         raise ConversionError("is JSON that is nested too deeply", field) from error
 
@@ -38,29 +42,29 @@ def value_of(text: str, field: str) -> Value:
 def _finite(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{reprlib.repr(text)} is too large for a double, or no number")
+        raise ValueError(f"{reprlib.repr(text)} is not a number that a double can hold")
     return number
 
 
 def _integer(text: str) -> float:
     number = _finite(text)
     if number != int(text):
-        raise ValueError(f"{text} is no double; the nearest one is {number!r}")
-    return number + 0.0  # protobuf reads -0 as an integer, which has no sign
+        raise ValueError(f"{text} cannot be stored as a double exactly; the nearest is {number!r}")
+    return number + 0.0  # a float, since ParseDict would make 0 of the integer -0 and lose its sign
 
 
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     made = dict(pairs)
     if len(made) < len(pairs):
-        raise ValueError("a key stands twice in one object")
+        raise ValueError("a key occurs twice in one object")
     return made
 
 
 def plain(value: Value) -> object:
-    """What a Value says, as Python has it. Raises `ValueError` where it says nothing."""
+    """Return a Value as a plain Python value. Raises `ValueError` if no kind is set."""
     kind = value.WhichOneof("kind")
     if kind is None:
-        raise ValueError("a google.protobuf.Value has no kind")
+        raise ValueError("a google.protobuf.Value has no kind set")
     if kind == "struct_value":
         return plain_struct(value.struct_value)
     if kind == "list_value":
@@ -69,10 +73,10 @@ def plain(value: Value) -> object:
 
 
 def plain_struct(struct: Struct) -> dict[str, object]:
-    """What a Struct says, as Python has it."""
+    """Return a Struct as a dict of plain Python values."""
     return {key: plain(value) for key, value in struct.fields.items()}
 
 
 def plain_list(values: ListValue) -> list[object]:
-    """What a ListValue says, as Python has it."""
+    """Return a ListValue as a list of plain Python values."""
     return [plain(value) for value in values.values]

@@ -1,4 +1,4 @@
-"""google.protobuf.Value to and from a text of JSON."""
+"""google.protobuf.Value to and from JSON text in a string."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from roverlink.runtime.convert.well_known.json_text import plain, text_of, value
 
 
 def to_ros(payload: Value, field: str) -> str:
-    """The text that says what the payload says. Raises `ConversionError` where no JSON can."""
+    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
     return text_of(plain, payload, field)
 
 
 def from_ros(text: str, field: str) -> Value:
-    """The payload that says what the text says. Raises `ConversionError` where that is nothing."""
+    """Parse JSON text. Raises `ConversionError` if it is not JSON."""
     return value_of(text, field)

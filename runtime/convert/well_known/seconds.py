@@ -1,4 +1,4 @@
-"""What ROS 2's times hold: seconds in 32 bits, and the nanoseconds that are to be added to them."""
+"""Range of ROS 2 times: int32 seconds, and nanoseconds that are added to them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ _SECONDS = range(-(2**31), 2**31)
 
 
 def check_time(seconds: int, nanoseconds: int, field: str) -> None:
-    """Raise `ConversionError` for what builtin_interfaces cannot hold, or what is no part of a second."""
+    """Raise `ConversionError` if builtin_interfaces cannot hold the time, or the nanoseconds are a second or more."""
     if seconds not in _SECONDS:
-        raise ConversionError(f"{seconds} seconds do not fit int32, which is what ROS 2's times have", field)
+        raise ConversionError(f"{seconds} seconds do not fit int32, the type of seconds in ROS 2", field)
     if not 0 <= nanoseconds < NANOSECONDS:
-        raise ConversionError(f"{nanoseconds} nanoseconds are not from 0 to {NANOSECONDS - 1}", field)
+        raise ConversionError(f"{nanoseconds} nanoseconds are out of range (0 to {NANOSECONDS - 1})", field)

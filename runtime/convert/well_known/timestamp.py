@@ -1,4 +1,4 @@
-"""google.protobuf.Timestamp to and from builtin_interfaces/Time; both count nanoseconds upwards."""
+"""google.protobuf.Timestamp to and from builtin_interfaces/Time; in both, nanoseconds count forward."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from roverlink.runtime.interfaces import Time
 
 
 def to_ros(payload: Timestamp, field: str) -> Time:
-    """The time that a timestamp is. Raises `ConversionError` where it is before 1901 or after 2038, or is none."""
+    """Convert a timestamp. Raises `ConversionError` if it is before 1901, after 2038 (int32 seconds) or invalid."""
     return Time(*parts(payload, field))
 
 
 def parts(payload: Timestamp, field: str) -> tuple[int, int]:
-    """`to_ros` as seconds and nanoseconds."""
+    """Convert as `to_ros`, to a pair of seconds and nanoseconds."""
     check_time(payload.seconds, payload.nanos, field)
     return payload.seconds, payload.nanos
 
 
 def from_ros(message: Time, field: str) -> Timestamp:
-    """The timestamp that a time is. Raises `ConversionError` where it is none."""
+    """Convert a time back. Raises `ConversionError` if its nanoseconds are a second or more."""
     check_time(message.sec, message.nanosec, field)
     return Timestamp(seconds=message.sec, nanos=message.nanosec)

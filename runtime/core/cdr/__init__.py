@@ -1,11 +1,13 @@
-"""ROS 2's serialized form: plain XCDR1 with the four-byte encapsulation header.
+"""ROS 2's serialized form of messages: plain CDR with XCDR version 1 and the four-byte encapsulation header.
 
-The rules, from OMG DDS-XTypes 1.3, 7.4.1 (PLAIN_CDR): a primitive is aligned to its own size, counted from the first
-byte after the header; a string is a uint32 byte count that includes the closing NUL, the bytes, and the NUL; a
-sequence is a uint32 count and its elements; an array and a nested message are their parts and nothing else. A message
-without fields carries one uint8, as ROS 2's IDL has it (``structure_needs_at_least_one_member``).
+The rules, from OMG DDS-XTypes 1.3, 7.4.1 (PLAIN_CDR):
 
-A message whose fields all have a fixed size is one `struct.Struct`; any other is written part by part.
+- A primitive is aligned to its own size, counted from the first byte after the header.
+- A string is a uint32 byte count that includes the closing NUL, then the bytes and the NUL.
+- A sequence is a uint32 count and its elements; an array and a nested message are only their parts.
+- A message without fields carries one uint8, as ROS 2's IDL does (``structure_needs_at_least_one_member``).
+
+A message whose fields all have a fixed size is read and written by one `struct.Struct`, any other part by part.
 """
 
 from __future__ import annotations
@@ -21,19 +23,20 @@ from roverlink.runtime.core.cdr.template import Template
 from roverlink.runtime.core.cdr.template import template as template_of
 from roverlink.runtime.core.cdr.variable import variable_codec
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.messages import Message, once_a_type
+from roverlink.runtime.core.messages import Message, cached_by_type
 
 __all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "template", "type_name"]
 
 M = TypeVar("M", bound=Message)
 
+# The representation identifiers CDR_LE and CDR_BE (RTPS 2.2, 10.2). ROS 2 offers XCDR1 only.
 _BYTE_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 
 
 def encode(message: Message) -> bytes:
-    """The serialized form of a message, header included.
+    """Serialize a message, with the encapsulation header.
 
-    Raises `ConversionError`, with the path of the field, where a value does not fit its type.
+    Raises `ConversionError` with the path of the field whose value does not fit its type.
     """
     codec = _codec(type(message), "<")
     try:
@@ -43,27 +46,28 @@ def encode(message: Message) -> bytes:
 
 
 def template(message: Message, varying: Sequence[str]) -> Template:
-    """What stays the same in a message where only the fields at some paths vary, and how the others are laid out."""
+    """Serialize a message once, leaving out the fields at the paths in ``varying``."""
     return template_of(encode(message), message, varying)
 
 
 def decode(message_type: type[M], data: bytes) -> M:
-    """The message that a serialized form holds; bytes after its end are ignored.
+    """Parse a serialized message; bytes after its end are ignored.
 
-    Raises `ConversionError` where the data is too short, is no plain CDR, or holds a string that is not UTF-8.
+    Raises `ConversionError` if the data is too short, is not plain CDR, or has a string that is not UTF-8.
     """
+    # Padding may follow: rmw_fastrtps may append a slack byte, and DDS pads samples to whole words.
     order = _BYTE_ORDERS.get(bytes(data[:2]))
     if order is None or len(data) < len(LITTLE_ENDIAN):
-        raise ConversionError(f"not plain CDR: it starts with {bytes(data[:4]).hex(' ')!r}")
+        raise ConversionError(f"not plain CDR (header 00 01 or 00 00): it starts with {bytes(data[:4]).hex(' ')!r}")
     try:
         return _codec(message_type, order).decode(data)
     except struct.error as error:
-        raise ConversionError(f"too short for {message_type.__msgtype__}: {len(data)} bytes") from error
+        raise ConversionError(f"{len(data)} bytes are too short for {message_type.__msgtype__}") from error
     except UnicodeDecodeError as error:
         raise ConversionError(f"a string of {message_type.__msgtype__} is not UTF-8") from error
 
 
-@once_a_type
+@cached_by_type
 def _codec(message_type: type[M], order: str) -> Codec[M]:
     leaves = leaves_of(message_type)
     return variable_codec(message_type, order) if leaves is None else fixed_codec(message_type, order, leaves)

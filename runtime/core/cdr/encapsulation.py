@@ -1,4 +1,4 @@
-"""What the codecs share: the encapsulation header, the pair of functions, and what a bool may be."""
+"""Basics of the codecs: the encapsulation header, a pair of functions per type, and the check of bools."""
 
 from __future__ import annotations
 
@@ -11,22 +11,25 @@ from roverlink.runtime.core.messages import Message
 M = TypeVar("M", bound=Message)
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-"""The encapsulation header of what we write: PLAIN_CDR, little endian, no options."""
+"""Encapsulation header of everything we write: PLAIN_CDR, little endian, no options."""
 
 BOOL = "?"
-"""The `struct` format of a bool."""
+"""`struct` format of a bool."""
 
 
 @dataclass(frozen=True)
 class Codec(Generic[M]):
-    """The two directions of one message type in one byte order."""
+    """Encoder and decoder of one message type in one byte order."""
 
     encode: Callable[[M], bytes]
     decode: Callable[[bytes], M]
 
 
 def check_flags(values: Iterable[Any]) -> None:
-    """Refuse what `struct` would take for a bool: it asks any object whether it is true."""
+    """Raise `TypeError` if a value is not a bool.
+
+    `struct` would accept any object and write whether it is true.
+    """
     for value in values:
         if value not in (True, False):
-            raise TypeError("neither true nor false")
+            raise TypeError("neither True nor False")

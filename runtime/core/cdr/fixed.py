@@ -1,4 +1,4 @@
-"""Messages whose fields all have a fixed size: one `struct.Struct` each."""
+"""Codec of messages whose fields all have a fixed size: one `struct.Struct` each."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ M = TypeVar("M", bound=Message)
 
 
 class Leaf(NamedTuple):
-    """A primitive somewhere in a message, with the dotted path to it."""
+    """A primitive in a message, with its dotted path."""
 
     path: str
     primitive: Primitive
 
 
 def leaves_of(message_type: type[Message]) -> list[Leaf] | None:
-    """Every primitive of a message in wire order; None where a part has no fixed size."""
+    """Return the primitives of a message in wire order; None if a part has no fixed size."""
     leaves = list(_leaves(message_type))
     return None if None in leaves else [leaf for leaf in leaves if leaf is not None]
 
 
 def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | None]:
-    """Every primitive of a message in wire order; None for a part that has no fixed size."""
+    """Yield the primitives of a message in wire order; None for a part without a fixed size."""
     fields = fields_of(message_type)
+    # A message without fields is written as a placeholder byte, which only the codec by parts knows.
     if not fields:
         yield None
     for field in fields:
@@ -41,13 +42,14 @@ def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | No
 
 
 def layout(primitives: list[Primitive]) -> str:
-    """The `struct` format, without byte order, of primitives that follow each other, with CDR's padding.
+    """Return the `struct` format, without byte order, of primitives in sequence, with CDR's padding.
 
     >>> layout([Primitive("bool", "?", 1), Primitive("float64", "d", 8)])
     '?7xd'
     """
     position, parts = 0, []
     for primitive in primitives:
+        # XTypes 1.3, 7.4.1: alignment is that of the primitive, counted from the start of the body.
         padding = -position % primitive.size
         parts.append(f"{padding}x" if padding else "")
         parts.append(primitive.format)
@@ -56,9 +58,9 @@ def layout(primitives: list[Primitive]) -> str:
 
 
 def fixed_layout(message_type: type[Message]) -> struct.Struct:
-    """The layout of a message of fixed size: pack it with `LITTLE_ENDIAN` and the values in wire order.
+    """Return the layout of a message of fixed size; pack it with `LITTLE_ENDIAN` and the values in wire order.
 
-    Raises `TypeError` for a message that has a part of variable size.
+    Raises `TypeError` if the message has a part of variable size.
     """
     leaves = leaves_of(message_type)
     if leaves is None:
@@ -71,7 +73,7 @@ def _struct(order: str, leaves: list[Leaf]) -> struct.Struct:
 
 
 def fixed_codec(message_type: type[M], order: str, leaves: list[Leaf]) -> Codec[M]:
-    """The codec of a message whose leaves are all of it."""
+    """Make the codec of a message that consists of these primitives."""
     packer = _struct(order, leaves)
     paths = [leaf.path for leaf in leaves]
     values_of = attrgetter(*paths) if len(paths) > 1 else _one(attrgetter(paths[0]))
@@ -84,6 +86,7 @@ def fixed_codec(message_type: type[M], order: str, leaves: list[Leaf]) -> Codec[
         return packer.pack(LITTLE_ENDIAN, *values)
 
     def decode_fixed(data: bytes) -> M:
+        # unpack_from ignores bytes after the end, which padding may add.
         values = iter(packer.unpack_from(data))
         next(values)
         message: M = build(values)
@@ -97,7 +100,7 @@ def _one(getter: Callable[[Any], Any]) -> Callable[[Any], tuple[Any]]:
 
 
 def _builder(message_type: type[Message]) -> Callable[[Iterator[Any]], Any]:
-    """A function that makes a message of fixed size from its values in wire order."""
+    """Return a function that builds a message of fixed size from its values in wire order."""
     parts: list[Callable[[Iterator[Any]], Any]] = [
         _builder(field.type) if isinstance(field.type, type) else next for field in fields_of(message_type)
     ]

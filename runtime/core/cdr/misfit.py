@@ -1,4 +1,4 @@
-"""Which value of a message does not fit its type, for an error that names the field."""
+"""Search for the value of a message that does not fit its type, for an error that names the field."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 
 UNWRITABLE = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
-"""What writing a value that does not fit its type raises."""
+"""Exceptions that writing a value may raise if it does not fit its type."""
 
 
 def misfit(message: Message, prefix: str = "") -> ConversionError | None:
-    """The error of the first field whose value cannot be written, found by writing them one at a time."""
+    """Return the error of the first field that cannot be written, found by writing the fields one at a time."""
     for field in fields_of(type(message)):
         found = _value_misfit(field.type, getattr(message, field.name), prefix + field.name)
         if found is not None:
@@ -31,6 +31,7 @@ def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionErr
             found = _value_misfit(field_type.element, element, f"{path}[{index}]")
             if found is not None:
                 return found
+    # `struct` reports only that some value of the whole format failed. Writing them one by one finds the field.
     try:
         part_of(field_type, "<").write(bytearray(), value)
     except UNWRITABLE as error:
@@ -39,7 +40,7 @@ def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionErr
 
 
 def type_name(field_type: FieldType) -> str:
-    """A field's type as a .msg file spells it: ``float32``, ``uint8[<=4]``, ``comms/msg/BoundingBox``."""
+    """Return a field's type as a .msg file spells it: ``float32``, ``uint8[<=4]``, ``comms/msg/BoundingBox``."""
     if isinstance(field_type, Primitive):
         return field_type.name
     if isinstance(field_type, Text):

@@ -1,4 +1,4 @@
-"""Messages of which a part is the same every time: that part is serialized once."""
+"""Messages with a constant part: it is serialized once, and only the varying fields are packed each time."""
 
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ from roverlink.runtime.core.messages import Sequence as RosSequence
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """Pack `layout` with the varying values in wire order, and before, between and behind them the `constants`."""
+    """Layout of a message with its constant parts.
+
+    Pack `layout` with the varying values in wire order, and the `constants` before, between and after them.
+    """
 
     layout: struct.Struct
     constants: tuple[bytes, ...]
 
 
 class _Stretch(NamedTuple):
-    """The bytes of a primitive, of an array of them, or of anything that does not vary."""
+    """Byte range of a primitive, of an array of primitives, or of a constant part."""
 
     start: int
     end: int
     format: str
-    """Of what varies; empty for what does not."""
+    """`struct` format of a varying part; empty for a constant one."""
 
 
 def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Template:
-    """The template of a message, but for the fields at the paths in ``varying`` and all that is below them.
+    """Build the template of a message; only the fields at the paths in ``varying``, and those below them, vary.
 
-    Raises `TypeError` where such a field has no fixed size.
+    Raises `TypeError` if a varying field has no fixed size.
     """
     stretches = list(_Walk(varying).message(message, 0, ""))
     format, constants, end, fixed = "<", [], -len(LITTLE_ENDIAN), True
@@ -40,6 +43,7 @@ def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Tem
         if not code:
             fixed = True
             continue
+        # A gap of constants is packed as a byte string; between two varying fields it can only be padding.
         if gap := start - end:
             format += f"{gap}s" if fixed else f"{gap}x"
             constants += [serialized[end + 4 : start + 4]] if fixed else []
@@ -50,13 +54,13 @@ def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Tem
 
 
 class _Walk:
-    """Walks a message in wire order."""
+    """Computes the byte range of every part of a message, in wire order."""
 
     def __init__(self, varying: Sequence[str]) -> None:
         self._varying = varying
 
     def message(self, message: Message, position: int, prefix: str) -> Iterator[_Stretch]:
-        """The stretches of a message that starts at a position of the body."""
+        """Yield the byte ranges of a message that starts at a position of the body."""
         for field in fields_of(type(message)):
             path = f"{prefix}{field.name}"
             for stretch in self._value(field.type, getattr(message, field.name), position, path):
@@ -64,6 +68,7 @@ class _Walk:
                 position = stretch.end
 
     def _value(self, type: FieldType, value: Any, position: int, path: str) -> Iterator[_Stretch]:
+        # A path varies with everything below it: the whole vector for `angular_velocity`.
         varies = any(path == other or path.startswith(f"{other}.") for other in self._varying)
         if isinstance(type, Primitive):
             start = position + -position % type.size
@@ -80,7 +85,7 @@ class _Walk:
             yield from self.message(value, position, f"{path}.")
 
     def _counted(self, type: FieldType, value: Any, position: int, path: str) -> Iterator[_Stretch]:
-        """A string or a sequence, whose count comes first; or an array of what is no primitive."""
+        """Yield the byte ranges of a string, a sequence or an array of non-primitives. Only an array has no count."""
         if not isinstance(type, Array):
             start = position + -position % 4
             size = len(value.encode()) + 1 if isinstance(value, str) else 0

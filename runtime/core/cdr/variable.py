@@ -1,4 +1,4 @@
-"""Messages with a part of variable size: written and read part by part."""
+"""Codec of messages with a part of variable size: parts are written and read one after the other."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ from roverlink.runtime.core.messages import (
 
 M = TypeVar("M", bound=Message)
 
+# ROS 2's IDL gives a message without fields this member, since IDL has no empty structs.
 _PLACEHOLDER = Field("structure_needs_at_least_one_member", UINT8)
 _COUNT = Primitive("uint32", "I", 4)
 
 
 class _Reader:
-    """A place in serialized data; positions are counted from the first byte after the header."""
+    """Read position in serialized data, counted from the first byte after the encapsulation header."""
 
     __slots__ = ("body", "position")
 
@@ -41,6 +42,7 @@ class _Reader:
         return values
 
     def take(self, count: int) -> bytes:
+        # A corrupt length must not allocate gigabytes: check it against the data that is left.
         if count > len(self.body) - self.position:
             raise struct.error(f"{count} bytes wanted, {len(self.body) - self.position} left")
         taken = bytes(self.body[self.position : self.position + count])
@@ -53,14 +55,14 @@ _Read = Callable[[_Reader], Any]
 
 
 class Part(NamedTuple):
-    """How values of one type are written to the end of a body, and read from where a reader stands."""
+    """Functions that append a value of one type to a body, and read one at a reader's position."""
 
     write: _Write
     read: _Read
 
 
 def variable_codec(message_type: type[M], order: str) -> Codec[M]:
-    """The codec of a message of any kind."""
+    """Make the codec of a message with any fields."""
     part = _message_part(message_type, order)
 
     def encode_variable(message: M) -> bytes:
@@ -100,7 +102,7 @@ def _placeholder_part(message_type: type[Message], order: str) -> Part:
 
 
 def part_of(field_type: FieldType, order: str) -> Part:
-    """How a value of a type is written and read."""
+    """Return the functions that write and read a value of this type."""
     if isinstance(field_type, Primitive):
         return _primitive_part(field_type, order)
     if isinstance(field_type, Text):
@@ -112,6 +114,7 @@ def part_of(field_type: FieldType, order: str) -> Part:
     return _message_part(field_type, order)
 
 
+# Positions count from the end of the header, and a body starts empty, so its length is the position.
 def _write_aligned(body: bytearray, alignment: int, data: bytes) -> None:
     body += b"\0" * (-len(body) % alignment)
     body += data
@@ -139,16 +142,18 @@ def _text_part(text: Text, order: str) -> Part:
 
     def read(reader: _Reader) -> str:
         size: int = count.read(reader)
+        # The count includes the NUL. An empty string is a count of 1 and the NUL.
         return reader.take(size)[:-1].decode()
 
     return Part(write, read)
 
 
 def _check_text(data: bytes, bound: int | None) -> None:
+    # The reader takes the first NUL for the end of the string.
     if b"\0" in data:
-        raise struct.error("a ROS string cannot hold a NUL character")
+        raise struct.error("it holds a NUL character, which a ROS string cannot carry")
     if bound is not None and len(data) > bound:
-        raise struct.error(f"{len(data)} bytes, where string<={bound} holds {bound}")
+        raise struct.error(f"its {len(data)} bytes are more than string<={bound} allows")
 
 
 def _sequence_part(sequence: Sequence, order: str) -> Part:
@@ -156,7 +161,7 @@ def _sequence_part(sequence: Sequence, order: str) -> Part:
 
     def write(body: bytearray, values: Any) -> None:
         if sequence.bound is not None and len(values) > sequence.bound:
-            raise struct.error(f"{len(values)} elements, where the sequence holds at most {sequence.bound}")
+            raise struct.error(f"its {len(values)} elements are more than the bound of {sequence.bound}")
         count.write(body, len(values))
         elements.write(body, values)
 
@@ -168,7 +173,7 @@ def _array_part(array: Array, order: str) -> Part:
 
     def write(body: bytearray, values: Any) -> None:
         if len(values) != array.length:
-            raise struct.error(f"{len(values)} elements, where the array holds exactly {array.length}")
+            raise struct.error(f"it has {len(values)} elements instead of {array.length}")
         elements.write(body, values)
 
     return Part(write, lambda reader: elements.read(reader, array.length))
@@ -201,7 +206,7 @@ def _primitive_elements(primitive: Primitive, order: str) -> _Elements:
     def write(body: bytearray, values: list[Any]) -> None:
         if primitive.format == BOOL:
             check_flags(values)
-        if values:  # an empty run has no first element to align
+        if values:  # an empty sequence has no element, so nothing to align
             packed = struct.pack(f"{order}{len(values)}{primitive.format}", *values)
             _write_aligned(body, primitive.size, packed)
 

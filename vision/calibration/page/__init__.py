@@ -1,1 +1,1 @@
-"""The page on which a camera is calibrated, in a browser."""
+"""Web page for calibrating a camera."""

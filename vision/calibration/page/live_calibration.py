@@ -1,7 +1,7 @@
-"""A calibration while the camera runs: frames come from one thread, clicks from others.
+"""Calibration while the camera runs: frames come from one thread, clicks from others.
 
-What came of each frame is put where any number of browsers find the newest. The calibration itself has a thread of its
-own, so that the picture goes on meanwhile.
+The newest image and state are kept for any number of browsers. The calibration runs on its own thread, so that the
+image continues to move.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
 from roverlink.vision.calibration.collection import Collection, Offer
-from roverlink.vision.calibration.page.newest import Newest
+from roverlink.vision.calibration.page.latest_value import LatestValue
 from roverlink.vision.calibration.page.page_state import Taken, advice, collected
 from roverlink.vision.calibration.solution import Calibration, PoorViewsError
 from roverlink.vision.calibration.views import View
@@ -22,18 +22,18 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.opencv import cv2
 
-_PATIENCE_S = 5.0
-"""For which a browser that asks for news is kept waiting."""
+_TIMEOUT_S = 5.0
+"""Longest time in seconds that a request for a new image or state waits."""
 _SHOWN, _THUMBNAIL = 960, 240
-"""Widths of the pictures in pixels."""
+"""Widths of the live image and of thumbnails in pixels."""
 _QUALITY = (cv2.IMWRITE_JPEG_QUALITY, 75)
-_MARK, _RIM = (0, 200, 255), (0, 0, 0)  # blue green red
+_MARK, _RIM = (0, 200, 255), (0, 0, 0)  # BGR
 
-_COMPLETE = "There is all that a good calibration needs: calibrate. More views do no harm."
+_COMPLETE = "Coverage is complete: calibrate now. More views do no harm."
 
 
 class LiveCalibration:
-    """Collects views from frames, and does what is clicked: the `Desk` of a `PageServer`."""
+    """Collects views from frames and carries out the user's clicks: the `PageBackend` of a `PageServer`."""
 
     def __init__(
         self,
@@ -43,13 +43,13 @@ class LiveCalibration:
         report: Callable[[Calibration], str],
         save: Callable[[Calibration], str],
     ) -> None:
-        """`source` names the camera; `report` makes HTML; `save` writes a calibration and says where it is.
+        """Connect the parts: `source` names the camera, `report` returns HTML, `save` writes a calibration.
 
-        `calibrate` and `save` raise `RoverlinkError` where that cannot be done.
+        `save` returns a sentence with the files. `calibrate` and `save` raise `RoverlinkError` if they fail.
         """
         self._source, self._collection = source, collection
         self._calibrate, self._report, self._save = calibrate, report, save
-        self._lock = threading.Lock()  # of the collection, and of what is set below
+        self._lock = threading.Lock()  # protects the collection and the attributes below
         self._taken: tuple[Taken, ...] = ()
         self._calibration: Calibration | None = None
         self._refused: tuple[str, ...] = ()
@@ -57,17 +57,17 @@ class LiveCalibration:
         self._calibrating, self._more = False, True
         self._asked = threading.Event()
         self.finished = threading.Event()
-        """Set once the calibration is saved."""
-        self._pictures: Newest[tuple[Image, Floats]] = Newest()
-        self._states: Newest[dict[str, Any]] = Newest()
-        self._tell()
+        """Set when the calibration has been saved."""
+        self._pictures: LatestValue[tuple[Image, Floats]] = LatestValue()
+        self._states: LatestValue[dict[str, Any]] = LatestValue()
+        self._publish_state()
 
     # --- frames -----------------------------------------------------------------------------------------------------
 
-    def look(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
-        """Look at a frame (H, W, 3); take it if it adds something, if somebody asked for it, or if it is `chosen`.
+    def add_frame(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
+        """Examine a frame (H, W, 3); take it if it is useful, requested by a click, or `chosen` by the user.
 
-        `name` is what its view is called.
+        `name` is the name of its view.
         """
         with self._lock:
             if asked := self._asked.is_set():
@@ -80,59 +80,59 @@ class LiveCalibration:
                 self._taken += (Taken(self._number, offer.view, thumbnail),)
                 self._note = f"View {self._number} is taken: {offer.reason}"
                 self._number += 1
-            self._tell()
+            self._publish_state()
         self._pictures.put((image, offer.view.corners))
         return offer
 
     def ended(self) -> None:
-        """Say that no more frames come."""
+        """Report that no more frames come."""
         with self._lock:
-            self._more, self._note = False, f"{self._source} has ended."
-            self._tell()
+            self._more, self._note = False, f"{self._source} has ended; no more frames."
+            self._publish_state()
 
-    # --- the page: see `Desk` -----------------------------------------------------------------------------------------
+    # --- the page: see `PageBackend` ----------------------------------------------------------------------------------
 
     def state(self, after: int) -> dict[str, Any]:
-        """All that the page shows, newer than `after` if it changes in time."""
-        version, state = self._states.get(after, _PATIENCE_S) or self._states.now()
+        """Return the state that the page shows; wait some seconds for one newer than `after`."""
+        version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
-        """The newest picture, with the corners that were seen; None where none is newer than `after` in time."""
-        newest = self._pictures.get(after, _PATIENCE_S)
+        """Return the newest image with its corners marked; None if none newer than `after` comes in time."""
+        newest = self._pictures.get(after, _TIMEOUT_S)
         return newest and (newest[0], _jpeg(*newest[1], _SHOWN))
 
     def thumbnail(self, view: int) -> bytes | None:
-        """A view's picture."""
+        """Return a view's thumbnail."""
         return next((one.thumbnail for one in self._taken if one.number == view), None)
 
     def report(self) -> str | None:
-        """The report of the last calibration."""
+        """Return the report of the last calibration."""
         calibration = self._calibration
         return None if calibration is None else self._report(calibration)
 
     def act(self, action: str, view: int | None) -> None:
-        """Do what was clicked; raises `RoverlinkError` where that cannot be done."""
+        """Carry out a click. Raises `RoverlinkError` if it is not possible."""
         if action == "take":
             self._asked.set()
             return
         with self._lock:
             if self._calibrating and action != "drop":
-                raise SetupError("wait until the calibration is done")
+                raise SetupError("wait until the calibration has finished")
             if action == "drop":
                 self._drop(view)
             elif action == "calibrate":
                 self._start()
             else:
                 self._finish()
-            self._tell()
+            self._publish_state()
 
     # --- with the lock held -----------------------------------------------------------------------------------------
 
     def _drop(self, number: int | None) -> None:
         found = [one for one in self._taken if one.number == number]
         if not found:
-            raise SetupError(f"there is no view {number}")
+            raise SetupError(f"view {number} does not exist (any more)")
         self._collection.discard(found[0].view)
         self._taken = tuple(one for one in self._taken if one is not found[0])
 
@@ -142,12 +142,12 @@ class LiveCalibration:
 
     def _finish(self) -> None:
         if self._calibration is None:
-            raise SetupError("there is nothing to save: calibrate first")
+            raise SetupError("nothing to save: calibrate first")
         self._saved = self._save(self._calibration)
         self.finished.set()
 
-    def _tell(self) -> None:
-        """Let the page know how things are."""
+    def _publish_state(self) -> None:
+        """Publish the new state to the browsers."""
         offered = {
             "take": self._more,
             "calibrate": bool(self._taken) and not self._calibrating,
@@ -171,18 +171,20 @@ class LiveCalibration:
         if self._calibrating:
             return "Calibrating. This takes some seconds."
         if self._refused:
-            return "This is not enough for a calibration:"
+            return "The views are not sufficient for a calibration:"
         if self._calibration:
-            return "Calibrated. Look at the result, then save it."
+            return "Calibration finished. Check the result, then save it."
         if self._collection.complete:
             return _COMPLETE
-        return advice(self._collection.missing) if self._more else "Calibrate with what there is."
+        return (
+            advice(self._collection.missing) if self._more else "No more frames: calibrate with the views taken so far."
+        )
 
     # --- the calibration's thread ------------------------------------------------------------------------------------
 
     def _solve(self, views: tuple[View, ...]) -> None:
         calibration = None
-        refused: tuple[str, ...] = ("the calibration failed: the terminal says how",)
+        refused: tuple[str, ...] = ("the calibration failed; the terminal shows the error",)
         try:
             calibration, refused = self._calibrate(views), ()
         except PoorViewsError as error:
@@ -193,11 +195,11 @@ class LiveCalibration:
             with self._lock:
                 self._calibration = calibration or self._calibration
                 self._calibrating, self._refused = False, refused
-                self._tell()
+                self._publish_state()
 
 
 def _jpeg(image: Image, corners: Floats, width: int) -> bytes:
-    """A picture as JPEG, not wider than `width`, with its corners (N, 2) marked."""
+    """Return an image as JPEG, at most `width` pixels wide, with corners (N, 2) marked."""
     scale = min(1.0, width / image.shape[1])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     radius = max(1, small.shape[1] // 240)

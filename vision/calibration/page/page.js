@@ -1,4 +1,4 @@
-// Shows what the calibration says of itself. It knows nothing but the last state, and asks for the next one.
+// Shows the state of the calibration. The page keeps only the last state and asks for the next one.
 "use strict";
 
 const byId = (id) => document.getElementById(id);
@@ -19,7 +19,7 @@ async function post(path) {
     const answer = await fetch(path, { method: "POST" });
     if (!answer.ok) byId("failure").textContent = await answer.text();
   } catch {
-    byId("failure").textContent = "the program does not answer";
+    byId("failure").textContent = "no answer; is `roverlink aruco calibrate` still running?";
   }
 }
 
@@ -57,11 +57,11 @@ function viewItem(view) {
 }
 
 function showViews(views) {
-  // What has not changed stays: its picture is not asked for again, and a click on its button is not lost.
+  // Unchanged views keep their elements: their images are not loaded again, and clicks on their buttons are not lost.
   const old = new Map([...byId("views").children].map((item) => [item.dataset.shown, item]));
   byId("views").replaceChildren(...views.map((view) => old.get(JSON.stringify(view)) ?? viewItem(view)));
   byId("count").textContent = `(${views.length})`;
-  // Who holds the board stands some way off: a green frame tells that a view was taken.
+  // The person with the board may stand far away: a green frame signals that a view was taken.
   const last = Math.max(0, ...views.map((view) => view.number));
   if (last > newest) byId("screen").animate([{ boxShadow: "0 0 0 .6rem #2fbf4f" }, { boxShadow: "none" }], 900);
   newest = Math.max(newest, last);
@@ -104,14 +104,14 @@ async function followState() {
       show(state);
       await pause(100); // ten times a second is enough for a reader
     } catch {
-      byId("note").textContent = "the program does not answer";
+      byId("note").textContent = "no answer; is `roverlink aruco calibrate` still running?";
       await pause(1000);
     }
   }
 }
 
 async function followPicture() {
-  // One picture is on its way at a time: a slow link shows fewer, and none that is old.
+  // Only one image is requested at a time: a slow link gets fewer images, but never old ones.
   let number = 0;
   while (!finished) {
     try {

@@ -1,4 +1,4 @@
-"""What the page shows, as JSON: the words are made here, the page only places them."""
+"""State of the page as JSON. Texts are made here; the page only arranges them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.vision.calibration.views import View
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
-    """A view that was taken, with the number that the page calls it by and its picture as a small JPEG."""
+    """Taken view with its number on the page and its thumbnail as JPEG."""
 
     number: int
     view: View
@@ -23,24 +23,24 @@ class Taken:
 
 
 def collected(collection: Collection, taken: Sequence[Taken], calibration: Calibration | None) -> dict[str, Any]:
-    """The views, what they cover, what is missing, and what came of them."""
-    fates = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
+    """Return views, coverage, missing views and the result."""
+    fitted_views = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
     return {
         "coverage": _coverage(collection),
         "goals": list(_goals(collection)),
-        "views": [_view(one, fates.get(id(one.view)), calibrated=calibration is not None) for one in taken],
+        "views": [_view(one, fitted_views.get(id(one.view)), calibrated=calibration is not None) for one in taken],
         "result": calibration and _result(calibration, taken),
     }
 
 
 def advice(needs: Sequence[Need]) -> str:
-    """What to do next: about the first of some needs, or to have more views where there are none."""
+    """Return an instruction for the user: about the first need, or to take more views if there is none."""
     if not needs:
-        return "Next: a few more views, from other sides."
+        return "Next: take a few more views from other directions."
     first = needs[0]
-    where = {"region": f"bring the board to the {first.name} of the picture", "tilt": f"tilt the board: {first.name}"}
-    distances = {"near": "bring the board closer", "far": "take the board further away"}
-    todo = where.get(first.kind) or distances.get(first.name, "take the board to where it fills half of the picture")
+    where = {"region": f"move the board to the {first.name} of the image", "tilt": f"tilt the board: {first.name}"}
+    distances = {"near": "move the board closer", "far": "move the board further away"}
+    todo = where.get(first.kind) or distances.get(first.name, "move the board to where it fills half of the image")
     return f"Next: {todo}, and hold it still."
 
 
@@ -51,7 +51,7 @@ def _coverage(collection: Collection) -> dict[str, Any]:
 
 
 def _goals(collection: Collection) -> Iterator[dict[str, Any]]:
-    """What is wanted, in groups."""
+    """Yield the goals, in groups."""
     needs = collection.coverage.needs()
     have, regions = len(collection.views), [need for need in needs if need.kind == "region"]
     met = sum(need.met for need in regions)
@@ -75,16 +75,16 @@ def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str,
     if fitted is not None:
         lines.append(f"dropped: {fitted.dropped}" if fitted.dropped else f"error {fitted.rms:.3f} px")
         if fitted.rejected:
-            lines.append(f"{fitted.rejected} corners left out")
+            lines.append(f"{fitted.rejected} corners rejected")
     elif calibrated:
-        lines.append("not in the result yet")
+        lines.append("not used yet")
     return {"number": taken.number, "lines": lines, "bad": bool(fitted and fitted.dropped)}
 
 
 def _result(calibration: Calibration, taken: Sequence[Taken]) -> dict[str, Any]:
     numbers = [[one.name, one.value, f"± {one.interval}"] for one in parameters(calibration)]
     kept = sum(not fitted.dropped for fitted in calibration.views)
-    remarks = [f"RMS {calibration.rms:.3f} px over {kept} views; ± holds the truth in 95 % of calibrations."]
+    remarks = [f"RMS {calibration.rms:.3f} px over {kept} views; ± is the 95 % interval."]
     if {id(one.view) for one in taken} != {id(fitted.view) for fitted in calibration.views}:
-        remarks.append("The views have changed since: calibrate again to use them.")
+        remarks.append("The views have changed since the calibration: calibrate again.")
     return {"numbers": numbers, "remarks": remarks}

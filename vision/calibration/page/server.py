@@ -1,8 +1,10 @@
-"""The HTTP server of the page: it shows what a `Desk` has, and hands it the clicks.
+"""HTTP server of the calibration page: shows the state of a `PageBackend` and passes clicks to it.
 
-It holds nothing of its own and queues nothing. Every request waits in a thread of its own, so a browser that reads
-slowly keeps nobody waiting but itself. Who may ask is checked before anything is answered: a page of another site must
-neither click here nor show the camera, even where its name was made to mean this computer (DNS rebinding).
+It keeps no state and no queue. Each request has its own thread, so a slow browser delays only itself.
+
+Requests are checked before they are answered. A page of another site must not be able to click here or show the camera,
+even if its host name resolves to this computer (DNS rebinding). Therefore the Host header must be an address or a name
+of this computer, and a POST needs the page's own Origin.
 """
 
 from __future__ import annotations
@@ -24,10 +26,10 @@ from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.net.http_server import HttpServer
 
 _CONNECTIONS = 24
-"""At a time; a browser opens six."""
+"""Most connections at a time; a browser opens six."""
 _TIMEOUT_S = 20.0
-"""For which a connection may stand still; longer than a `Desk` waits for news."""
-_EVERYWHERE = ("", "0.0.0.0")  # noqa: S104  # if somebody asks for it
+"""Time in seconds after which an idle connection is closed; longer than a `PageBackend` waits for news."""
+_EVERYWHERE = ("", "0.0.0.0")  # noqa: S104  # only on request (--page-address)
 _FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _PAGE_POLICY = (
@@ -36,30 +38,33 @@ _PAGE_POLICY = (
 )
 _REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'"
 _NAME = socket.gethostname()
-_ADDRESSES = f"at http://{_NAME}, and at the addresses of that computer"
+_ADDRESSES = f"at http://{_NAME} or at an address of that computer"
 _VIEW = re.compile(r"/views/(\d{1,9})(/drop)?")
 
 
-class Desk(Protocol):
-    """What the page shows and does. Every method may be called from any thread."""
+class PageBackend(Protocol):
+    """State and actions of the page. All methods may be called from any thread."""
 
     def state(self, after: int) -> dict[str, Any]:
-        """All that the page shows, with its `version`: at once where that is above `after`, else when it changes.
+        """Return the page's state with its `version`; wait for a newer one than `after`.
 
-        Where nothing changes for some seconds, it is the same again.
+        If nothing changes for some seconds, the same state is returned again.
         """
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
-        """The newest picture's number, above `after`, and its JPEG; None where none comes for some seconds."""
+        """Return number and JPEG of an image newer than `after`; None if none comes for some seconds."""
 
     def thumbnail(self, view: int) -> bytes | None:
-        """A view's picture as a small JPEG; None where there is no such view."""
+        """Return a view's thumbnail as JPEG; None if the view does not exist."""
 
     def report(self) -> str | None:
-        """The report of the calibration, as HTML; None before there is one."""
+        """Return the calibration's report as HTML; None before the first calibration."""
 
     def act(self, action: str, view: int | None) -> None:
-        """Do `take`, `drop` (of a view), `calibrate` or `save`. Raises `RoverlinkError` where that cannot be done."""
+        """Carry out `take`, `drop` (of a view), `calibrate` or `save`.
+
+        Raises `RoverlinkError` if it is not possible.
+        """
 
 
 class _Answer(NamedTuple):
@@ -70,13 +75,13 @@ class _Answer(NamedTuple):
 
 
 class PageServer(HttpServer):
-    """Serves the page from a desk. A context manager."""
+    """Server of the page. A context manager."""
 
-    def __init__(self, address: str, port: int, desk: Desk) -> None:
-        """Port 0 takes a free one. Raises `SetupError` where the port cannot be had."""
+    def __init__(self, address: str, port: int, backend: PageBackend) -> None:
+        """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
 
         class Handler(_Handler):
-            shown = desk
+            page = backend
 
         super().__init__(address, port, "page", Handler, _Server)
         host = _NAME if address in _EVERYWHERE else address
@@ -84,7 +89,7 @@ class PageServer(HttpServer):
 
 
 class _Server(ThreadingHTTPServer):
-    """One that takes so many connections and no more; what comes beyond is closed."""
+    """Server with a limited number of connections; further ones are closed."""
 
     request_queue_size = _CONNECTIONS
 
@@ -105,47 +110,47 @@ class _Server(ThreadingHTTPServer):
             self._free.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        if not isinstance(sys.exc_info()[1], OSError):  # a browser that has gone is no error
+        if not isinstance(sys.exc_info()[1], OSError):  # a browser that closed the connection is not an error
             super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
-    shown: Desk
+    page: PageBackend
     protocol_version = "HTTP/1.1"
     timeout = _TIMEOUT_S
 
     def do_GET(self) -> None:
-        self._send(self._get() if _is_ours(self.headers["Host"]) else _forbidden(f"this page is {_ADDRESSES}"))
+        self._send(self._get() if _is_ours(self.headers["Host"]) else _forbidden(f"open this page {_ADDRESSES}"))
 
     def do_POST(self) -> None:
-        self.close_connection = True  # no body is read; should one follow, it must not be taken for a request
+        self.close_connection = True  # the body is not read; it must not be parsed as the next request
         if not _is_ours(self.headers["Host"]) or self.headers["Origin"] != f"http://{self.headers['Host']}":
-            return self._send(_forbidden(f"only the page itself may do this, and it is {_ADDRESSES}"))
+            return self._send(_forbidden(f"only this page may do that; it is {_ADDRESSES}"))
         return self._send(self._post())
 
     def _get(self) -> _Answer:
         address = urlsplit(self.path)
         after = parse_qs(address.query).get("after", ["0"])[0]
         if not re.fullmatch(r"\d{1,18}", after):
-            return _Answer(HTTPStatus.BAD_REQUEST, body=b"after is a number\n")
+            return _Answer(HTTPStatus.BAD_REQUEST, body=b"the query parameter 'after' must be a number\n")
         if name := _FILES.get(address.path):
             file = Path(__file__).with_name(name)
             return _Answer(
                 HTTPStatus.OK, _TYPES[file.suffix], file.read_bytes(), {"Content-Security-Policy": _PAGE_POLICY}
             )
         if address.path == "/state":
-            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.shown.state(int(after))).encode())
+            return _Answer(HTTPStatus.OK, "application/json", json.dumps(self.page.state(int(after))).encode())
         if address.path == "/picture":
             return self._picture(int(after))
-        if address.path == "/report" and (text := self.shown.report()) is not None:
+        if address.path == "/report" and (text := self.page.report()) is not None:
             return _Answer(HTTPStatus.OK, _TYPES[".html"], text.encode(), {"Content-Security-Policy": _REPORT_POLICY})
         match = _VIEW.fullmatch(address.path)
-        if match and not match[2] and (jpeg := self.shown.thumbnail(int(match[1]))) is not None:
+        if match and not match[2] and (jpeg := self.page.thumbnail(int(match[1]))) is not None:
             return _Answer(HTTPStatus.OK, "image/jpeg", jpeg)
-        return _Answer(HTTPStatus.NOT_FOUND, body=b"there is nothing here\n")
+        return _Answer(HTTPStatus.NOT_FOUND, body=b"not found\n")
 
     def _picture(self, after: int) -> _Answer:
-        newest = self.shown.picture(after)
+        newest = self.page.picture(after)
         if newest is None:
             return _Answer(HTTPStatus.NO_CONTENT)
         number, jpeg = newest
@@ -158,9 +163,9 @@ class _Handler(BaseHTTPRequestHandler):
         elif self.path in ("/take", "/calibrate", "/save"):
             action, view = self.path[1:], None
         else:
-            return _Answer(HTTPStatus.NOT_FOUND, body=b"there is no such thing to do\n")
+            return _Answer(HTTPStatus.NOT_FOUND, body=b"unknown action\n")
         try:
-            self.shown.act(action, view)
+            self.page.act(action, view)
         except RoverlinkError as error:
             return _Answer(HTTPStatus.CONFLICT, body=str(error).encode())
         return _Answer(HTTPStatus.NO_CONTENT)
@@ -182,11 +187,14 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(answer.body)
 
     def log_message(self, *_: object) -> None:
-        """Requests are no news."""
+        """Log nothing: the page sends several requests a second."""
 
 
 def _is_ours(host: str | None) -> bool:
-    """Whether a request's Host is an address or a name of this computer: no other site's name can be one."""
+    """Return true if the Host header is an IP address or a name of this computer.
+
+    Only a name can be pointed to this computer by another site.
+    """
     own = _NAME.lower()
     name = re.sub(r":\d+$", "", (host or "").lower())
     if name in ("localhost", own, f"{own}.local"):

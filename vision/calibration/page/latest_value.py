@@ -1,4 +1,4 @@
-"""Hands the newest of something from the one that makes it to all that want it."""
+"""Latest value of something, passed from one producer to any number of readers."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 
-class Newest(Generic[T]):
-    """Holds one thing. Whoever is slow misses some; whoever makes them waits for nobody."""
+class LatestValue(Generic[T]):
+    """Latest value. A slow reader misses values; the producer never waits."""
 
     def __init__(self) -> None:
         self._news = threading.Condition()
@@ -17,19 +17,19 @@ class Newest(Generic[T]):
         self._held: T
 
     def put(self, thing: T) -> None:
-        """Replace it."""
+        """Replace the value."""
         with self._news:
             self._number += 1
             self._held = thing
             self._news.notify_all()
 
     def get(self, after: int, patience_s: float) -> tuple[int, T] | None:
-        """The thing and its number, once that is above `after`; None where it is not in time."""
+        """Return value and number when the number exceeds `after`; None if that does not happen in time."""
         with self._news:
             there = self._news.wait_for(lambda: self._number > after, patience_s)
             return (self._number, self._held) if there else None
 
     def now(self) -> tuple[int, T]:
-        """The thing and its number; there must be one."""
+        """Return value and number; a value must have been put before."""
         with self._news:
             return self._number, self._held
