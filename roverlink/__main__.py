@@ -44,7 +44,7 @@ COMMANDS = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command. Returns 0 where all is well, 1 for findings or failed checks, 2 where it cannot run."""
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
-    parser = _parser(own)
+    parser = command_line(own)
     arguments = parser.parse_args(own)
     arguments.ros_args = ros
     if ros and not arguments.takes_ros_args:
@@ -100,8 +100,11 @@ class _AnyOrderParser(argparse.ArgumentParser):
             self._in_any_order = True
 
 
-def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser; of the commands, only the one that is called is loaded, since the generator is slow to import."""
+def command_line(arguments: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """Return the parser of a command line: with the command that it calls, else with all of them.
+
+    A command is imported only if it is called, since the generator is slow to import.
+    """
     parser = argparse.ArgumentParser(
         prog="roverlink",
         description="One table from protobuf over UDP to ROS 2 topics.",
