@@ -7,6 +7,8 @@ from collections.abc import Iterator
 
 from roverlink.__main__ import COMMANDS, command_line
 
+INDEX = "reference/commands/index.md"
+
 
 def path(command: str) -> str:
     """Return the path of a command's page."""
@@ -23,12 +25,10 @@ def pages() -> dict[str, str]:
     parser = command_line()
     commands = _subcommands(parser)
     summaries = {choice.dest: choice.help for choice in commands._choices_actions}  # argparse keeps them nowhere else
-    rows = [
-        f"| [`roverlink {name}`](commands/{name}.md) | {_cell(summaries[name] or '')} |" for name in commands.choices
-    ]
+    rows = [f"| [`roverlink {name}`]({name}.md) | {_cell(summaries[name] or '')} |" for name in commands.choices]
     overview = ["# Commands", "", "| command | what it does |", "|---|---|", *rows, ""]
     texts = {path(name): "\n".join(_page(one)) for name, one in commands.choices.items()}
-    return {"reference/commands.md": "\n".join(overview), **texts}
+    return {INDEX: "\n".join(overview), **texts}
 
 
 def _page(parser: argparse.ArgumentParser, level: int = 1) -> Iterator[str]:

@@ -35,8 +35,8 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         *(config.nav or []),
         {
             "Reference": [
-                {"Commands": ["reference/commands.md", *command_pages.paths()]},
-                {"Rules": ["reference/rules.md", *rule_pages.paths()]},
+                {"Commands": [command_pages.INDEX, *command_pages.paths()]},
+                {"Rules": [rule_pages.INDEX, *rule_pages.paths()]},
                 {"Classes for templates": "reference/bridge.md"},
                 {"Changelog": "changelog.md"},
             ]

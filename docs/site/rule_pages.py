@@ -8,6 +8,7 @@ from itertools import groupby
 from roverlink.generator.diagnostics import Rule
 from roverlink.generator.rule_catalogue import rules
 
+INDEX = "reference/rules/index.md"
 IDS = frozenset(rules())
 _SUBJECTS = {
     "ADO": "taking over a tree of protos",
@@ -49,16 +50,16 @@ def pages() -> dict[str, str]:
     groups = [(prefix, list(group)) for prefix, group in groupby(rules().values(), lambda rule: rule.id[:3])]
     texts = {f"reference/rules/{prefix}.md": "\n".join(_page(prefix, group)) for prefix, group in groups}
     rows = [_row(rule) for rule in rules().values()]
-    head = ["# Rules", "", _INTRODUCTION, "", "| id | name | severity | finds |", "|---|---|---|---|"]
-    return {"reference/rules.md": "\n".join([*head, *rows, ""]), **texts}
+    head = ["# Rules", "", _INTRODUCTION, "", "| rule | severity | finds |", "|---|---|---|"]
+    return {INDEX: "\n".join([*head, *rows, ""]), **texts}
 
 
 _INTRODUCTION = "Every diagnostic that a command prints has the id of one of these rules."
 
 
 def _row(rule: Rule) -> str:
-    id = f"[{rule.id}](rules/{rule.id[:3]}.md#{rule.id.lower()})"
-    return f"| {id} | {rule.name} | {rule.severity.value} | {rule.summary} |"
+    link = f"[{rule.id}]({rule.id[:3]}.md#{rule.id.lower()})"
+    return f"| {link} {rule.name} | {rule.severity.value} | {rule.summary} |"
 
 
 def _page(prefix: str, group: list[Rule]) -> Iterator[str]:
