@@ -67,7 +67,8 @@ def _parameters() -> Iterator[str]:
         unit = f", in {declared.unit}" if declared.unit else ""
         yield f"| `{name}` | {declared.default} | {declared.description}{unit} |"
     for peer in REGISTRY.peers:
-        yield f"| `{peer.port_parameter}` | {peer.port} | UDP port of the peer `{peer.name}`; the table sets the name and the default |"
+        meaning = f"UDP port of the peer `{peer.name}`; the table sets the name and the default"
+        yield f"| `{peer.port_parameter}` | {peer.port} | {meaning} |"
 
 
 # --- the table's keys ---

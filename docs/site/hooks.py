@@ -1,4 +1,4 @@
-"""Hooks for MkDocs: add the home page and the reference to the site, and link rules and commands to the reference.
+"""Hooks for MkDocs: add the home page and the reference to the site, link to the reference, and draw diagrams.
 
 The home page is README.md. The reference is read from the code, so that no fact is written down twice.
 """
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bridge_classes
 import command_pages
+import mermaidx
 import rule_pages
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
@@ -20,6 +21,7 @@ _ROOT = Path(__file__).parents[2]
 _CODE_OR_RULE_OR_LINK = re.compile(
     r"^```.*?^```|(?P<id>`?\b[A-Z]{3}[0-9]{3}\b`?)|`[^`\n]+`|\[[^\]\n]*\]\([^)\n]*\)", re.DOTALL | re.MULTILINE
 )
+_MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _COMMAND_CELL = re.compile(r"^\| (`roverlink ([\w-]+)[^`]*`) \|", re.MULTILINE)
 
 
@@ -58,9 +60,13 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
-    """Link the ids of rules, and the commands in the first column of tables, to the reference."""
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Draw Mermaid diagrams; link the ids of rules, and the commands in the first column of tables."""
     here = page.file.src_uri
+    for number, source in enumerate(_MERMAID.findall(markdown), 1):
+        picture = f"{here.removesuffix('.md')}-{number}.svg"
+        files.append(File.generated(config, picture, content=mermaidx.render(source).svg()))
+        markdown = _MERMAID.sub(f"![diagram]({posixpath.basename(picture)}){{: .diagram }}", markdown, count=1)
     markdown = markdown.replace("](../README.md", f"]({_relative('index.md', here)}")
     if here.startswith("reference/rules"):
         return markdown

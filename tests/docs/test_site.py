@@ -78,16 +78,33 @@ def test_the_site_loads_nothing_from_other_hosts(site: Path) -> None:
     assert [name for name, text in pages.items() if 'class="mermaid"' in text] == []  # its script comes from elsewhere
 
 
+def _copy_with_page(folder: Path, text: str) -> Path:
+    """Copy what the site is made of, with a short page."""
+    for name in ("mkdocs.yml", "README.md", "CHANGELOG.md", "LICENSE"):
+        shutil.copy(ROOT / name, folder)
+    shutil.copytree(ROOT / "docs", folder / "docs")
+    page = folder / "docs" / "messages.md"
+    page.write_text(f"# Messages\n\n{text}\n", encoding="utf-8")
+    return folder
+
+
 def test_dead_links_fail_the_build(tmp_path: Path) -> None:
     """A link to a missing page and a link to a missing section are errors that name the links."""
-    for name in ("mkdocs.yml", "README.md", "CHANGELOG.md", "LICENSE"):
-        shutil.copy(ROOT / name, tmp_path)
-    shutil.copytree(ROOT / "docs", tmp_path / "docs")
-    page = tmp_path / "docs" / "security.md"
-    page.write_text(f"{page.read_text(encoding='utf-8')}\n[a](nowhere.md) [b](lint.md#nowhere)\n", encoding="utf-8")
+    project = _copy_with_page(tmp_path, "[a](nowhere.md) [b](lint.md#nowhere)")
 
-    done = _build(tmp_path, tmp_path / "site")
+    done = _build(project, tmp_path / "site")
 
     assert done.returncode == 1
     assert "nowhere.md" in done.stderr
     assert "lint.md#nowhere" in done.stderr
+
+
+def test_a_diagram_is_drawn_when_the_site_is_built(tmp_path: Path) -> None:
+    """A Mermaid block becomes a picture, so a reader needs no script from another host."""
+    project = _copy_with_page(tmp_path, "```mermaid\nflowchart LR\n  board --> rover\n```")
+
+    done = _build(project, tmp_path / "site")
+
+    assert done.returncode == 0, done.stderr
+    assert "board" in (tmp_path / "site" / "messages-1.svg").read_text(encoding="utf-8")
+    assert 'src="messages-1.svg"' in (tmp_path / "site" / "messages.html").read_text(encoding="utf-8")
