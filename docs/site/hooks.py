@@ -23,11 +23,25 @@ _CODE_OR_RULE_OR_LINK = re.compile(
 )
 _MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _COMMAND_CELL = re.compile(r"^\| (`roverlink ([\w-]+)[^`]*`) \|", re.MULTILINE)
+_REFERENCE = """\
+# Reference
+
+| what | where |
+|---|---|
+| commands and their options | [Commands](commands/index.md) |
+| rules: every diagnostic with a bad and a good example | [Rules](rules/index.md) |
+| keys of `mapping.yaml` | [mapping.yaml](../mapping.md#keys) |
+| parameters of the node | [Operations](../operations.md#parameters) |
+| counters of the bridge | [Operations](../operations.md#the-account) |
+| messages of the sample rover | [Messages](../messages.md) |
+| classes for templates and targets | [Classes](bridge.md) |
+"""
 
 
 def _reference() -> dict[str, str]:
-    """Return the text of every generated page of the reference by its path."""
-    return {**command_pages.pages(), **rule_pages.pages(), "reference/bridge.md": bridge_classes.page()}
+    """Return the text of every page of the reference by its path."""
+    pages = {"reference/index.md": _REFERENCE, "reference/bridge.md": bridge_classes.page()}
+    return pages | command_pages.pages() | rule_pages.pages()
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -37,6 +51,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         *(config.nav or []),
         {
             "Reference": [
+                "reference/index.md",
                 {"Commands": [command_pages.INDEX, *command_pages.paths()]},
                 {"Rules": [rule_pages.INDEX, *rule_pages.paths()]},
                 {"Classes for templates": "reference/bridge.md"},
