@@ -7,9 +7,9 @@ OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*')
 BIN := $(VENV)/bin
 SOAK_SECONDS ?= 600
 FUZZ_SECONDS ?= 60
-HAND_WRITTEN := generator runtime vision roverlink bench tests
+HAND_WRITTEN := generator runtime vision roverlink bench tests docs
 
-.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate docs-reference clean
+.PHONY: help demo test test-slow test-vision ros-package soak fuzz lint bench bench-vision pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -58,8 +58,12 @@ pictures: $(VENV)/ready-bench-vision  ## the pictures of docs/vision.md and docs
 generate: $(VENV)/ready  ## compile mapping.yaml
 	$(BIN)/roverlink generate
 
-docs-reference: $(VENV)/ready-dev  ## the tables of keys and parameters in docs/mapping.md and README.md, from their declarations
-	$(BIN)/python tests/docs/reference.py
+docs: $(VENV)/ready-docs  ## build the documentation site in build/site; fails on dead links
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	@echo "open build/site/index.html in a browser"
+
+docs-reference: $(VENV)/ready-dev  ## write the reference tables in docs/ from the code: keys, parameters, rules
+	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
 	rm -rf $(VENV) build .mypy_cache .pytest_cache .ruff_cache .hypothesis
@@ -80,6 +84,10 @@ $(VENV)/ready-demo: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/ready-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]' $(OPENCV_PIN)
+	@touch $@
+
+$(VENV)/ready-docs: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
 $(VENV)/ready-fuzz: pyproject.toml | $(VENV)/bin/python

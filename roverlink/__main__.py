@@ -44,7 +44,7 @@ COMMANDS = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command. Returns 0 for success, 1 for findings or failed checks, 2 if the command cannot run."""
     own, ros = ros_args.split(list(sys.argv[1:] if argv is None else argv))
-    parser = _parser(own)
+    parser = command_line(own)
     arguments = parser.parse_args(own)
     arguments.ros_args = ros
     if ros and not arguments.takes_ros_args:
@@ -101,8 +101,11 @@ class _AnyOrderParser(argparse.ArgumentParser):
             self._in_any_order = True
 
 
-def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Return the parser. It imports only the command that is called, because importing the generator is slow."""
+def command_line(arguments: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """Return the parser of a command line: with the command that it calls, else with all of them.
+
+    A command is imported only if it is called, since the generator is slow to import.
+    """
     parser = argparse.ArgumentParser(
         prog="roverlink",
         description="Bridge protobuf datagrams over UDP and ROS 2 topics, by the table mapping.yaml.",

@@ -465,7 +465,7 @@ class Row(FeedSettings):
         tuple[Lowered, ...],
         Meaning(
             "Rules that count for less in what is about this row, its message and those in it.",
-            see="lint.md#what-may-not-be-an-error",
+            see="lint.md#lower-the-severity-of-a-rule",
         ),
     ] = ()
 

@@ -59,7 +59,7 @@ def test_the_example_of_each_help_is_understood(
     """What a help shows is a line that the command takes."""
     import shlex
 
-    from roverlink.__main__ import _parser
+    from roverlink.__main__ import command_line
     from roverlink.runtime.ros_arguments import ros_args
 
     monkeypatch.chdir(_ROOT / "generated" / "ros" / "comms" / "config")  # where udp.yaml is
@@ -68,7 +68,7 @@ def test_the_example_of_each_help_is_understood(
         examples = capsys.readouterr().out.rpartition("example: roverlink ")[2].split("\n         roverlink ")
         for example in examples:
             own, ros = ros_args.split(shlex.split(example))
-            assert _parser(own).parse_args(own).run
+            assert command_line(own).parse_args(own).run
             ros_args.parse(ros, "udp_forwarder")
 
 

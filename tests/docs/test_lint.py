@@ -1,4 +1,4 @@
-"""docs/lint.md lists the rules as they are, and shows what the lint really says."""
+"""docs/lint.md names hooks that run, and its workflow works."""
 
 from __future__ import annotations
 
@@ -15,20 +15,7 @@ import pytest
 import yaml
 from page import ROOT
 
-from roverlink.generator.lint.rules import modules
-
 _PAGE = ROOT / "docs" / "lint.md"
-
-
-def test_every_rule_is_listed() -> None:
-    """The table has every rule's id, name and severity, and the first line of its documentation."""
-    expected = [
-        f"| {id} | {module.RULE.name} | {module.RULE.severity.value} | {module.RULE.summary} |"
-        for id, module in modules().items()
-    ]
-    text = _PAGE.read_text(encoding="utf-8")
-    rows = [line for line in text.splitlines() if re.match(r"\| [A-Z]{3}[0-9]{3} \|", line)]
-    assert rows == expected
 
 
 def _environment() -> dict[str, str]:

@@ -1,7 +1,7 @@
-"""The reference tables in the documentation, made from the declarations of the table's keys and the node's parameters.
+"""Reference tables in the pages of docs/, written from the declarations of the table's keys and the node's parameters.
 
 A table stands between two comments: ``<!-- keys: peers -->`` or ``<!-- parameters -->``, and ``<!-- end -->``.
-``make docs-reference`` writes them (``python tests/docs/reference.py``), and a test checks that they are current.
+``make docs-reference`` writes them (``python docs/site/committed_tables.py``), and a test checks that they are current.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from roverlink.generator.table.value_types import (
 from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
-PAGES = (ROOT / "docs" / "mapping.md", ROOT / "README.md")
+PAGES = (ROOT / "docs" / "mapping.md", ROOT / "docs" / "operations.md")
 
 _TABLE = re.compile(
     r"^<!-- (?P<what>keys|parameters)(?:: (?P<keys>[^\n]*))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
@@ -51,7 +51,7 @@ def documented_keys(page: str) -> list[str]:
 
 def _rows(found: re.Match[str]) -> Iterator[str]:
     if found["what"] == "parameters":
-        yield from ("| parameter | default | |", "|---|---|---|", *_parameters())
+        yield from ("| parameter | default | meaning |", "|---|---|---|", *_parameters())
     else:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
@@ -67,7 +67,8 @@ def _parameters() -> Iterator[str]:
         unit = f", in {declared.unit}" if declared.unit else ""
         yield f"| `{name}` | {declared.default} | {declared.description}{unit} |"
     for peer in REGISTRY.peers:
-        yield f"| `{peer.port_parameter}` | {peer.port} | UDP port of the peer {peer.name}, as the table names it |"
+        meaning = f"UDP port of the peer `{peer.name}`; the table sets the name and the default"
+        yield f"| `{peer.port_parameter}` | {peer.port} | {meaning} |"
 
 
 # --- the table's keys ---

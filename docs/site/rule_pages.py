@@ -1,0 +1,91 @@
+"""Reference of the rules: a page for each prefix, read from the rules' own documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import groupby
+
+from roverlink.generator.diagnostics import Rule
+from roverlink.generator.rule_catalogue import rules
+
+INDEX = "reference/rules/index.md"
+IDS = frozenset(rules())
+_SUBJECTS = {
+    "ADO": "taking over a tree of protos",
+    "BUF": "buf",
+    "CNV": "conversions",
+    "CPP": "C++ handlers",
+    "ENV": "numbers of the envelope",
+    "FIX": "fixed sizes",
+    "HIS": "history",
+    "LED": "the ledger",
+    "MAP": "reading mapping.yaml",
+    "NAM": "names in the protos",
+    "NPB": "nanopb",
+    "OUT": "writing files",
+    "PIN": "pinned commits",
+    "PRO": "reading the protos",
+    "RET": "editing the table",
+    "ROS": "names in ROS 2",
+    "SAF": "deadmen, rates and sources",
+    "STA": "states to compare with",
+    "STD": "standard messages",
+    "TAB": "rows and peers",
+    "WIR": "changes on the wire",
+}
+
+
+def path(id: str) -> str:
+    """Return the path of the page that documents a rule."""
+    return f"reference/rules/{id[:3]}.md"
+
+
+def paths() -> list[str]:
+    """Return the paths of all pages, in the order of the ids."""
+    return list(dict.fromkeys(path(id) for id in rules()))
+
+
+def pages() -> dict[str, str]:
+    """Return the pages of all rules, and the list of them, by path."""
+    groups = [(prefix, list(group)) for prefix, group in groupby(rules().values(), lambda rule: rule.id[:3])]
+    texts = {f"reference/rules/{prefix}.md": "\n".join(_page(prefix, group)) for prefix, group in groups}
+    rows = [_row(rule) for rule in rules().values()]
+    head = ["# Rules", "", _INTRODUCTION, "", "| rule | severity | finds |", "|---|---|---|"]
+    return {INDEX: "\n".join([*head, *rows, ""]), **texts}
+
+
+_INTRODUCTION = "Every diagnostic that a command prints has the id of one of these rules."
+
+
+def _row(rule: Rule) -> str:
+    link = f"[{rule.id}]({rule.id[:3]}.md#{rule.id.lower()})"
+    return f"| {link} {rule.name} | {rule.severity.value} | {rule.summary} |"
+
+
+def _page(prefix: str, group: list[Rule]) -> Iterator[str]:
+    yield from (f"# {prefix}: {_SUBJECTS[prefix]}", "")
+    for rule in group:
+        yield from (f"## {rule.id} {rule.name} {{: #{rule.id.lower()} }}", "", f"Severity: {rule.severity.value}", "")
+        yield from _body(rule)
+
+
+def _body(rule: Rule) -> Iterator[str]:
+    """Return a rule's documentation as Markdown: its examples, which are indented, become fenced blocks."""
+    text, _, examples = rule.documentation.strip().partition("\nBad::\n")
+    bad, _, good = examples.partition("\nGood::\n")
+    yield from (text.strip(), "")
+    for title, example in (("Bad:", bad), ("Good:", good)):
+        yield from (title, "", f"```{_language(example)}", *_dedented(example), "```", "")
+
+
+def _dedented(example: str) -> list[str]:
+    return [line[4:] for line in example.strip("\n").splitlines()]
+
+
+def _language(example: str) -> str:
+    first = example.strip()
+    if first.startswith("$"):
+        return "console"
+    if first.startswith(("syntax", "message", "//", "enum", "import")):
+        return "proto"
+    return "text" if "[" in first.partition(":")[2][:40] and "error[" in first else "yaml"
