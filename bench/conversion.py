@@ -101,7 +101,7 @@ def _accel(unit: str, turned: str) -> str:
     return f"{{linear: {linear}, angular: {_VECTOR.format(4, 5, 6, f', unit: {turned}')}}}"
 
 
-_FEEDS = {
+_EXTRA_TOPICS = {
     "accel": ("geometry_msgs/Accel", _accel("m/s^2", "rad/s^2")),
     "accel_units": ("geometry_msgs/Accel", _accel("g0", "deg/s^2")),
     "accel_stamped": (
@@ -196,4 +196,6 @@ def _fields(field: str) -> str:
 
 
 def _also() -> str:
-    return ", ".join(f"{{topic: {topic}, ros: {ros}, fields: {fields}}}" for topic, (ros, fields) in _FEEDS.items())
+    return ", ".join(
+        f"{{topic: {topic}, ros: {ros}, fields: {fields}}}" for topic, (ros, fields) in _EXTRA_TOPICS.items()
+    )

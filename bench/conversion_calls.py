@@ -20,7 +20,7 @@ def main(project: str, rounds: str) -> None:
     """Print the best round of each."""
     registry = load_registry(project)
     calls: dict[str, Callable[[], object]] = {}
-    for handler in (*registry.handlers, *registry.feeds):
+    for handler in (*registry.handlers, *registry.extra_topics):
         calls[handler.route.topic] = partial(handler.to_cdr, payload_at(handler.payload_type, 1.0), Time(1, 2))
     found = dict.fromkeys(calls, float("inf"))
     for _ in range(int(rounds)):  # each in turn, so that a busy moment of the machine meets them all

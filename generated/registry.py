@@ -77,7 +77,7 @@ REGISTRY = Registry(
         FastRockMeasureResultHandler(),
         FastRoverLocalizationHandler(),
     ),
-    feeds=(
+    extra_topics=(
         FastPhTemperatureTopic(),
         FastGpsFixTopic(),
         FastImuDataRawTopic(),

@@ -10,7 +10,7 @@ from roverlink.generated_code import load_project
 from roverlink.generator import ir
 from roverlink.generator.emit import extra_topic_text
 from roverlink.generator.emit.emitter import FOLDER, placed
-from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.type_hashes import type_hashes
 from roverlink.generator.example_payloads import EXAMPLE_S, payload_at
@@ -73,7 +73,7 @@ class Project:
             },
             "size": self._size(row),
             "fields": [self._field(field, row) for field in (route.conversion.fields if route.conversion else ())],
-            "standard": [self._standard(feed) for feed in route.feeds],
+            "standard": [self._standard(standard) for standard in route.standard_topics],
             "ignored": list(row.ignore),
             "published": self._published(row.number),
             "history": self._history(row.number),
@@ -87,15 +87,20 @@ class Project:
     def _ros(self, route: ir.Route) -> dict[str, Any]:
         """Return the row's own message; the hash of a standard message is left to ROS 2."""
         if route.conversion is None:
-            return {"message": route.feeds[0].message, "type_hash": None}
+            return {"message": route.standard_topics[0].message, "type_hash": None}
         name = route.conversion.ros
         return {"message": f"{self.compiled.bridge.package}/msg/{name}", "type_hash": self.hashes[name]}
 
     @staticmethod
-    def _standard(feed: ir.Feed) -> dict[str, Any]:
+    def _standard(standard: ir.StandardTopic) -> dict[str, Any]:
         """Return an extra topic with the sources of its fields."""
-        fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(feed)]
-        return {"topic": feed.topic, "message": feed.message, "fields": fields, "way_back": feed.obstacle or "yes"}
+        fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(standard)]
+        return {
+            "topic": standard.topic,
+            "message": standard.message,
+            "fields": fields,
+            "way_back": standard.obstacle or "yes",
+        }
 
     def _proto(self, file: str) -> str:
         return f"{self.context.table.proto.root}/{file}"
@@ -157,7 +162,7 @@ class Project:
         bridge = self.compiled.bridge
         file = self._member(route.number).file
         wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
-        extra_topics = [extra.file for extra in named_feeds(bridge) if extra.route.number == route.number]
+        extra_topics = [extra.file for extra in named_extra_topics(bridge) if extra.route.number == route.number]
         wanted += [f"generated/extra_topics/{file}.py" for file in extra_topics]
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")

@@ -7,8 +7,12 @@ from __future__ import annotations
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import gps_sensor_pb2
 from roverlink.runtime.core.errors import ConversionError
-from roverlink.runtime.core.feed import UNSTAMPED, Counterparts, Feed
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.standard_handler import (
+    UNSTAMPED,
+    Counterparts,
+    StandardHandler,
+)
 from roverlink.runtime.interfaces import Time
 
 FIX_QUALITY = Counterparts(
@@ -24,7 +28,9 @@ FIX_QUALITY = Counterparts(
 )
 
 
-class GpsFixTopic(Feed[gps_sensor_pb2.SensorBoardGPSInfo, sensor_msgs.NavSatFix]):
+class GpsFixTopic(
+    StandardHandler[gps_sensor_pb2.SensorBoardGPSInfo, sensor_msgs.NavSatFix]
+):
     """One fix of the GPS receiver.
 
     Number 12 of the envelope, hardware_to_ros, topic gps/fix.

@@ -8,14 +8,16 @@ import math
 
 from generated.interfaces import geometry_msgs, sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import imu_sensor_pb2
-from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, single
 from roverlink.runtime.interfaces import Time
 
 DEG_TO_RAD = math.pi / 180
 
 
-class ImuDataRawTopic(Feed[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.Imu]):
+class ImuDataRawTopic(
+    StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.Imu]
+):
     """One sample of the inertial measurement unit.
 
     Number 13 of the envelope, hardware_to_ros, topic imu/data_raw.

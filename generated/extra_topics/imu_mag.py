@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from generated.interfaces import geometry_msgs, sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import imu_sensor_pb2
-from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, single
 from roverlink.runtime.interfaces import Time
 
 
-class ImuMagTopic(Feed[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField]):
+class ImuMagTopic(
+    StandardHandler[imu_sensor_pb2.SensorBoardIMUInfo, sensor_msgs.MagneticField]
+):
     """One sample of the inertial measurement unit.
 
     Number 13 of the envelope, hardware_to_ros, topic imu/mag.

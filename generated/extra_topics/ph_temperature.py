@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import ph_sensor_pb2
-from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, single
 from roverlink.runtime.interfaces import Time
 
 
 class PhTemperatureTopic(
-    Feed[ph_sensor_pb2.SensorBoardPHInfo, sensor_msgs.Temperature]
+    StandardHandler[ph_sensor_pb2.SensorBoardPHInfo, sensor_msgs.Temperature]
 ):
     """One reading of the pH probe.
 

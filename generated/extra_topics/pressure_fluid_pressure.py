@@ -6,13 +6,15 @@ from __future__ import annotations
 
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import pressure_sensor_pb2
-from roverlink.runtime.core.feed import UNSTAMPED, Feed, single
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.standard_handler import UNSTAMPED, StandardHandler, single
 from roverlink.runtime.interfaces import Time
 
 
 class PressureFluidPressureTopic(
-    Feed[pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure]
+    StandardHandler[
+        pressure_sensor_pb2.SensorBoardPressureInfo, sensor_msgs.FluidPressure
+    ]
 ):
     """One reading of a pressure sensor.
 

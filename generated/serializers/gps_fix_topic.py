@@ -11,7 +11,7 @@ from generated.extra_topics.gps_fix import FIX_QUALITY, GpsFixTopic
 from generated.interfaces import sensor_msgs, std_msgs
 from generated.pb2.components.sensor_board import gps_sensor_pb2
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.feed import UNSTAMPED
+from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
 # Fields that never change are serialized once; between them stand the bytes of the others.

@@ -7,30 +7,30 @@ import keyword
 from dataclasses import dataclass
 
 from roverlink.generator import ir
-from roverlink.generator.ir import Feed, ros_names
+from roverlink.generator.ir import StandardTopic, ros_names
 
 
 @dataclass(frozen=True, slots=True)
-class NamedFeed:
+class NamedExtraTopic:
     """An extra topic of a row, with its names."""
 
     route: ir.Route
     """The row, with the topic and the quality of service of the extra topic, and without the settings of its own."""
-    feed: Feed
+    standard: StandardTopic
     file: str
     """The name of its module, without a suffix: ``imu_data_raw``."""
     name: str
     """The name of its class: ``ImuDataRawTopic``."""
 
 
-def named_feeds(bridge: ir.Bridge) -> list[NamedFeed]:
+def named_extra_topics(bridge: ir.Bridge) -> list[NamedExtraTopic]:
     """Return every extra topic, named after the topic; an underscore tells apart what would have one name."""
-    found: list[NamedFeed] = []
+    found: list[NamedExtraTopic] = []
     names: set[str] = set()
     files: set[str] = set()
     for route in bridge.routes:
-        for feed in route.also:
-            words = feed.topic.strip("~/").split("/")
+        for standard in route.extra_topics:
+            words = standard.topic.strip("~/").split("/")
             name = "".join(map(ros_names.camel_case, words))
             while name.lower() in names:
                 name += "_"
@@ -39,11 +39,11 @@ def named_feeds(bridge: ir.Bridge) -> list[NamedFeed]:
             while file in files or keyword.iskeyword(file):
                 file += "_"
             files.add(file)
-            found.append(NamedFeed(_on_topic(route, feed), feed, file, f"{name}Topic"))
+            found.append(NamedExtraTopic(_on_topic(route, standard), standard, file, f"{name}Topic"))
     return found
 
 
-def _on_topic(route: ir.Route, feed: Feed) -> ir.Route:
+def _on_topic(route: ir.Route, standard: StandardTopic) -> ir.Route:
     return dataclasses.replace(
-        route, topic=feed.topic, qos=feed.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
+        route, topic=standard.topic, qos=standard.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
     Chosen,
     Constant,
@@ -20,9 +20,9 @@ from roverlink.generator.ir.interfaces import (
 )
 
 
-def fields(feed: Feed) -> list[tuple[str, str]]:
+def fields(standard: StandardTopic) -> list[tuple[str, str]]:
     """Return each field that something fills, and the words for it."""
-    return list(_rows(feed.fields, ()))
+    return list(_rows(standard.fields, ()))
 
 
 def _rows(fields: tuple[TargetField, ...], path: Path) -> Iterator[tuple[str, str]]:

@@ -242,7 +242,7 @@ class Deadman:
 
 
 @dataclass(frozen=True, slots=True)
-class Feed:
+class StandardTopic:
     """What a payload becomes on a topic with a message of the common interfaces."""
 
     topic: str
@@ -306,15 +306,15 @@ class Route:
     priority: int = 0
     expect_rate: int | None = None
     """Messages a second that diagnostics expect at least."""
-    feed: Feed | None = None
+    standard: StandardTopic | None = None
     """To a standard message."""
-    also: tuple[Feed, ...] = ()
+    extra_topics: tuple[StandardTopic, ...] = ()
     """Further topics."""
 
     @property
-    def feeds(self) -> tuple[Feed, ...]:
+    def standard_topics(self) -> tuple[StandardTopic, ...]:
         """Everything that it becomes of standard messages."""
-        return (self.feed, *self.also) if self.feed else self.also
+        return (self.standard, *self.extra_topics) if self.standard else self.extra_topics
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,7 +45,7 @@ class FieldSettings:
         for row, paths in rows:
             for path, value in paths.items():
                 span = row.at(f"{group}.{path}")
-                if row.feed:
+                if row.standard:
                     self._report(WITHOUT_EFFECT.at(span, *without_effect_on_standard(group, row)))
                     continue
                 found = self._field(row, group, path)

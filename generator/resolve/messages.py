@@ -47,7 +47,7 @@ class RosMessages:
     def route(self, row: Row) -> ir.Route:
         """A row, with the conversion of its payload to a message of the package, where it becomes one."""
         payload = self.schema.messages[row.proto]
-        conversion = None if row.feed else self._conversion(payload)
+        conversion = None if row.standard else self._conversion(payload)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
 

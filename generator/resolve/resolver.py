@@ -12,7 +12,7 @@ from pathlib import PurePosixPath
 
 from roverlink.generator import ir
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.lock import Ledger
 from roverlink.generator.protos.proto_rules import (
     EXCLUDED_PROTO,
@@ -22,7 +22,7 @@ from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.messages import RosMessages
 from roverlink.generator.resolve.safety import check_peers, guarded
-from roverlink.generator.resolve.standard import Feeds
+from roverlink.generator.resolve.standard import StandardTopics
 from roverlink.generator.table import Table
 
 
@@ -58,10 +58,10 @@ def resolve(
     """The IR of a table, with the sizes of its rows by name. Where findings were added, it is not fit to be emitted."""
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
-    feeds = Feeds(table, schema, findings.append)
+    standard_topics = StandardTopics(table, schema, findings.append)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
-        guarded(_completed(messages.route(row), feeds.of(row), sizes.get(row.name)), row, schema, findings)
+        guarded(_completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), row, schema, findings)
         for row in sorted(located, key=lambda row: row.number)
     )
     carried = {route.conversion.ros for route in routes if route.conversion}
@@ -97,14 +97,16 @@ def resolve(
         wire_messages=tuple(schema.messages[name].on_the_wire() for name in sorted(reached)),
         wire_enums=tuple(schema.enums[name].on_the_wire() for name in sorted(enums)),
         bounds=tuple(bounds),
-        interfaces=feeds.interfaces,
+        interfaces=standard_topics.interfaces,
         modules=compilation.modules,
         descriptors=schema.descriptors_without_comments(),
     )
 
 
-def _completed(route: ir.Route, feeds: tuple[Feed | None, tuple[Feed, ...]], size: ir.WireSize | None) -> ir.Route:
-    return dataclasses.replace(route, feed=feeds[0], also=feeds[1], size=size)
+def _completed(
+    route: ir.Route, standard_topics: tuple[StandardTopic | None, tuple[StandardTopic, ...]], size: ir.WireSize | None
+) -> ir.Route:
+    return dataclasses.replace(route, standard=standard_topics[0], extra_topics=standard_topics[1], size=size)
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:

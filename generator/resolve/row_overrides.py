@@ -29,7 +29,7 @@ def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
     """By proto message; rows that carry the same one must agree on what it becomes."""
     shapes: dict[str, Shape] = {}
     for row in table.rows:
-        if row.feed:
+        if row.standard:
             continue
         shape = Shape(row.ros, row.renames, row.ignore, row)
         first = shapes.setdefault(row.proto, shape)

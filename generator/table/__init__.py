@@ -10,13 +10,13 @@ from roverlink.generator.table.keys import (
     DeadmanSettings,
     EnumSettings,
     EnvelopeSettings,
-    FeedSettings,
     Lowered,
     PeerSettings,
     ProtoSettings,
     RetiredRow,
     RosSettings,
     Row,
+    StandardTopicSettings,
     Table,
 )
 from roverlink.generator.table.parts import Form
@@ -29,7 +29,7 @@ __all__ = [
     "DeadmanSettings",
     "EnumSettings",
     "EnvelopeSettings",
-    "FeedSettings",
+    "StandardTopicSettings",
     "Form",
     "Lowered",
     "PeerSettings",

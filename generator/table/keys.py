@@ -323,7 +323,7 @@ class QosSettings(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FeedSettings(Part):
+class StandardTopicSettings(Part):
     """A topic with a message of ROS 2's common interfaces."""
 
     topic: Annotated[Topic, Meaning("ROS 2 topic, relative to the node's namespace unless it starts with a slash.")]
@@ -368,7 +368,7 @@ class FeedSettings(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row(FeedSettings):
+class Row(StandardTopicSettings):
     """One message: what travels under which number, between which peer and which topic."""
 
     number: Annotated[FieldNumber, Meaning("Field number in the envelope's oneof. Permanent.")]
@@ -402,7 +402,7 @@ class Row(FeedSettings):
     ] = field(default_factory=dict)
     ignore: Annotated[tuple[FieldPath, ...], Meaning("Paths of proto fields that no ROS field takes.")] = ()
     also: Annotated[
-        tuple[FeedSettings, ...], Meaning("Further topics, with messages of ROS 2's common interfaces.")
+        tuple[StandardTopicSettings, ...], Meaning("Further topics, with messages of ROS 2's common interfaces.")
     ] = ()
     presence: Annotated[
         Mapping[FieldPath, bool],
@@ -470,14 +470,14 @@ class Row(FeedSettings):
     ] = ()
 
     @property
-    def feed(self) -> FeedSettings | None:
+    def standard(self) -> StandardTopicSettings | None:
         """The row's own topic, if its message is a standard one."""
         return self if "/" in self.ros else None
 
     @property
-    def feeds(self) -> tuple[FeedSettings, ...]:
+    def standard_topics(self) -> tuple[StandardTopicSettings, ...]:
         """Every topic of the row that has a standard message."""
-        return (self.feed, *self.also) if self.feed else self.also
+        return (self.standard, *self.also) if self.standard else self.also
 
     @property
     def renames(self) -> dict[str, str]:

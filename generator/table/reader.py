@@ -9,7 +9,7 @@ from string import ascii_lowercase
 
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.ir import ros_names
-from roverlink.generator.table.keys import FeedSettings, PeerSettings, Row, Table
+from roverlink.generator.table.keys import PeerSettings, Row, StandardTopicSettings, Table
 from roverlink.generator.table.parts import Form, build, object_of
 from roverlink.generator.table.reading_rules import CONFLICTING_KEYS, WRONG_TYPE
 from roverlink.generator.table.yaml_items import read_form, read_text
@@ -59,17 +59,17 @@ def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
 
 def _mistakes(row: Row) -> Iterator[Diagnostic]:
     """Check keys of a row against each other."""
-    for feed in (row, *row.also):
-        yield from _conflicting_depths(feed)
-    if row.feed is None:
+    for standard in (row, *row.also):
+        yield from _conflicting_depths(standard)
+    if row.standard is None:
         yield from _forms_of_standard_messages(row)
 
 
-def _conflicting_depths(feed: FeedSettings) -> Iterator[Diagnostic]:
-    depth = feed.qos.depth
-    if feed.queue is not None and depth is not None and feed.queue != depth:
-        message = f"queue is {feed.queue}, but the depth of qos is {depth}"
-        yield CONFLICTING_KEYS.at(feed.qos.at("depth"), message, "they mean the same; keep one of them")
+def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]:
+    depth = standard.qos.depth
+    if standard.queue is not None and depth is not None and standard.queue != depth:
+        message = f"queue is {standard.queue}, but the depth of qos is {depth}"
+        yield CONFLICTING_KEYS.at(standard.qos.at("depth"), message, "they mean the same; keep one of them")
 
 
 def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:

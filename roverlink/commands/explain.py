@@ -98,9 +98,9 @@ def _print_row(said: dict[str, Any]) -> None:
     _table([_field(field) for field in said["fields"]] or [("none", "", "")])
     for path in said["ignored"]:
         print(f"  {path} has no ROS field")
-    for feed in said["standard"]:
-        print(f"\n{feed['message']} on {feed['topic']}")
-        _table([(field["ros"], field["takes"].replace("`", "")) for field in feed["fields"]])
+    for standard in said["standard"]:
+        print(f"\n{standard['message']} on {standard['topic']}")
+        _table([(field["ros"], field["takes"].replace("`", "")) for field in standard["fields"]])
     print("\nfiles")
     for path in said["files"]:
         print(f"  {path}")

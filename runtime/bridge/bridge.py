@@ -101,10 +101,10 @@ class Bridge:
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
             self._inbound_rows[handler.route.name] = self._inbound_row(handler)
-        for feed in self._registry.feeds:
-            if feed.route.inbound:
-                self._extra_topics.open(feed, self._publisher(feed).publish)
-        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.feeds)
+        for handler in self._registry.extra_topics:
+            if handler.route.inbound:
+                self._extra_topics.open(handler, self._publisher(handler).publish)
+        handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]

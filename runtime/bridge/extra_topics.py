@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core.handler import Serialized
-from roverlink.runtime.core.registry import AnyFeed
+from roverlink.runtime.core.registry import AnyStandardHandler
 from roverlink.runtime.interfaces import Time
 
 
@@ -21,23 +21,23 @@ class ExtraTopics:
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:
         self._account, self._warnings = account, warnings
-        self._publish: dict[AnyFeed, Callable[[Sequence[bytes]], int]] = {}
+        self._publish: dict[AnyStandardHandler, Callable[[Sequence[bytes]], int]] = {}
 
-    def open(self, feed: AnyFeed, publish: Callable[[Sequence[bytes]], int]) -> None:
+    def open(self, handler: AnyStandardHandler, publish: Callable[[Sequence[bytes]], int]) -> None:
         """Add an extra topic; ``publish`` returns how many messages it accepted."""
-        self._publish[feed] = publish
+        self._publish[handler] = publish
 
-    def publish(self, fed: Iterable[tuple[AnyFeed, Serialized]]) -> None:
+    def publish(self, fed: Iterable[tuple[AnyStandardHandler, Serialized]]) -> None:
         """Publish a batch, with one publish call per topic."""
         # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
-        for feed, (messages, misfits) in fed:
+        for handler, (messages, misfits) in fed:
             for error in misfits.values():
-                self._missed(feed, 1, str(error))
-            accepted = self._publish[feed](messages) if messages else 0
-            self._account.fed[feed.route.topic] += accepted
+                self._missed(handler, 1, str(error))
+            accepted = self._publish[handler](messages) if messages else 0
+            self._account.fed[handler.route.topic] += accepted
             if accepted < len(messages):
-                self._missed(feed, len(messages) - accepted, f"{feed.route.topic}: a subscriber is too slow")
+                self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
 
-    def _missed(self, feed: AnyFeed, count: int, why: str) -> None:
-        self._account.unfed[feed.route.topic] += count
-        self._warnings.warn(f"unfed {feed.route.topic}", f"not published: {why}")
+    def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
+        self._account.unfed[handler.route.topic] += count
+        self._warnings.warn(f"unfed {handler.route.topic}", f"not published: {why}")

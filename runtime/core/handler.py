@@ -120,7 +120,7 @@ class Handler(ABC, Generic[P, M]):
         """
         return cdr.encode(self.to_ros(payload))
 
-    def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # feeds need it
+    def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # standard messages need it
         """Serialize the ROS 2 message of a payload.
 
         Raises `ConversionError` that names row and field.
@@ -142,7 +142,7 @@ class Handler(ABC, Generic[P, M]):
         except MISFITS:
             return self._one_by_one(payloads, stamp)
 
-    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # feeds need it
+    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # standard messages need it
         return list(map(self.pack, payloads))
 
     def _one_by_one(self, payloads: Sequence[P], stamp: Time) -> Serialized:

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 from google.protobuf.runtime_version import VersionError
 
 from roverlink.runtime.core.errors import RegistryError
-from roverlink.runtime.core.feed import Feed
 from roverlink.runtime.core.handler import Handler
+from roverlink.runtime.core.standard_handler import StandardHandler
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
 
 AnyHandler = Handler[Any, Any]
-AnyFeed = Feed[Any, Any]
+AnyStandardHandler = StandardHandler[Any, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Registry:
     handlers: tuple[AnyHandler, ...]
     fingerprint: str
     """SHA-256 of the table and the wire schema from which the code was generated."""
-    feeds: tuple[AnyFeed, ...] = ()
+    extra_topics: tuple[AnyStandardHandler, ...] = ()
     """Handlers of extra topics, with standard messages."""
     retired: Mapping[int, str] = field(default_factory=dict)
     """Retired numbers, with the name that each had. They are never used again."""
@@ -69,8 +69,8 @@ class Registry:
 
     @cached_property
     def by_topic(self) -> dict[str, AnyHandler]:
-        """Handlers and feeds by topic, as the table spells it."""
-        return {handler.route.topic: handler for handler in (*self.handlers, *self.feeds)}
+        """Handlers of rows and of extra topics by topic, as the table spells it."""
+        return {handler.route.topic: handler for handler in (*self.handlers, *self.extra_topics)}
 
     @cached_property
     def peers_by_name(self) -> dict[str, Peer]:

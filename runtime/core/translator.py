@@ -12,7 +12,7 @@ from google.protobuf.message import DecodeError, EncodeError
 from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, Serialized
-from roverlink.runtime.core.registry import AnyFeed, AnyHandler, Registry
+from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.interfaces import Time
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Translation:
     """Payload name of each datagram; None if it was refused."""
     messages: dict[str, list[bytes]] = field(default_factory=dict)
     """Serialized messages of each row, by payload name."""
-    fed: list[tuple[AnyFeed, Serialized]] = field(default_factory=list)
+    fed: list[tuple[AnyStandardHandler, Serialized]] = field(default_factory=list)
     """Messages for extra topics. A value that does not fit one topic does not affect the others."""
     refusals: list[DatagramError] = field(default_factory=list)
 
@@ -42,7 +42,9 @@ class Translator:
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
         self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
-        self._feeds = {name: tuple(f for f in registry.feeds if f.route.name == name) for name in self._inbound}
+        self._extra_topics = {
+            name: tuple(f for f in registry.extra_topics if f.route.name == name) for name in self._inbound
+        }
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
@@ -70,7 +72,7 @@ class Translator:
                 run = [payload for index, payload in enumerate(run) if index not in misfits]
             if run:
                 translation.messages[name] = messages
-                translation.fed += [(feed, feed.all_to_cdr(run, stamp)) for feed in self._feeds[name]]
+                translation.fed += [(handler, handler.all_to_cdr(run, stamp)) for handler in self._extra_topics[name]]
         return translation
 
     def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:

@@ -82,7 +82,7 @@ def test_a_bridge_is_recorded(start: Start, peer: socket.socket, tmp_path: Path)
     for message in Recording(path).messages():
         found.setdefault(message.channel.topic, []).append(message.data)
     stops = found.pop("/datagrams/sent/hardware")  # nobody commands the rover
-    fed = [f"/{feed.route.topic}" for feed in REGISTRY.feeds if feed.route.name == "imu_info"]
+    fed = [f"/{handler.route.topic}" for handler in REGISTRY.extra_topics if handler.route.name == "imu_info"]
     assert {topic: len(found.pop(topic)) for topic in fed} == dict.fromkeys(fed, _COUNT)
     of_topics, datagrams = _COUNT * (1 + len(fed)), _COUNT + len(stops)
     assert f"recorded {of_topics} messages of topics and {datagrams} datagrams to {path}" in str(program)

@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
-from feed_crosscheck import check_feeds
 from google.protobuf.message import Message as Payload
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_payloads import Payloads
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
+from standard_crosscheck import check_standard_topics
 from walker import RefusedError, Walker
 
 from roverlink.generator.emit.writer import compare, write
@@ -80,7 +80,7 @@ def check(table: Path) -> None:
             _check_handler(handler, route.conversion, walker, store, Payloads(in_any))
             _check_any_number(handler)
             _check_refusals(handler, route.conversion)
-    check_feeds(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
+    check_standard_topics(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
 
 
 def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:

@@ -324,7 +324,7 @@ def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution
             else:
                 endpoints[found["gid"].ljust(2 * gid_size, "0")] = (found["topic"], found["type"])
     assert (node["namespace"], node["name"]) == ("/", "udp_forwarder")
-    handlers = [*REGISTRY.handlers, *REGISTRY.feeds]
+    handlers = [*REGISTRY.handlers, *REGISTRY.extra_topics]
     inbound, outbound = ([h for h in handlers if h.route.inbound == wanted] for wanted in (True, False))
     diagnostics = ("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_")
     assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics])

@@ -220,14 +220,14 @@ def test_however_a_payload_misfits_it_alone_is_told(error: type[Exception]) -> N
 
 
 def test_a_payload_that_misfits_leaves_those_around_it_alone(translator: Translator) -> None:
-    """In a batch of one row, what cannot be converted is refused at its place; the feeds get the others too."""
+    """In a batch of one row, what cannot be converted is refused at its place; the extra_topics get the others too."""
     imu = [{"accel_x": 1.0}, {"error_code": 300}, {"accel_x": 3.0}, {"error_code": -1}]
     batch = translator.receive_all([_envelope(imu_info=values) for values in imu], Time())
     assert batch.names == ["imu_info", None, "imu_info", None]
     assert [error.reason for error in batch.refusals] == [Reason.CONVERSION] * 2
     fits = [imu[0], imu[2]]
     assert batch.messages == {"imu_info": [translator.receive(_envelope(imu_info=values))[1] for values in fits]}
-    assert {feed.route.topic: len(serialized.messages) for feed, serialized in batch.fed} == {
+    assert {handler.route.topic: len(serialized.messages) for handler, serialized in batch.fed} == {
         "imu/data_raw": 2,
         "imu/mag": 2,
     }

@@ -27,7 +27,7 @@ def position_publisher(
     If the table has no such row, or its message lacks one of `AXES`, ``warn`` is called and the function does nothing,
     because tracking is useful without a peer too.
     """
-    rows = (*registry.handlers, *registry.feeds)
+    rows = (*registry.handlers, *registry.extra_topics)
     handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)
     if handler is None:
         warn(f"the table has no row {ROW} to a peer, so the rover's position is not sent")

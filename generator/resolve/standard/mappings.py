@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import Constant, Interface, Moment
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.interfaces import definitions
@@ -15,13 +15,13 @@ from roverlink.generator.resolve.standard.inverse import sources_of, way_back
 from roverlink.generator.resolve.standard.message_fields import Places, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.resolve.standard.unset import Tree
-from roverlink.generator.table import FeedSettings, Row, Table
+from roverlink.generator.table import Row, StandardTopicSettings, Table
 
 _HEADER = "std_msgs/msg/Header"
 
 
-class Feeds:
-    """Makes the feeds of the rows, and keeps the definitions of the messages that they need."""
+class StandardTopics:
+    """Makes the standard_topics of the rows, and keeps the definitions of the messages that they need."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._distro, self._schema, self._report = table.ros.distro or "", schema, report
@@ -29,21 +29,21 @@ class Feeds:
 
     @property
     def interfaces(self) -> tuple[Interface, ...]:
-        """The definitions of every message that a feed needs, by name."""
+        """The definitions of every message that a standard needs, by name."""
         return tuple(interface for _, interface in sorted(self._definitions.items()))
 
-    def of(self, row: Row) -> tuple[Feed | None, tuple[Feed, ...]]:
+    def of(self, row: Row) -> tuple[StandardTopic | None, tuple[StandardTopic, ...]]:
         """What the row itself becomes, where that is a standard message, and its further topics."""
-        if row.feed is None:
+        if row.standard is None:
             self._check_own_message(row)
         sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
-        made = [self._feed(row, settings, sources) for settings in row.feeds]
-        if row.feed and row.inbound:
-            self._check_used(row, sources, [feed for feed in made if feed])
-        own = made.pop(0) if row.feed else None
-        return own, tuple(feed for feed in made if feed)
+        made = [self._standard(row, settings, sources) for settings in row.standard_topics]
+        if row.standard and row.inbound:
+            self._check_used(row, sources, [standard for standard in made if standard])
+        own = made.pop(0) if row.standard else None
+        return own, tuple(standard for standard in made if standard)
 
-    def _feed(self, row: Row, settings: FeedSettings, sources: Sources) -> Feed | None:
+    def _standard(self, row: Row, settings: StandardTopicSettings, sources: Sources) -> StandardTopic | None:
         root = self._root(settings)
         if root is None:
             return None
@@ -58,7 +58,7 @@ class Feeds:
         if not row.inbound:
             self._check_way_back(row, settings, back.obstacle, lost)
         file = self._schema.messages[row.proto].file
-        return Feed(
+        return StandardTopic(
             settings.topic,
             settings.profile,
             row.proto,
@@ -81,8 +81,8 @@ class Feeds:
 
     # --- definitions ---
 
-    def _root(self, settings: FeedSettings) -> Interface | None:
-        """The definition of a feed's message, those of the messages in it being taken up as well."""
+    def _root(self, settings: StandardTopicSettings) -> Interface | None:
+        """The definition of a standard's message, those of the messages in it being taken up as well."""
         name, span = definitions.full_name(settings.ros), settings.at("ros")
         try:
             root = definitions.interface(name, self._distro)
@@ -110,7 +110,7 @@ class Feeds:
 
     # --- the header ---
 
-    def _add_header(self, row: Row, settings: FeedSettings, root: Interface, filling: Filling) -> None:
+    def _add_header(self, row: Row, settings: StandardTopicSettings, root: Interface, filling: Filling) -> None:
         if not any(field.name == "header" and field.type.name == _HEADER for field in root.fields):
             for key, given in (("frame_id", settings.frame_id), ("stamp", settings.stamp)):
                 if given is not None:
@@ -126,7 +126,7 @@ class Feeds:
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
             self._add_stamp(settings, filling)
 
-    def _add_stamp(self, settings: FeedSettings, filling: Filling) -> None:
+    def _add_stamp(self, settings: StandardTopicSettings, filling: Filling) -> None:
         path, span = ("header", "stamp"), settings.at("stamp")
         place = filling.places.find(path, span)
         if settings.stamp is None:
@@ -136,20 +136,20 @@ class Feeds:
 
     # --- the payload's fields ---
 
-    def _check_used(self, row: Row, sources: Sources, feeds: list[Feed]) -> None:
+    def _check_used(self, row: Row, sources: Sources, standard_topics: list[StandardTopic]) -> None:
         """Every field of the payload reaches some topic, or is said not to."""
-        ignored = [path for settings in row.feeds for path in settings.ignore]
-        used = {source for feed in feeds for source in _sources_of(feed)}
-        if len(feeds) < len(row.feeds):
+        ignored = [path for settings in row.standard_topics for path in settings.ignore]
+        used = {source for standard in standard_topics for source in _sources_of(standard)}
+        if len(standard_topics) < len(row.standard_topics):
             return  # what the one that is missing takes is not known
-        rests_on = [row.at("direction"), *(span for settings in row.feeds for span in _entries(settings))]
+        rests_on = [row.at("direction"), *(span for settings in row.standard_topics for span in _entries(settings))]
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of {row.name} takes {path}"
                 help = f"map it, or name {path} under `ignore`"
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
-    def _check_way_back(self, row: Row, settings: FeedSettings, obstacle: str, lost: list[str]) -> None:
+    def _check_way_back(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
         """What goes to a peer must be told by the message."""
         span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
@@ -162,7 +162,7 @@ class Feeds:
             help = f"map the missing fields, name them under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
-    def _check_ignored(self, settings: FeedSettings, sources: Sources) -> None:
+    def _check_ignored(self, settings: StandardTopicSettings, sources: Sources) -> None:
         for path in settings.ignore:
             if not sources.leads_somewhere(path):
                 span = settings.spans.get(f"ignore.{path}", settings.span)
@@ -170,7 +170,7 @@ class Feeds:
                 self._report(standard_rules.UNKNOWN_SOURCE.at(span, f"{sources.proto} has no field {path!r}", help))
 
 
-def _entries(settings: FeedSettings) -> Iterator[Span]:
+def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
     """Yield the place of each entry under `fields`, and of the parts of each."""
     forms = list(settings.fields.values())
     for form in forms:  # which grows
@@ -183,5 +183,5 @@ def _covers(paths: Iterable[str], path: str) -> bool:
     return any(path == other or path.startswith(f"{other}.") for other in paths)
 
 
-def _sources_of(feed: Feed) -> set[str]:
-    return {source.dotted for source in sources_of(feed.fields)}
+def _sources_of(standard: StandardTopic) -> set[str]:
+    return {source.dotted for source in sources_of(standard.fields)}

@@ -10,13 +10,13 @@ from roverlink.generator.resolve.interfaces import meanings
 from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.resolve.standard.filling import Filling
 from roverlink.generator.resolve.standard.message_fields import Place
-from roverlink.generator.table import FeedSettings
+from roverlink.generator.table import StandardTopicSettings
 
 
 class Tree:
-    """Puts the expressions of a feed in the order of the message's definition."""
+    """Puts the expressions of a standard in the order of the message's definition."""
 
-    def __init__(self, filling: Filling, settings: FeedSettings, report: Callable[[Diagnostic], None]) -> None:
+    def __init__(self, filling: Filling, settings: StandardTopicSettings, report: Callable[[Diagnostic], None]) -> None:
         self._filling, self._settings, self._report = filling, settings, report
         self._unset = {tuple(path.split(".")) for path in settings.unset}
 

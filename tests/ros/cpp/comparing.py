@@ -77,7 +77,7 @@ def compare(
     ``json_fields`` are the fields that hold JSON: the name of a ROS message, and that of its field.
     """
     comparison = _Comparison(speaker, registry)
-    for handler in (*registry.handlers, *registry.feeds):
+    for handler in (*registry.handlers, *registry.extra_topics):
         payloads = Payloads(in_any).of(handler.payload_type.DESCRIPTOR)
         stamps = st.builds(Time, st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
         numbers = st.integers(-(2**31), 2**31 - 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from roverlink.generator import ir
-from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.render import Files
 from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.conversion_context import Context
@@ -20,8 +20,8 @@ class Handler:
     """A class that is generated for a topic."""
 
     route: ir.Route
-    source: ir.Conversion | ir.Feed
-    """A `Feed` for a standard message."""
+    source: ir.Conversion | ir.StandardTopic
+    """A `StandardTopic` for a standard message."""
     file: CppFile
     name: str
     envelope: str
@@ -49,14 +49,14 @@ class Handler:
         return cpp_names.proto_header(self.source.file)
 
     @property
-    def standard(self) -> ir.Feed | None:
+    def standard(self) -> ir.StandardTopic | None:
         """The standard message and what fills it; None where the row has a message of its own."""
-        return self.source if isinstance(self.source, ir.Feed) else None
+        return self.source if isinstance(self.source, ir.StandardTopic) else None
 
     @property
     def ros(self) -> str:
         """The full name of the ROS message: ``sensor_msgs/msg/Imu``."""
-        if isinstance(self.source, ir.Feed):
+        if isinstance(self.source, ir.StandardTopic):
             return self.source.message
         return f"{self.file.package}/msg/{self.source.ros}"
 
@@ -73,21 +73,23 @@ class Handler:
 
 def handlers_of(bridge: ir.Bridge) -> list[Handler]:
     """Return the handlers of all topics, in the order of the table."""
-    extra = named_feeds(bridge)
+    extra = named_extra_topics(bridge)
     found: list[Handler] = []
     for route in bridge.routes:
-        if source := route.feed or route.conversion:
+        if source := route.standard or route.conversion:
             file = f"handlers/{cpp_names.handler_file(route)}"
             found.append(_handler(bridge, route, source, file, cpp_names.handler_class(route)))
         found += [
-            _handler(bridge, one.route, one.feed, f"extra_topics/{one.file}", one.name)
+            _handler(bridge, one.route, one.standard, f"extra_topics/{one.file}", one.name)
             for one in extra
             if one.route.number == route.number
         ]
     return found
 
 
-def _handler(bridge: ir.Bridge, route: ir.Route, source: ir.Conversion | ir.Feed, path: str, name: str) -> Handler:
+def _handler(
+    bridge: ir.Bridge, route: ir.Route, source: ir.Conversion | ir.StandardTopic, path: str, name: str
+) -> Handler:
     file = CppFile(bridge.package, path, f"{bridge.table} (row {route.name}) and {source.file}")
     envelope = bridge.envelope
     return Handler(
@@ -102,7 +104,7 @@ def emit(bridge: ir.Bridge, context: Context) -> Files:
         comment = comment_lines(handler.route.comment)
         yield from handler.file.header("handler", handler=handler, comment=comment)
         fields: Fields | StandardFields
-        if isinstance(handler.source, ir.Feed):
+        if isinstance(handler.source, ir.StandardTopic):
             fields, template = StandardFields(handler.source), "standard_message"
         else:
             fields, template = fields_of(handler.source, context), "handler"

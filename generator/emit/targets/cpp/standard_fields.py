@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
 from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.literals import literal, text_literal
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
     Case,
     Chosen,
@@ -77,16 +77,16 @@ class EnumTable:
 class StandardFields:
     """The bodies of ``to_ros`` and ``from_ros`` of a standard message, and what stands above them."""
 
-    def __init__(self, feed: Feed) -> None:
+    def __init__(self, standard: StandardTopic) -> None:
         self._arithmetic = Arithmetic(_CPP)
-        self.obstacle = feed.obstacle and text_literal(feed.obstacle)
+        self.obstacle = standard.obstacle and text_literal(standard.obstacle)
         """Why no payload can be made, as a literal; empty where it can."""
         self.headers = {cpp_names.runtime_header("values")}
         self.tables: dict[str, EnumTable] = {}
         """The functions by name."""
-        leaves = [leaf for field in feed.fields for leaf in _leaves(field, ())]
+        leaves = [leaf for field in standard.fields for leaf in _leaves(field, ())]
         self.filled = [self._filled(*leaf) for leaf in leaves]
-        self.recalled = list(_first_each(self._recalled(feed)))
+        self.recalled = list(_first_each(self._recalled(standard)))
         self.constants = self._arithmetic.constants
         """The constants by name."""
         sources = [source for _, value, _ in leaves for source in _sources(value)]
@@ -150,8 +150,8 @@ class StandardFields:
 
     # --- from ROS ---
 
-    def _recalled(self, feed: Feed) -> Iterator[Recalled]:
-        for index, recovered in enumerate(feed.recovered):
+    def _recalled(self, standard: StandardTopic) -> Iterator[Recalled]:
+        for index, recovered in enumerate(standard.recovered):
             value, text = recovered.value, ".".join(("message", *recovered.path))
             if isinstance(value, Rotation):
                 self.headers.add(cpp_names.runtime_header("rotations"))

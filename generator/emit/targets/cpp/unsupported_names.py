@@ -49,7 +49,7 @@ _OF_EVERY_CLASS = frozenset(
 def check(bridge: ir.Bridge) -> None:
     """Raise `DiagnosticsError` with every name that C++ cannot have."""
     files = {conversion.proto: conversion.file for conversion in bridge.conversions().values()}
-    files |= {feed.proto: feed.file for route in bridge.routes for feed in route.feeds}
+    files |= {standard.proto: standard.file for route in bridge.routes for standard in route.standard_topics}
     findings: list[Diagnostic] = []
     if bridge.package == _RUNTIME:
         told = f"the package {_RUNTIME} would have the namespace and the headers of the C++ runtime library"

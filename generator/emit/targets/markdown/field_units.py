@@ -18,9 +18,9 @@ class Units:
     def __init__(self, bridge: ir.Bridge) -> None:
         types = {(message.name, field.name): field.type for message in bridge.wire_messages for field in message.fields}
         self._of_table: dict[tuple[str, str], str] = {}
-        for feed in (feed for route in bridge.routes for feed in route.feeds):
-            for path, unit in _units(feed):
-                message = feed.proto
+        for standard in (standard for route in bridge.routes for standard in route.standard_topics):
+            for path, unit in _units(standard):
+                message = standard.proto
                 for name in path[:-1]:
                     message = types[message, name]
                 self._of_table[message, path[-1]] = unit
@@ -43,9 +43,9 @@ def _stated(comment: str) -> tuple[str, str]:
     return f"{comment[: found.start()]}{found['stop']}", found["unit"]
 
 
-def _units(feed: ir.Feed) -> Iterator[tuple[Path, str]]:
+def _units(standard: ir.StandardTopic) -> Iterator[tuple[Path, str]]:
     """Yield every field of the payload for which an extra topic states the unit."""
-    for target in feed.fields:
+    for target in standard.fields:
         for taken in _takings(target.value):
             if taken.scaling.unit:
                 yield taken.source.path, taken.scaling.unit

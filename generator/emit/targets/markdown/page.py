@@ -136,7 +136,7 @@ def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples:
         receiver=ends[1],
         forward=route.forward,
         topic=_topic(route, package),
-        extra_topics=tuple(_extra_topic(feed) for feed in route.also),
+        extra_topics=tuple(_extra_topic(standard) for standard in route.extra_topics),
         proto=route.proto,
         file=file,
         size=route.size,
@@ -151,14 +151,14 @@ def _row(route: ir.Route, package: str, file: str, payloads: Payloads, examples:
 
 
 def _topic(route: ir.Route, package: str) -> Topic:
-    if route.feed is not None:
-        return _extra_topic(route.feed)
+    if route.standard is not None:
+        return _extra_topic(route.standard)
     return Topic(route.topic, f"{package}/msg/{route.conversion.ros if route.conversion else ''}", _qos(route.qos))
 
 
-def _extra_topic(feed: ir.Feed) -> Topic:
-    fields = tuple((name, cell(words)) for name, words in extra_topic_text.fields(feed))
-    return Topic(feed.topic, feed.message, _qos(feed.qos), fields)
+def _extra_topic(standard: ir.StandardTopic) -> Topic:
+    fields = tuple((name, cell(words)) for name, words in extra_topic_text.fields(standard))
+    return Topic(standard.topic, standard.message, _qos(standard.qos), fields)
 
 
 def _qos(qos: ir.Qos) -> str:

@@ -3,64 +3,64 @@
 from __future__ import annotations
 
 from roverlink.generator import ir
-from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.emit.targets.python import interfaces, spelling
 from roverlink.generator.emit.targets.python.imports import Import, import_lines
 from roverlink.generator.emit.targets.python.packages import package_file
 from roverlink.generator.emit.targets.python.standard_expressions import StandardSpeller
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 
 
 def emit(bridge: ir.Bridge) -> Files:
     """Yield the handlers, and the package of the extra topics."""
     for route in bridge.routes:
-        if route.feed:
-            text = _handler(bridge, route, route.feed, spelling.handler_class(route))
+        if route.standard:
+            text = _handler(bridge, route, route.standard, spelling.handler_class(route))
             yield f"generated/handlers/{spelling.module(route.name)}.py", text
-    named = named_feeds(bridge)
+    named = named_extra_topics(bridge)
     for extra in named:
-        yield f"generated/extra_topics/{extra.file}.py", _handler(bridge, extra.route, extra.feed, extra.name)
+        yield f"generated/extra_topics/{extra.file}.py", _handler(bridge, extra.route, extra.standard, extra.name)
     if named:
         docstring = "Extra topics of the rows, with standard messages: one handler class for each topic."
         classes = {extra.name: extra.file for extra in named}
         yield package_file(bridge, "extra_topics", docstring, classes)
 
 
-def _handler(bridge: ir.Bridge, route: ir.Route, feed: Feed, name: str) -> str:
-    speller = StandardSpeller(feed, bridge.python_package)
-    to_ros, angles = speller.arguments(feed.fields), tuple(speller.angles())
-    from_ros = () if feed.obstacle else speller.recovered()
-    module = spelling.proto_module(feed.file)
+def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: str) -> str:
+    speller = StandardSpeller(standard, bridge.python_package)
+    to_ros, angles = speller.arguments(standard.fields), tuple(speller.angles())
+    from_ros = () if standard.obstacle else speller.recovered()
+    module = spelling.proto_module(standard.file)
     imports: set[Import] = {
         *speller.imports,
         *spelling.route_imports(route),
-        (spelling.proto_package(bridge.python_package, feed.file), module),
-        ("roverlink.runtime.core.feed", "Feed"),
-        ("roverlink.runtime.core.feed", "UNSTAMPED"),
+        (spelling.proto_package(bridge.python_package, standard.file), module),
+        ("roverlink.runtime.core.standard_handler", "StandardHandler"),
+        ("roverlink.runtime.core.standard_handler", "UNSTAMPED"),
         ("roverlink.runtime.interfaces", "Time"),
     }
-    if feed.obstacle:
+    if standard.obstacle:
         imports.add(("roverlink.runtime.core.errors", "ConversionError"))
     spelled = [argument.value for argument in (*to_ros, *from_ros)]
     return render(
         "extra_topic.py.j2",
-        header=header(f"{bridge.table} (row {route.name}) and {feed.file}"),
+        header=header(f"{bridge.table} (row {route.name}) and {standard.file}"),
         imports=import_lines(imports),
         uses_math=any("math." in text for text in (*spelled, *speller.constants.values())),
         constants=speller.constants,
         tables=speller.tables.values(),
         inverse_tables=speller.inverse_tables.values(),
         handler=name,
-        about=spelling.documented(route.comment, f"{feed.local_name} as {feed.message}."),
+        about=spelling.documented(route.comment, f"{standard.local_name} as {standard.message}."),
         route=route,
         default_qos=ir.Qos(),
-        proto=feed.local_name,
-        ros=feed.message,
-        obstacle=feed.obstacle,
-        lost=feed.lost,
-        payload=f"{module}.{feed.local_name}",
-        message=interfaces.reference(feed.message),
+        proto=standard.local_name,
+        ros=standard.message,
+        obstacle=standard.obstacle,
+        lost=standard.lost,
+        payload=f"{module}.{standard.local_name}",
+        message=interfaces.reference(standard.message),
         to_ros=to_ros,
         takes_payload=any("payload." in argument.value for argument in to_ros),
         takes_stamp=speller.takes_stamp,

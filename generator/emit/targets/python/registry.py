@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Iterator, Mapping
 
 from roverlink.generator import ir, lock
-from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.targets.python.imports import Import, import_lines
@@ -21,7 +21,7 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
     """
     module, own = spelling.proto_module(bridge.envelope.file), bridge.python_package
     handlers = {spelling.handler_class(route): f"{own}.handlers" for route in bridge.routes}
-    extra_topics = {extra.name: f"{own}.extra_topics" for extra in named_feeds(bridge)}
+    extra_topics = {extra.name: f"{own}.extra_topics" for extra in named_extra_topics(bridge)}
     imports: set[Import] = {
         (spelling.proto_package(own, bridge.envelope.file), module),
         ("roverlink.runtime.core.registry", "Peer"),
@@ -52,7 +52,7 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
 
 
 def _becomes(route: ir.Route) -> str:
-    return route.conversion.ros if route.conversion else route.feeds[0].message
+    return route.conversion.ros if route.conversion else route.standard_topics[0].message
 
 
 def fingerprint(bridge: ir.Bridge) -> str:
@@ -65,7 +65,9 @@ def fingerprint(bridge: ir.Bridge) -> str:
         for route in bridge.routes
     ]
     routes += [
-        f"{route.number} {feed.topic} {feed.message} {feed.fields}" for route in bridge.routes for feed in route.feeds
+        f"{route.number} {standard.topic} {standard.message} {standard.fields}"
+        for route in bridge.routes
+        for standard in route.standard_topics
     ]
     lines = [*lock.schema_lines(bridge.wire_messages, bridge.wire_enums), *routes, *_meanings(bridge)]
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()

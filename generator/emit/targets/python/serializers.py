@@ -9,13 +9,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from roverlink.generator import ir
-from roverlink.generator.emit.extra_topic_names import named_feeds
+from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.emit.targets.python import interfaces, spelling
 from roverlink.generator.emit.targets.python.expressions import attribute, oneof_constant
 from roverlink.generator.emit.targets.python.imports import Import, import_lines
 from roverlink.generator.emit.targets.python.standard_expressions import StandardSpeller
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
     Chosen,
     Constant,
@@ -65,15 +65,15 @@ def serializers(bridge: ir.Bridge) -> dict[str, Serializer]:
         handler, file = spelling.handler_class(route), spelling.module(route.name)
         if route.conversion:
             found[handler] = _of_conversion(bridge, route, route.conversion, by_ros)
-        elif route.feed:
-            found[handler] = _of_standard(bridge, route, route.feed, handler, f"handlers.{file}", file)
+        elif route.standard:
+            found[handler] = _of_standard(bridge, route, route.standard, handler, f"handlers.{file}", file)
     rows = {spelling.module(route.name) for route in bridge.routes}
-    for extra in named_feeds(bridge):
+    for extra in named_extra_topics(bridge):
         file = f"{extra.file}_topic"
         while file in rows:
             file += "_"
         found[extra.name] = _of_standard(
-            bridge, extra.route, extra.feed, extra.name, f"extra_topics.{extra.file}", file
+            bridge, extra.route, extra.standard, extra.name, f"extra_topics.{extra.file}", file
         )
     return {name: serializer for name, serializer in found.items() if serializer}
 
@@ -190,48 +190,48 @@ class _Flattener:
 
 
 def _of_standard(
-    bridge: ir.Bridge, route: ir.Route, feed: Feed, handler: str, module: str, file: str
+    bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, handler: str, module: str, file: str
 ) -> Serializer | None:
     own = bridge.python_package
     definitions = {interface.name: interface for interface in bridge.interfaces}
     try:
-        leaves = list(_leaves(feed.fields, (), definitions))
+        leaves = list(_leaves(standard.fields, (), definitions))
     except _VariableSizeError:
         return None
     if not any(varies for _, varies in leaves):
         return None
-    speller = StandardSpeller(feed, own)
+    speller = StandardSpeller(standard, own)
     gaps = list(_gaps(leaves))
     body = _StandardBody(speller, gaps, definitions)
-    body.add(feed.fields)
+    body.add(standard.fields)
     values = [*body.values, *gaps[-1:]] if gaps[-1] else body.values
-    fixed = ", ".join(f"{field.name}={field.value}" for field in speller.arguments(feed.fields, varying=False))
+    fixed = ", ".join(f"{field.name}={field.value}" for field in speller.arguments(standard.fields, varying=False))
     takes_stamp = any("stamp." in value for value in values)
-    proto_module = spelling.proto_module(feed.file)
+    proto_module = spelling.proto_module(standard.file)
     shared = {*speller.constants, *speller.tables}
     imports = {
         *(found for found in speller.imports if found[1] != "Counterparts"),
         *((f"{own}.{module}", name) for name in (handler, *shared)),
-        (spelling.proto_package(own, feed.file), proto_module),
+        (spelling.proto_package(own, standard.file), proto_module),
         ("roverlink.runtime.core", "cdr"),
-        ("roverlink.runtime.core.feed", "UNSTAMPED"),
+        ("roverlink.runtime.core.standard_handler", "UNSTAMPED"),
         ("roverlink.runtime.interfaces", "Time"),
     }
-    fixed = f"{interfaces.reference(feed.message)}({fixed})"
+    fixed = f"{interfaces.reference(standard.message)}({fixed})"
     text = render(
         "serializer.py.j2",
-        header=header(f"{bridge.table} (row {route.name}) and {feed.file}"),
+        header=header(f"{bridge.table} (row {route.name}) and {standard.file}"),
         imports=import_lines(imports),
         uses_math=any("math." in text for text in (fixed, *values)),
-        proto=feed.local_name,
-        ros=feed.message,
+        proto=standard.local_name,
+        ros=standard.message,
         handler=handler,
         serializer=f"Fast{handler}",
-        payload=f"{proto_module}.{feed.local_name}",
-        message=interfaces.reference(feed.message),
+        payload=f"{proto_module}.{standard.local_name}",
+        message=interfaces.reference(standard.message),
         takes_stamp=takes_stamp,
         fixed=fixed,
-        varying=list(_varying(feed.fields, ())),
+        varying=list(_varying(standard.fields, ())),
         gaps=[gap for gap in gaps if gap],
         locals=body.locals,
         values=values,

@@ -12,7 +12,7 @@ from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
 from roverlink.generator.emit.targets.python import interfaces
 from roverlink.generator.emit.targets.python.expressions import Argument, mapping
 from roverlink.generator.emit.targets.python.imports import Import
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
     Case,
     Chosen,
@@ -58,12 +58,12 @@ class InverseTable:
 class StandardSpeller:
     """Spells one standard message, and collects the constants, tables and imports that the expressions need."""
 
-    def __init__(self, feed: Feed, generated: str) -> None:
-        self._feed, self._generated = feed, generated
+    def __init__(self, standard: StandardTopic, generated: str) -> None:
+        self._standard, self._generated = standard, generated
         self._arithmetic = Arithmetic(_PYTHON)
         self.tables: dict[str, Table] = {}
         self.inverse_tables: dict[str, InverseTable] = {}
-        self.imports: set[Import] = {interfaces.import_of(feed.message, generated)}
+        self.imports: set[Import] = {interfaces.import_of(standard.message, generated)}
         self.takes_stamp = False
         """True as soon as a value is the time of receipt."""
 
@@ -137,7 +137,7 @@ class StandardSpeller:
     def _table(self, value: Chosen) -> str:
         """Return the name of the table of an enum's counterparts."""
         self.imports |= {
-            ("roverlink.runtime.core.feed", "Counterparts"),
+            ("roverlink.runtime.core.standard_handler", "Counterparts"),
             interfaces.import_of(value.holder, self._generated),
         }
         cases = tuple((case.number, self._case(case, value.holder), case.name) for case in value.cases)
@@ -168,7 +168,7 @@ class StandardSpeller:
 
     def angles(self) -> Iterator[tuple[str, str]]:
         """Return the assignments that ``from_ros`` starts with: the angles of quaternions."""
-        for index, recovered in enumerate(self._feed.recovered):
+        for index, recovered in enumerate(self._standard.recovered):
             if isinstance(recovered.value, Rotation):
                 self.imports.add(("roverlink.runtime.convert", "rotations"))
                 names = [name if isinstance(part, Taken) else f"_{name}" for part, name in _angles(recovered, index)]
@@ -177,7 +177,7 @@ class StandardSpeller:
     def recovered(self) -> tuple[Argument, ...]:
         """Spell the arguments of the payload's class."""
         found: dict[Path, str] = {}
-        for index, recovered in enumerate(self._feed.recovered):
+        for index, recovered in enumerate(self._standard.recovered):
             for source, value in self._recovered(recovered, index):
                 found.setdefault(source.path, value)
         return tuple(Argument(*entry) for entry in _nested(sorted(found.items(), key=lambda pair: pair[0][:-1]), 0))
@@ -196,7 +196,7 @@ class StandardSpeller:
             self.inverse_tables[inverse.name] = inverse
             yield value.source, f"{inverse.name}[{text}]"
         elif value.source:
-            self.imports.add(("roverlink.runtime.core.feed", "nanoseconds"))
+            self.imports.add(("roverlink.runtime.core.standard_handler", "nanoseconds"))
             yield value.source, _unscaled_time(value.source, value.nanoseconds, f"nanoseconds({text})")
 
     def _unscaled(self, value: Taken, text: str, type: str) -> str:
@@ -207,7 +207,7 @@ class StandardSpeller:
         if source.is_integer and not whole:
             back = f"round({back})"
         elif source.type == "float32" and (type == "float64" or not scaling.is_identity):
-            self.imports.add(("roverlink.runtime.core.feed", "single"))
+            self.imports.add(("roverlink.runtime.core.standard_handler", "single"))
             back = f"single({back})"
         if not source.repeated:
             return back

@@ -31,13 +31,16 @@ def check(context: Context) -> Iterator[Diagnostic]:
         help = "lower case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)
     for row in filter(_reaches_ros, table.rows):
-        if row.feed is None and not ros_names.is_message_name(row.ros):
+        if row.standard is None and not ros_names.is_message_name(row.ros):
             nearest = ros_names.camel_case(row.ros)
             example = nearest if ros_names.is_message_name(nearest) else "ImuInfo"
             help = f"letters and digits, starting with a capital: {example}"
             message = f"ROS forbids the message name {row.ros!r}"
             yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
-        for topic, span in ((row.topic, row.at("topic")), *((feed.topic, feed.at("topic")) for feed in row.also)):
+        for topic, span in (
+            (row.topic, row.at("topic")),
+            *((standard.topic, standard.at("topic")) for standard in row.also),
+        ):
             if not ros_names.is_topic_name(topic):
                 help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
                 message = f"ROS forbids the topic name {topic!r}"

@@ -42,4 +42,4 @@ def _topics(row: Row) -> Iterator[tuple[str, Span]]:
     """A row's topics, those under `also` among them; none of a member of an envelope without a table."""
     if row.topic:
         yield row.topic, row.at("topic")
-    yield from ((feed.topic, feed.at("topic")) for feed in row.also)
+    yield from ((standard.topic, standard.at("topic")) for standard in row.also)

@@ -1,6 +1,6 @@
-"""Base class of generated feeds: conversions to and from standard ROS 2 messages on extra topics (table key ``also``).
+"""Base class of generated handlers whose ROS 2 message is a standard one: of extra topics, and of rows with one.
 
-A feed takes a receive time beside the payload, for the message's header. It has no clock of its own.
+Such a handler takes a receive time beside the payload, for the message's header. It has no clock of its own.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import MISFITS, UNSTAMPED, Handler, M, P
 from roverlink.runtime.interfaces import Duration, Time
 
-__all__ = ["Counterparts", "Feed", "UNSTAMPED", "nanoseconds", "single"]
+__all__ = ["Counterparts", "StandardHandler", "UNSTAMPED", "nanoseconds", "single"]
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -24,8 +24,8 @@ _TOO_LARGE = 2.0**128 - 2.0**103
 """Smallest number that rounds to infinity in float32: halfway between the largest float32 and 2**128."""
 
 
-class Feed(Handler[P, M]):
-    """Conversion between a payload and a standard message on an extra topic."""
+class StandardHandler(Handler[P, M]):
+    """Conversion between a payload and a standard message."""
 
     @staticmethod
     @abstractmethod
@@ -35,7 +35,7 @@ class Feed(Handler[P, M]):
     def pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
         """Serialize the message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
 
-        Feeds whose varying fields have a fixed size override this with one `struct` call. It may raise any of
+        Handlers whose varying fields have a fixed size override this with one `struct` call. It may raise any of
         `MISFITS`; use `to_cdr` for an error that names the field.
         """
         return cdr.encode(self.to_ros(payload, stamp))

@@ -1,4 +1,4 @@
-"""The feeds of this repository's table: standard messages with the right physical values, and back."""
+"""The extra_topics of this repository's table: standard messages with the right physical values, and back."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rosbags.typesys.store import Typestore
 from generated.registry import REGISTRY
 from roverlink.runtime import ConversionError, Translator
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.feed import Feed
+from roverlink.runtime.core.standard_handler import StandardHandler
 from roverlink.runtime.interfaces import Time
 
-_FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
+_EXTRA_TOPICS = {handler.route.topic: handler for handler in REGISTRY.extra_topics}
 _STORES = [get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)]
 _NUMBERS = st.floats(width=32, allow_nan=False, allow_infinity=False)
 _STAMPS = st.builds(Time, st.integers(-(2**31), 2**31 - 1), st.integers(0, 2**32 - 1))
@@ -76,10 +76,10 @@ _CHECKS: dict[str, tuple[str, Callable[[Any, dict[str, Any]], None]]] = {
 }
 
 
-def _payloads(feed: Feed[Any, Any]) -> st.SearchStrategy[dict[str, Any]]:
+def _payloads(handler: StandardHandler[Any, Any]) -> st.SearchStrategy[dict[str, Any]]:
     """Every number of a payload, and any declared value of its enums."""
     fields: dict[str, st.SearchStrategy[Any]] = {}
-    for field in feed.payload_type.DESCRIPTOR.fields:
+    for field in handler.payload_type.DESCRIPTOR.fields:
         if field.enum_type is not None:
             fields[field.name] = st.sampled_from([value.number for value in field.enum_type.values])
         elif field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
@@ -89,77 +89,79 @@ def _payloads(feed: Feed[Any, Any]) -> st.SearchStrategy[dict[str, Any]]:
 
 def test_every_feed_is_checked() -> None:
     """Each standard message of the table has its hand-computed values here."""
-    assert set(_CHECKS) == set(_FEEDS)
+    assert set(_CHECKS) == set(_EXTRA_TOPICS)
 
 
 @pytest.mark.parametrize("topic", sorted(_CHECKS))
 @given(data=st.data())
 def test_a_feed_says_what_the_payload_says(topic: str, data: st.DataObject) -> None:
     """Any payload, as protobuf, becomes CDR in which Humble and Jazzy read the physical values, and comes back."""
-    feed, (frame_id, check) = _FEEDS[topic], _CHECKS[topic]
-    fields, stamp = data.draw(_payloads(feed)), data.draw(_STAMPS)
-    payload = feed.payload_type.FromString(feed.payload_type(**fields).SerializeToString())
-    serialized = feed.to_cdr(payload, stamp)
-    assert serialized == cdr.encode(feed.to_ros(payload, stamp))
+    handler, (frame_id, check) = _EXTRA_TOPICS[topic], _CHECKS[topic]
+    fields, stamp = data.draw(_payloads(handler)), data.draw(_STAMPS)
+    payload = handler.payload_type.FromString(handler.payload_type(**fields).SerializeToString())
+    serialized = handler.to_cdr(payload, stamp)
+    assert serialized == cdr.encode(handler.to_ros(payload, stamp))
     for store in _STORES:
-        theirs = store.deserialize_cdr(serialized, feed.message_type.__msgtype__)
+        theirs = store.deserialize_cdr(serialized, handler.message_type.__msgtype__)
         assert (theirs.header.stamp.sec, theirs.header.stamp.nanosec) == (stamp.sec, stamp.nanosec)
         assert theirs.header.frame_id == frame_id
         check(theirs, fields)
-        _check_way_back(feed, theirs, store, payload)
+        _check_way_back(handler, theirs, store, payload)
 
 
-def _check_way_back(feed: Feed[Any, Any], theirs: Any, store: Typestore, payload: Any) -> None:
+def _check_way_back(handler: StandardHandler[Any, Any], theirs: Any, store: Typestore, payload: Any) -> None:
     """What the message tells of the payload is what the payload said, to the last bit."""
-    data = bytes(store.serialize_cdr(theirs, feed.message_type.__msgtype__))
-    if feed.route.topic == "gps/fix":
+    data = bytes(store.serialize_cdr(theirs, handler.message_type.__msgtype__))
+    if handler.route.topic == "gps/fix":
         with pytest.raises(ConversionError, match="STATUS_FIX for GPS_FIX and for PPS_FIX"):
-            feed.from_cdr(data)
+            handler.from_cdr(data)
         return
-    back = feed.from_cdr(data)
+    back = handler.from_cdr(data)
     for field, value in back.ListFields():
         assert value == getattr(payload, field.name)
-    assert back.ListFields() or not any(value for field, value in payload.ListFields() if field.name in _told(feed))
+    assert back.ListFields() or not any(value for field, value in payload.ListFields() if field.name in _told(handler))
 
 
-def _told(feed: Feed[Any, Any]) -> set[str]:
+def _told(handler: StandardHandler[Any, Any]) -> set[str]:
     """The fields of the payload that come back from a message in which every number is 1."""
-    ones = feed.payload_type(**{f.name: 1.0 for f in feed.payload_type.DESCRIPTOR.fields if f.type == f.TYPE_FLOAT})
-    return {field.name for field, _ in feed.from_ros(feed.to_ros(ones)).ListFields()}
+    ones = handler.payload_type(
+        **{f.name: 1.0 for f in handler.payload_type.DESCRIPTOR.fields if f.type == f.TYPE_FLOAT}
+    )
+    return {field.name for field, _ in handler.from_ros(handler.to_ros(ones)).ListFields()}
 
 
 def test_an_undeclared_enum_value_is_refused() -> None:
     """A quality that a newer board may send has no counterpart: the error names row, topic, field and value."""
-    feed = _FEEDS["gps/fix"]
+    handler = _EXTRA_TOPICS["gps/fix"]
     with pytest.raises(
         ConversionError, match=r"^gps_info on gps/fix: fix_quality: 9 is not among the values that the table"
     ):
-        feed.to_cdr(feed.payload_type(fix_quality=9))
+        handler.to_cdr(handler.payload_type(fix_quality=9))
 
 
 def test_a_number_too_large_for_the_payload_is_refused() -> None:
     """A float64 that no float32 holds does not become infinite on the way to a payload."""
-    feed = _FEEDS["pressure/temperature"]
+    handler = _EXTRA_TOPICS["pressure/temperature"]
     with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 1e\+300 is too large"):
-        feed.from_cdr(cdr.encode(feed.message_type(temperature=1e300)))
-    assert math.isinf(feed.from_cdr(cdr.encode(feed.message_type(temperature=math.inf))).temperature_c)
+        handler.from_cdr(cdr.encode(handler.message_type(temperature=1e300)))
+    assert math.isinf(handler.from_cdr(cdr.encode(handler.message_type(temperature=math.inf))).temperature_c)
 
 
 def test_a_feed_that_fails_leaves_the_others_alone() -> None:
-    """The row's own message is translated, and what the feed refuses stands beside it as an error."""
+    """The row's own message is translated, and what the handler refuses stands beside it as an error."""
     datagram = REGISTRY.envelope(gps_info={"fix_quality": 9, "speed": 2.0}).SerializeToString()
     translation = Translator(REGISTRY).receive_all([datagram], Time(5, 6))
     ((name, (message,)),) = translation.messages.items()
     assert cdr.decode(REGISTRY.by_name["gps_info"].message_type, message).speed == 2.0
     assert name == "gps_info"
-    ((feed, serialized),) = translation.fed
-    assert (feed.route.topic, serialized.messages) == ("gps/fix", [])
+    ((handler, serialized),) = translation.fed
+    assert (handler.route.topic, serialized.messages) == ("gps/fix", [])
     assert {place: type(misfit) for place, misfit in serialized.misfits.items()} == {0: ConversionError}
 
 
 def test_the_template_is_what_the_codec_writes() -> None:
     """A message packed around its constants equals one that is serialized whole, whatever stands between."""
-    message = _FEEDS["gps/fix"].message_type(latitude=1.5, position_covariance=[0.25] * 9)
+    message = _EXTRA_TOPICS["gps/fix"].message_type(latitude=1.5, position_covariance=[0.25] * 9)
     message.header.frame_id = "a frame of some length"
     made = cdr.template(message, ["header.stamp", "status.service", "latitude", "position_covariance"])
     values = [7, 8, 3, 1.5, *message.position_covariance]
@@ -172,7 +174,7 @@ def test_the_template_is_what_the_codec_writes() -> None:
 def test_what_has_no_fixed_size_cannot_vary() -> None:
     """A text in a template is a constant."""
     with pytest.raises(TypeError, match=r"header\.frame_id has no fixed size"):
-        cdr.template(_FEEDS["imu/mag"].message_type(), ["header"])
+        cdr.template(_EXTRA_TOPICS["imu/mag"].message_type(), ["header"])
 
 
 @given(st.tuples(*[st.floats(-math.pi, math.pi)] * 3))

@@ -14,7 +14,7 @@ from typing import Any
 
 from google.protobuf.message import Message as Payload
 
-from roverlink.generator.ir import Feed
+from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
     Chosen,
     Constant,
@@ -37,9 +37,9 @@ DOES_NOT_FIT = object()
 """Stands for a value that the bridge must refuse."""
 
 
-def values(feed: Feed, payload: Payload, stamp: Time) -> dict[str, Any]:
+def values(standard: StandardTopic, payload: Payload, stamp: Time) -> dict[str, Any]:
     """What a message holds, but for what nothing fills."""
-    return _parts(Parts(feed.fields), payload, stamp)
+    return _parts(Parts(standard.fields), payload, stamp)
 
 
 def _parts(parts: Parts, payload: Payload, stamp: Time) -> dict[str, Any]:

@@ -21,11 +21,11 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
-_FEEDS = {feed.route.topic: feed for feed in REGISTRY.feeds}
+_EXTRA_TOPICS = {handler.route.topic: handler for handler in REGISTRY.extra_topics}
 
 
 class _Bridged:
-    """A bridge, and what it has said on each feed's topic and on imu_data and gps_data."""
+    """A bridge, and what it has said on each handler's topic and on imu_data and gps_data."""
 
     def __init__(self, bridge: Bridge, graph: Graph) -> None:
         self.bridge = bridge
@@ -85,7 +85,7 @@ def test_a_datagram_feeds_every_topic_of_its_row(bridged: _Bridged) -> None:
 
 
 def test_what_does_not_fit_a_feed_is_counted_there(bridged: _Bridged, caplog: pytest.LogCaptureFixture) -> None:
-    """The row's own topic has the message; the feed's has not, which is counted and warned of."""
+    """The row's own topic has the message; the handler's has not, which is counted and warned of."""
     bridged.send(gps_info={"fix_quality": 9, "latitude": 1.5})
     bridged.send(gps_info={"fix_quality": 1, "latitude": 2.5})
     wait_until(lambda: bridged.bridge.account.fed["gps/fix"] == 1, "a fix")
