@@ -19,7 +19,7 @@ from roverlink.generator.user_cache import cache_folder
 
 _LARGEST = 256 * 2**20  # bytes of the cache; a table of 1,000 rows takes 10 MB
 _WORTH_PROCESSES = 300  # texts; a new process takes as long to start as to format fifty
-_AT_ONCE = 50  # texts that a process gets at once
+_AT_ONCE = 20  # texts that a process gets at once
 _NO_CACHE = (OSError, sqlite3.Error)
 
 
@@ -33,17 +33,19 @@ def format_python(texts: Mapping[str, str]) -> dict[str, str]:
             cache = stack.enter_context(_open_cache())
         known = _load(cache, keys.values())
         missing = {keys[path]: text for path, text in texts.items() if keys[path] not in known}
-        made = dict(zip(missing, _format_all(list(missing.values()))))
+        made = _format_all(missing)
         _save(cache, made)
     known |= made
     return {path: known[key] for path, key in keys.items()}
 
 
-def _format_all(texts: list[str]) -> Iterable[str]:
+def _format_all(texts: Mapping[str, str]) -> dict[str, str]:
     if len(texts) < _WORTH_PROCESSES:
-        return map(_format, texts)
+        return {key: _format(text) for key, text in texts.items()}
+    longest_first = sorted(texts, key=lambda key: len(texts[key]), reverse=True)  # so that all processes end together
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as workers:
-        return list(workers.map(_format, texts, chunksize=_AT_ONCE))
+        made = workers.map(_format, [texts[key] for key in longest_first], chunksize=_AT_ONCE)
+        return dict(zip(longest_first, made))
 
 
 def _format(text: str) -> str:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from golden import ROOT, Case, files_of, generate, passing_cases
+from case_file import CaseFile
+from golden import ROOT, compiled, files_of, generate, passing_cases
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 
 from generated.registry import REGISTRY
-from roverlink.generator.pipeline import compile_table
 
 _TABLE = """\
 version: 1
@@ -54,16 +54,16 @@ def _page(tmp_path: Path, rows: str, proto: str) -> str:
     return (tmp_path / "docs" / "messages.md").read_text(encoding="utf-8")
 
 
-def _with_pages() -> list[Case]:
+def _with_pages() -> list[CaseFile]:
     """The passing cases with the usual targets."""
     cases = passing_cases()
-    return [case for case in cases if "\ntargets:" not in (case.folder / "mapping.yaml").read_text(encoding="utf-8")]
+    return [case for case in cases if "\ntargets:" not in case.inputs["mapping.yaml"].decode()]
 
 
-@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
-def test_the_bytes_of_examples_decode(case: Case) -> None:
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.name)
+def test_the_bytes_of_examples_decode(case: CaseFile) -> None:
     """The bytes of each example, as they stand on the page, are an envelope with the row's payload."""
-    bridge = compile_table(case.folder / "mapping.yaml").bridge
+    bridge = compiled(case).bridge
     pool = DescriptorPool()
     for file in FileDescriptorSet.FromString(bridge.descriptors).file:
         pool.Add(file)
@@ -89,8 +89,8 @@ def test_the_meaning_beside_the_bytes_is_what_they_say() -> None:
     assert (shown["state"], envelope.pressure_info.state) == ("SENSOR_OPERATING", 1)
 
 
-@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
-def test_links_lead_to_headings(case: Case) -> None:
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.name)
+def test_links_lead_to_headings(case: CaseFile) -> None:
     """Every link of the page leads to a heading of it, and no two headings share an anchor."""
     page = files_of(case)["docs/messages.md"]
     headings = re.findall(r"^#+ (.*)$", page, re.MULTILINE)
