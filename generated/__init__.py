@@ -1,9 +1,17 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The handlers and the registry that are compiled from mapping.yaml."""
+"""The registry and the handlers of rows and extra topics, compiled from mapping.yaml."""
 
 from __future__ import annotations
 
+from generated.extra_topics import (
+    GpsFixTopic,
+    ImuDataRawTopic,
+    ImuMagTopic,
+    PhTemperatureTopic,
+    PressureFluidPressureTopic,
+    PressureTemperatureTopic,
+)
 from generated.handlers import (
     ArmCtrlHandler,
     ArmDiagHandler,
@@ -41,12 +49,18 @@ __all__ = [
     "DriveDiagHandler",
     "DriveMotorHandler",
     "DriveProgressHandler",
+    "GpsFixTopic",
     "GpsInfoHandler",
+    "ImuDataRawTopic",
     "ImuInfoHandler",
+    "ImuMagTopic",
     "LoadCellInfoHandler",
     "ObjectSelectionHandler",
     "PhInfoHandler",
+    "PhTemperatureTopic",
+    "PressureFluidPressureTopic",
     "PressureInfoHandler",
+    "PressureTemperatureTopic",
     "REGISTRY",
     "RockMeasureRequestHandler",
     "RockMeasureResultHandler",

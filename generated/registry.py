@@ -1,6 +1,9 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The registry: the envelope, the peers, and a handler for every row and every extra topic."""
+"""The registry: the envelope, the peers, and a handler for every row and every extra topic.
+
+Where a message has a fixed size, its handler is the fast subclass in `generated.serializers`.
+"""
 
 from __future__ import annotations
 

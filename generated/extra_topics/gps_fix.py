@@ -33,7 +33,7 @@ class GpsFixTopic(
 ):
     """One fix of the GPS receiver.
 
-    Number 12 of the envelope, hardware_to_ros, topic gps/fix.
+    Extra topic of the row gps_info, number 12 of the envelope, from the peer hardware to the topic gps/fix.
     """
 
     route = Route(
@@ -62,8 +62,9 @@ class GpsFixTopic(
         )
 
     @staticmethod
-    def from_ros(_message: sensor_msgs.NavSatFix) -> gps_sensor_pb2.SensorBoardGPSInfo:
+    def from_ros(message: sensor_msgs.NavSatFix) -> gps_sensor_pb2.SensorBoardGPSInfo:
         """Raise `ConversionError`: the message does not determine the payload."""
+        del message  # nothing of it is used
         raise ConversionError(
             "status.status is STATUS_FIX for GPS_FIX and for PPS_FIX of fix_quality"
         )

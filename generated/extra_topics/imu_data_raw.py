@@ -20,7 +20,7 @@ class ImuDataRawTopic(
 ):
     """One sample of the inertial measurement unit.
 
-    Number 13 of the envelope, hardware_to_ros, topic imu/data_raw.
+    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware to the topic imu/data_raw.
     """
 
     route = Route(
@@ -55,7 +55,8 @@ class ImuDataRawTopic(
     def from_ros(message: sensor_msgs.Imu) -> imu_sensor_pb2.SensorBoardIMUInfo:
         """Convert sensor_msgs/msg/Imu to SensorBoardIMUInfo.
 
-        Fields of the payload that the message does not hold stay unset: mag_x, mag_y, mag_z, is_calibrated, state, error_code.
+        Fields of the payload that the message does not hold keep their defaults:
+        mag_x, mag_y, mag_z, is_calibrated, state, error_code.
         """
         return imu_sensor_pb2.SensorBoardIMUInfo(
             gyro_x=single(message.angular_velocity.x / DEG_TO_RAD),

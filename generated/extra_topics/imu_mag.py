@@ -16,7 +16,7 @@ class ImuMagTopic(
 ):
     """One sample of the inertial measurement unit.
 
-    Number 13 of the envelope, hardware_to_ros, topic imu/mag.
+    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware to the topic imu/mag.
     """
 
     route = Route(
@@ -49,7 +49,9 @@ class ImuMagTopic(
     ) -> imu_sensor_pb2.SensorBoardIMUInfo:
         """Convert sensor_msgs/msg/MagneticField to SensorBoardIMUInfo.
 
-        Fields of the payload that the message does not hold stay unset: accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z, is_calibrated, state, error_code.
+        Fields of the payload that the message does not hold keep their defaults:
+        accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z, is_calibrated, state,
+        error_code.
         """
         return imu_sensor_pb2.SensorBoardIMUInfo(
             mag_x=single(message.magnetic_field.x * 1_000_000.0),

@@ -16,7 +16,7 @@ class PhTemperatureTopic(
 ):
     """One reading of the pH probe.
 
-    Number 1 of the envelope, hardware_to_ros, topic ph/temperature.
+    Extra topic of the row ph_info, number 1 of the envelope, from the peer hardware to the topic ph/temperature.
     """
 
     route = Route(
@@ -43,7 +43,8 @@ class PhTemperatureTopic(
     def from_ros(message: sensor_msgs.Temperature) -> ph_sensor_pb2.SensorBoardPHInfo:
         """Convert sensor_msgs/msg/Temperature to SensorBoardPHInfo.
 
-        Fields of the payload that the message does not hold stay unset: ph_value, voltage, state, error_code.
+        Fields of the payload that the message does not hold keep their defaults:
+        ph_value, voltage, state, error_code.
         """
         return ph_sensor_pb2.SensorBoardPHInfo(
             temperature=single(message.temperature),

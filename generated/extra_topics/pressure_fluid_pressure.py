@@ -18,7 +18,7 @@ class PressureFluidPressureTopic(
 ):
     """One reading of a pressure sensor.
 
-    Number 15 of the envelope, hardware_to_ros, topic pressure/fluid_pressure.
+    Extra topic of the row pressure_info, number 15 of the envelope, from the peer hardware to the topic pressure/fluid_pressure.
     """
 
     route = Route(
@@ -47,7 +47,8 @@ class PressureFluidPressureTopic(
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
         """Convert sensor_msgs/msg/FluidPressure to SensorBoardPressureInfo.
 
-        Fields of the payload that the message does not hold stay unset: sensor_index, temperature_c, voltage, is_calibrated, state, error_code.
+        Fields of the payload that the message does not hold keep their defaults:
+        sensor_index, temperature_c, voltage, is_calibrated, state, error_code.
         """
         return pressure_sensor_pb2.SensorBoardPressureInfo(
             pressure_kpa=single(message.fluid_pressure / 1_000.0),

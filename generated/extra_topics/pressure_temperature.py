@@ -18,7 +18,7 @@ class PressureTemperatureTopic(
 ):
     """One reading of a pressure sensor.
 
-    Number 15 of the envelope, hardware_to_ros, topic pressure/temperature.
+    Extra topic of the row pressure_info, number 15 of the envelope, from the peer hardware to the topic pressure/temperature.
     """
 
     route = Route(
@@ -47,7 +47,8 @@ class PressureTemperatureTopic(
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
         """Convert sensor_msgs/msg/Temperature to SensorBoardPressureInfo.
 
-        Fields of the payload that the message does not hold stay unset: sensor_index, pressure_kpa, voltage, is_calibrated, state, error_code.
+        Fields of the payload that the message does not hold keep their defaults:
+        sensor_index, pressure_kpa, voltage, is_calibrated, state, error_code.
         """
         return pressure_sensor_pb2.SensorBoardPressureInfo(
             temperature_c=single(message.temperature),

@@ -14,7 +14,7 @@ class ArmCtrlHandler(
 ):
     """Direct control of the arm: one signal an actuator, as an operator drives it by hand.
 
-    Number 2 of the envelope, ros_to_hardware, topic arm_ctrl.
+    Number 2 of the envelope, from the topic arm_ctrl to the peer hardware.
     """
 
     route = Route(

@@ -15,7 +15,7 @@ class ArmDiagHandler(
 ):
     """State of the arm board and of each of its motors.
 
-    Number 3 of the envelope, hardware_to_ros, topic arm_diag.
+    Number 3 of the envelope, from the peer hardware to the topic arm_diag.
     """
 
     route = Route(

@@ -17,7 +17,7 @@ class ArmFeedbackHandler(
 ):
     """How the last commanded arm movement ended.
 
-    Number 4 of the envelope, hardware_to_ros, topic arm_feedback.
+    Number 4 of the envelope, from the peer hardware to the topic arm_feedback.
     """
 
     route = Route(

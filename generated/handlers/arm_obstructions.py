@@ -14,7 +14,7 @@ class ArmObstructionsHandler(
 ):
     """What stands in the way of the arm.
 
-    Number 7 of the envelope, hardware_to_ros, topic arm_obstructions.
+    Number 7 of the envelope, from the peer hardware to the topic arm_obstructions.
     """
 
     route = Route(

@@ -16,7 +16,7 @@ class ArmPosHandler(
 ):
     """Where the joints of the arm are.
 
-    Number 5 of the envelope, hardware_to_ros, topic arm_pos.
+    Number 5 of the envelope, from the peer hardware to the topic arm_pos.
     """
 
     route = Route(

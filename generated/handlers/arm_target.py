@@ -14,7 +14,7 @@ class ArmTargetHandler(
 ):
     """A pose that the arm is to reach by itself.
 
-    Number 6 of the envelope, ros_to_hardware, topic arm_target.
+    Number 6 of the envelope, from the topic arm_target to the peer hardware.
     """
 
     route = Route(

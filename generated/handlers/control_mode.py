@@ -14,7 +14,7 @@ class ControlModeHandler(
 ):
     """Who drives: the operator or the rover itself.
 
-    Number 16 of the envelope, basestation_to_ros, topic control_mode.
+    Number 16 of the envelope, from the peer basestation to the topic control_mode.
     """
 
     route = Route(

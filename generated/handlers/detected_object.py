@@ -15,7 +15,7 @@ class DetectedObjectHandler(
 ):
     """One object seen in one camera frame. A frame with N objects travels as N messages.
 
-    Number 17 of the envelope, ros_to_basestation, topic detected_object.
+    Number 17 of the envelope, from the topic detected_object to the peer basestation.
     """
 
     route = Route(

@@ -15,7 +15,7 @@ class DriveDiagHandler(
 ):
     """State of the driving board and of each wheel and steering motor.
 
-    Number 8 of the envelope, hardware_to_ros, topic drive_diag.
+    Number 8 of the envelope, from the peer hardware to the topic drive_diag.
     """
 
     route = Route(

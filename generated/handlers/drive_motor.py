@@ -14,7 +14,7 @@ class DriveMotorHandler(
 ):
     """A drive command: how far to go, and along which arc.
 
-    Number 9 of the envelope, ros_to_hardware, topic drive_motor.
+    Number 9 of the envelope, from the topic drive_motor to the peer hardware.
     """
 
     route = Route(

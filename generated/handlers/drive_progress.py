@@ -17,7 +17,7 @@ class DriveProgressHandler(
 ):
     """How far the rover still has to go on the current drive command.
 
-    Number 10 of the envelope, hardware_to_ros, topic drive_progress.
+    Number 10 of the envelope, from the peer hardware to the topic drive_progress.
     """
 
     route = Route(

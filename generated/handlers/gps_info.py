@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Handler, Route
 class GpsInfoHandler(Handler[gps_sensor_pb2.SensorBoardGPSInfo, SensorBoardGPSInfo]):
     """One fix of the GPS receiver.
 
-    Number 12 of the envelope, hardware_to_ros, topic gps_data.
+    Number 12 of the envelope, from the peer hardware to the topic gps_data.
     """
 
     route = Route(

@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Handler, Route
 class ImuInfoHandler(Handler[imu_sensor_pb2.SensorBoardIMUInfo, ImuSensorInformation]):
     """One sample of the inertial measurement unit.
 
-    Number 13 of the envelope, hardware_to_ros, topic imu_data.
+    Number 13 of the envelope, from the peer hardware to the topic imu_data.
     """
 
     route = Route(

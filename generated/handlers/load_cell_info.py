@@ -14,7 +14,7 @@ class LoadCellInfoHandler(
 ):
     """One reading of a load cell.
 
-    Number 14 of the envelope, hardware_to_ros, topic load_cell_info.
+    Number 14 of the envelope, from the peer hardware to the topic load_cell_info.
     """
 
     route = Route(

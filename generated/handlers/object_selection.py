@@ -14,7 +14,7 @@ class ObjectSelectionHandler(
 ):
     """The object that the operator picked among the detected ones.
 
-    Number 18 of the envelope, basestation_to_ros, topic object_selection.
+    Number 18 of the envelope, from the peer basestation to the topic object_selection.
     """
 
     route = Route(

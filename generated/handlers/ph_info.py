@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Handler, Route
 class PhInfoHandler(Handler[ph_sensor_pb2.SensorBoardPHInfo, SensorBoardPHInfo]):
     """One reading of the pH probe.
 
-    Number 1 of the envelope, hardware_to_ros, topic ph_data.
+    Number 1 of the envelope, from the peer hardware to the topic ph_data.
     """
 
     route = Route(

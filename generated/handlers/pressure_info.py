@@ -14,7 +14,7 @@ class PressureInfoHandler(
 ):
     """One reading of a pressure sensor.
 
-    Number 15 of the envelope, hardware_to_ros, topic pressure_info.
+    Number 15 of the envelope, from the peer hardware to the topic pressure_info.
     """
 
     route = Route(

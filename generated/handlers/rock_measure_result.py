@@ -17,7 +17,7 @@ class RockMeasureResultHandler(
 ):
     """The measured size of a rock.
 
-    Number 20 of the envelope, ros_to_basestation, topic rock_measure_result.
+    Number 20 of the envelope, from the topic rock_measure_result to the peer basestation.
     """
 
     route = Route(

@@ -17,7 +17,7 @@ class RoverLocalizationHandler(
 ):
     """Where the rover is on the field.
 
-    Number 21 of the envelope, ros_to_basestation, topic rover_localization.
+    Number 21 of the envelope, from the topic rover_localization to the peer basestation.
     """
 
     route = Route(

@@ -21,6 +21,7 @@ class ArmBoardDiagnostics(Message):
         "RIHS01_814b32e2265d84961c292f85c65f1534783cd572ef75be4d311f7ea8b1b24c62"
     )
 
+    # Values of state
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1
     CALIBRATING: ClassVar[int] = 2

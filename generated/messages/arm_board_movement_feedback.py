@@ -19,6 +19,7 @@ class ArmBoardMovementFeedback(Message):
         "RIHS01_fa352b2e664e339058288b7f895a762aced05bc8699f7d5ee87520f1b3fa0ef5"
     )
 
+    # Values of arm_error
     POINT_NOT_IN_RANGE: ClassVar[int] = 0
     OBSTRUCTION: ClassVar[int] = 1
     CALIBRATION: ClassVar[int] = 2

@@ -19,6 +19,7 @@ class BasestationControlMode(Message):
         "RIHS01_64d04f30aca396033115a377bb84263a86b3531099a9a6b20495cf59297be328"
     )
 
+    # Values of mode
     MODE_MANUAL: ClassVar[int] = 0
     MODE_AUTO: ClassVar[int] = 1
 

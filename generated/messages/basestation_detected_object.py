@@ -21,6 +21,7 @@ class BasestationDetectedObject(Message):
         "RIHS01_b598698f6290b7898288e77113b6ad48fa7185fede25e6c8ad8aeaea58acb4b8"
     )
 
+    # Values of type
     OBJECT_UNKNOWN: ClassVar[int] = 0
     OBJECT_ROCK: ClassVar[int] = 1
     OBJECT_REGOLITH: ClassVar[int] = 2

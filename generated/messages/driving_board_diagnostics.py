@@ -21,6 +21,7 @@ class DrivingBoardDiagnostics(Message):
         "RIHS01_dc6f17c336850c756e46fb93f9cd8d51d27125bbdea1c4ec8402404b60113ac3"
     )
 
+    # Values of state
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1
     CALIBRATING: ClassVar[int] = 2

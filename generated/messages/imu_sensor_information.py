@@ -21,6 +21,7 @@ class ImuSensorInformation(Message):
         "RIHS01_7563fa22f8050e4d49a7653adb6c82fbf1c40733747a27f4d18957fbc0018030"
     )
 
+    # Values of error_code
     IMU_NO_ERROR: ClassVar[int] = 0
     IMU_COMMUNICATION_FAILURE: ClassVar[int] = 1
     IMU_CALIBRATION_REQUIRED: ClassVar[int] = 2

@@ -19,6 +19,7 @@ class MotorInformation(Message):
         "RIHS01_7abc3b902a04a77a9684138df2acb76a8ede60c012dc4a535d42534beee7079d"
     )
 
+    # Values of state
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1
     CALIBRATING: ClassVar[int] = 2

@@ -25,6 +25,7 @@ class SensorBoardDiagnostics(Message):
         "RIHS01_c8b159833c674c030c9902de4e32ff38200a55bc7c215f96af144996e6a05a36"
     )
 
+    # Values of state
     IDLE: ClassVar[int] = 0
     OPERATING: ClassVar[int] = 1
     CALIBRATING: ClassVar[int] = 2

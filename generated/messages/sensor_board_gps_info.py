@@ -28,12 +28,15 @@ class SensorBoardGPSInfo(Message):
         "RIHS01_a6653d650a4b055d2bdd1ff2bedd117009f6eb8f0e648528fc1a382bc380379a"
     )
 
+    # Values of fix_quality
     NO_FIX: ClassVar[int] = 0
     GPS_FIX: ClassVar[int] = 1
     DGPS_FIX: ClassVar[int] = 2
     PPS_FIX: ClassVar[int] = 3
     RTK_FIX: ClassVar[int] = 4
     RTK_FLOAT: ClassVar[int] = 5
+
+    # Values of error_code
     GPS_NO_ERROR: ClassVar[int] = 0
     GPS_COMMUNICATION_FAILURE: ClassVar[int] = 1
     GPS_INVALID_DATA: ClassVar[int] = 2

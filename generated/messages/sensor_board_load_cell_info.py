@@ -21,6 +21,7 @@ class SensorBoardLoadCellInfo(Message):
         "RIHS01_6418cf6640f1090bcd96af6545f0275a79b95ff0d880e9dfd6f8da19697e182c"
     )
 
+    # Values of error_code
     LOAD_CELL_NO_ERROR: ClassVar[int] = 0
     LOAD_CELL_COMMUNICATION_FAILURE: ClassVar[int] = 1
     LOAD_CELL_OUT_OF_RANGE: ClassVar[int] = 2

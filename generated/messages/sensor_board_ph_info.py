@@ -21,6 +21,7 @@ class SensorBoardPHInfo(Message):
         "RIHS01_0493b2d34bc7a27cdfa7fa9bac2463b89182724378217475c3a15f703ba1d00e"
     )
 
+    # Values of error_code
     PH_NO_ERROR: ClassVar[int] = 0
     PH_COMMUNICATION_FAILURE: ClassVar[int] = 1
     PH_OUT_OF_RANGE: ClassVar[int] = 2

@@ -21,6 +21,7 @@ class SensorBoardPressureInfo(Message):
         "RIHS01_4aa359d2820538041f1fff6076a854a6470f7b25d7d61fdfd886841b72c276f6"
     )
 
+    # Values of error_code
     PRESSURE_NO_ERROR: ClassVar[int] = 0
     PRESSURE_COMMUNICATION_FAILURE: ClassVar[int] = 1
     PRESSURE_OUT_OF_RANGE: ClassVar[int] = 2

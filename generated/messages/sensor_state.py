@@ -19,6 +19,7 @@ class SensorState(Message):
         "RIHS01_6bc1bb0a38f2a73f4bcecda950ad09793d9df8965f59291ac8c8da9bf19ad3cb"
     )
 
+    # Values of state
     SENSOR_IDLE: ClassVar[int] = 0
     SENSOR_OPERATING: ClassVar[int] = 1
     SENSOR_CALIBRATING: ClassVar[int] = 2

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardGPSInfo as sensor_msgs/msg/NavSatFix.
 
-The registry loads it; programs import `GpsFixTopic`.
+The registry loads it; programs import `GpsFixTopic` from `generated.extra_topics.gps_fix`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
 # Fields that never change are serialized once; between them stand the bytes of the others.
-_TEMPLATE = cdr.template(
+_SERIALIZED = cdr.template(
     sensor_msgs.NavSatFix(
         header=std_msgs.Header(frame_id="gps_link"),
         status=sensor_msgs.NavSatStatus(service=1),
@@ -28,10 +28,10 @@ _TEMPLATE = cdr.template(
         "altitude",
     ],
 )
-_UP_TO_HEADER_STAMP_SEC, _UP_TO_STATUS_STATUS, _UP_TO_LATITUDE, _REST = (
-    _TEMPLATE.constants
+_BEFORE_HEADER_STAMP_SEC, _BEFORE_STATUS_STATUS, _BEFORE_LATITUDE, _END = (
+    _SERIALIZED.constants
 )
-_LAYOUT = _TEMPLATE.layout
+_LAYOUT = _SERIALIZED.layout
 
 
 class FastGpsFixTopic(GpsFixTopic):
@@ -40,16 +40,16 @@ class FastGpsFixTopic(GpsFixTopic):
     def pack(
         self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
-            _UP_TO_HEADER_STAMP_SEC,
+            _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,
             stamp.nanosec,
-            _UP_TO_STATUS_STATUS,
+            _BEFORE_STATUS_STATUS,
             FIX_QUALITY[payload.fix_quality],
-            _UP_TO_LATITUDE,
+            _BEFORE_LATITUDE,
             payload.latitude,
             payload.longitude,
             payload.altitude,
-            _REST,
+            _END,
         )

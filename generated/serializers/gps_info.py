@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardGPSInfo as comms/msg/SensorBoardGPSInfo.
 
-The registry loads it; programs import `GpsInfoHandler`.
+The registry loads it; programs import `GpsInfoHandler` from `generated.handlers.gps_info`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastGpsInfoHandler(GpsInfoHandler):
     """GpsInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.latitude,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/Imu.
 
-The registry loads it; programs import `ImuDataRawTopic`.
+The registry loads it; programs import `ImuDataRawTopic` from `generated.extra_topics.imu_data_raw`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
 # Fields that never change are serialized once; between them stand the bytes of the others.
-_TEMPLATE = cdr.template(
+_SERIALIZED = cdr.template(
     sensor_msgs.Imu(
         header=std_msgs.Header(frame_id="imu_link"),
         orientation_covariance=[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -27,12 +27,12 @@ _TEMPLATE = cdr.template(
     ],
 )
 (
-    _UP_TO_HEADER_STAMP_SEC,
-    _UP_TO_ANGULAR_VELOCITY_X,
-    _UP_TO_LINEAR_ACCELERATION_X,
-    _REST,
-) = _TEMPLATE.constants
-_LAYOUT = _TEMPLATE.layout
+    _BEFORE_HEADER_STAMP_SEC,
+    _BEFORE_ANGULAR_VELOCITY_X,
+    _BEFORE_LINEAR_ACCELERATION_X,
+    _END,
+) = _SERIALIZED.constants
+_LAYOUT = _SERIALIZED.layout
 
 
 class FastImuDataRawTopic(ImuDataRawTopic):
@@ -41,18 +41,18 @@ class FastImuDataRawTopic(ImuDataRawTopic):
     def pack(
         self, payload: imu_sensor_pb2.SensorBoardIMUInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
-            _UP_TO_HEADER_STAMP_SEC,
+            _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,
             stamp.nanosec,
-            _UP_TO_ANGULAR_VELOCITY_X,
+            _BEFORE_ANGULAR_VELOCITY_X,
             payload.gyro_x * DEG_TO_RAD,
             payload.gyro_y * DEG_TO_RAD,
             payload.gyro_z * DEG_TO_RAD,
-            _UP_TO_LINEAR_ACCELERATION_X,
+            _BEFORE_LINEAR_ACCELERATION_X,
             payload.accel_x,
             payload.accel_y,
             payload.accel_z,
-            _REST,
+            _END,
         )

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/MagneticField.
 
-The registry loads it; programs import `ImuMagTopic`.
+The registry loads it; programs import `ImuMagTopic` from `generated.extra_topics.imu_mag`.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
 # Fields that never change are serialized once; between them stand the bytes of the others.
-_TEMPLATE = cdr.template(
+_SERIALIZED = cdr.template(
     sensor_msgs.MagneticField(header=std_msgs.Header(frame_id="imu_link")),
     [
         "header.stamp",
         "magnetic_field",
     ],
 )
-_UP_TO_HEADER_STAMP_SEC, _UP_TO_MAGNETIC_FIELD_X, _REST = _TEMPLATE.constants
-_LAYOUT = _TEMPLATE.layout
+_BEFORE_HEADER_STAMP_SEC, _BEFORE_MAGNETIC_FIELD_X, _END = _SERIALIZED.constants
+_LAYOUT = _SERIALIZED.layout
 
 
 class FastImuMagTopic(ImuMagTopic):
@@ -32,14 +32,14 @@ class FastImuMagTopic(ImuMagTopic):
     def pack(
         self, payload: imu_sensor_pb2.SensorBoardIMUInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
-            _UP_TO_HEADER_STAMP_SEC,
+            _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,
             stamp.nanosec,
-            _UP_TO_MAGNETIC_FIELD_X,
+            _BEFORE_MAGNETIC_FIELD_X,
             payload.mag_x / 1_000_000.0,
             payload.mag_y / 1_000_000.0,
             payload.mag_z / 1_000_000.0,
-            _REST,
+            _END,
         )

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as sensor_msgs/msg/Temperature.
 
-The registry loads it; programs import `PressureTemperatureTopic`.
+The registry loads it; programs import `PressureTemperatureTopic` from `generated.extra_topics.pressure_temperature`.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
 # Fields that never change are serialized once; between them stand the bytes of the others.
-_TEMPLATE = cdr.template(
+_SERIALIZED = cdr.template(
     sensor_msgs.Temperature(header=std_msgs.Header(frame_id="pressure_link")),
     [
         "header.stamp",
         "temperature",
     ],
 )
-_UP_TO_HEADER_STAMP_SEC, _UP_TO_TEMPERATURE, _REST = _TEMPLATE.constants
-_LAYOUT = _TEMPLATE.layout
+_BEFORE_HEADER_STAMP_SEC, _BEFORE_TEMPERATURE, _END = _SERIALIZED.constants
+_LAYOUT = _SERIALIZED.layout
 
 
 class FastPressureTemperatureTopic(PressureTemperatureTopic):
@@ -34,12 +34,12 @@ class FastPressureTemperatureTopic(PressureTemperatureTopic):
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
-            _UP_TO_HEADER_STAMP_SEC,
+            _BEFORE_HEADER_STAMP_SEC,
             stamp.sec,
             stamp.nanosec,
-            _UP_TO_TEMPERATURE,
+            _BEFORE_TEMPERATURE,
             payload.temperature_c,
-            _REST,
+            _END,
         )

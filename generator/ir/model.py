@@ -312,6 +312,21 @@ class Route:
     """Further topics."""
 
     @property
+    def peer(self) -> str:
+        """The name of the peer at the other end."""
+        return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
+
+    @property
+    def source(self) -> str:
+        """Where the messages come from, in words."""
+        return f"the peer {self.peer}" if self.inbound else f"the topic {self.topic}"
+
+    @property
+    def target(self) -> str:
+        """Where the messages go, in words."""
+        return f"the topic {self.topic}" if self.inbound else f"the peer {self.peer}"
+
+    @property
     def standard_topics(self) -> tuple[StandardTopic, ...]:
         """Everything that it becomes of standard messages."""
         return (self.standard, *self.extra_topics) if self.standard else self.extra_topics

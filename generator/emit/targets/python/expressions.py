@@ -52,7 +52,7 @@ class Oneof:
     """The local variable of ``from_ros`` that holds the name of the chosen member."""
     shown: str
     """The ROS field's name for errors, as a literal."""
-    choices: tuple[ir.Choice, ...]
+    members: tuple[ir.Choice, ...]
 
 
 @dataclass(frozen=True, slots=True)

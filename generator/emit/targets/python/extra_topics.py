@@ -16,18 +16,19 @@ def emit(bridge: ir.Bridge) -> Files:
     """Yield the handlers, and the package of the extra topics."""
     for route in bridge.routes:
         if route.standard:
-            text = _handler(bridge, route, route.standard, spelling.handler_class(route))
+            text = _handler(bridge, route, route.standard, spelling.handler_class(route), is_extra=False)
             yield f"generated/handlers/{spelling.module(route.name)}.py", text
     named = named_extra_topics(bridge)
     for extra in named:
-        yield f"generated/extra_topics/{extra.file}.py", _handler(bridge, extra.route, extra.standard, extra.name)
+        text = _handler(bridge, extra.route, extra.standard, extra.name, is_extra=True)
+        yield f"generated/extra_topics/{extra.file}.py", text
     if named:
         docstring = "Extra topics of the rows, with standard messages: one handler class for each topic."
         classes = {extra.name: extra.file for extra in named}
         yield package_file(bridge, "extra_topics", docstring, classes)
 
 
-def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: str) -> str:
+def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: str, *, is_extra: bool) -> str:
     speller = StandardSpeller(standard, bridge.python_package)
     to_ros, angles = speller.arguments(standard.fields), tuple(speller.angles())
     from_ros = () if standard.obstacle else speller.recovered()
@@ -54,6 +55,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
         handler=name,
         about=spelling.documented(route.comment, f"{standard.local_name} as {standard.message}."),
         route=route,
+        is_extra=is_extra,
         default_qos=ir.Qos(),
         proto=standard.local_name,
         ros=standard.message,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -60,7 +61,10 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
         name=name,
         ros=f"{bridge.package}/msg/{message.name}",
         type_hash=type_hash,
-        message=message,
+        constants_by_field=[
+            (" and ".join(field.name for field in message.fields if field.enum == enum), list(constants))
+            for enum, constants in itertools.groupby(message.constants, lambda constant: constant.enum)
+        ],
         fields=fields,
     )
 

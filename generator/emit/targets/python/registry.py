@@ -41,13 +41,15 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
         fingerprint=fingerprint(bridge),
     )
     yield "generated/checks.py", render("checks.py.j2", header=header(bridge.table), bridge=bridge)
-    exported = {(f"{own}.handlers", name) for name in handlers} | {(f"{own}.registry", "REGISTRY")}
+    exported = {(package, name) for name, package in (handlers | extra_topics).items()} | {
+        (f"{own}.registry", "REGISTRY")
+    }
     yield "generated/__init__.py", render(
         "package.py.j2",
         header=header(bridge.table),
-        docstring=f"The handlers and the registry that are compiled from {bridge.table}.",
+        docstring=f"The registry and the handlers of rows and extra topics, compiled from {bridge.table}.",
         imports=import_lines(exported),
-        names=sorted({*handlers, "REGISTRY"}),
+        names=sorted({*handlers, *extra_topics, "REGISTRY"}),
     )
 
 

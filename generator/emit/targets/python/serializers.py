@@ -116,12 +116,12 @@ def _of_conversion(
         proto=conversion.local_name,
         ros=f"{bridge.package}/msg/{conversion.ros}",
         handler=handler,
-        serializer=f"Fast{handler}",
         payload=f"{module}.{conversion.local_name}",
         message=message,
-        fixed="",
-        locals=body.locals,
-        values=body.values,
+        handler_module=f"{own}.handlers.{file}",
+        constant_message="",
+        assignments=body.locals,
+        packed_values=body.values,
     )
     return Serializer(file, f"Fast{handler}", text)
 
@@ -217,24 +217,24 @@ def _of_standard(
         ("roverlink.runtime.core.standard_handler", "UNSTAMPED"),
         ("roverlink.runtime.interfaces", "Time"),
     }
-    fixed = f"{interfaces.reference(standard.message)}({fixed})"
+    constant_message = f"{interfaces.reference(standard.message)}({fixed})"
     text = render(
         "serializer.py.j2",
         header=header(f"{bridge.table} (row {route.name}) and {standard.file}"),
         imports=import_lines(imports),
-        uses_math=any("math." in text for text in (fixed, *values)),
+        uses_math=any("math." in text for text in (constant_message, *values)),
         proto=standard.local_name,
         ros=standard.message,
         handler=handler,
-        serializer=f"Fast{handler}",
         payload=f"{proto_module}.{standard.local_name}",
         message=interfaces.reference(standard.message),
         takes_stamp=takes_stamp,
-        fixed=fixed,
-        varying=list(_varying(standard.fields, ())),
-        gaps=[gap for gap in gaps if gap],
-        locals=body.locals,
-        values=values,
+        handler_module=f"{own}.{module}",
+        constant_message=constant_message,
+        varying_paths=list(_varying(standard.fields, ())),
+        constant_names=[gap for gap in gaps if gap],
+        assignments=body.locals,
+        packed_values=values,
     )
     return Serializer(file, f"Fast{handler}", text)
 
@@ -274,9 +274,9 @@ def _gaps(leaves: Iterable[tuple[Path, bool]]) -> Iterator[str]:
     fixed = True  # the encapsulation header
     for path, varies in leaves:
         if varies:
-            yield f"_UP_TO_{'_'.join(path).upper()}" if fixed else ""
+            yield f"_BEFORE_{'_'.join(path).upper()}" if fixed else ""
         fixed = not varies
-    yield "_REST" if fixed else ""
+    yield "_END" if fixed else ""
 
 
 class _StandardBody(_Body):
