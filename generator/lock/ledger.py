@@ -29,7 +29,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """A number of a message or enum that had several meanings in the past, accepted with ``lint --history --accept``."""
+    """A number of a message or enum with several meanings in the past, accepted by ``lint --history --accept``."""
 
     owner: str
     """Full name of the message or enum."""

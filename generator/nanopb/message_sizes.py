@@ -59,8 +59,9 @@ def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounde
 
 
 def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, payload: int) -> int:
-    """Return the largest encoding of an envelope in bytes: a payload of ``payload`` bytes, and all fields beside the
-    oneof.
+    """Return the largest encoding of an envelope in bytes.
+
+    It has a payload of ``payload`` bytes with this number, and all fields beside the oneof.
     """
     message = schema.messages.get(envelope)
     alone = {field.name for field in message.fields if not field.oneof} if message else set()

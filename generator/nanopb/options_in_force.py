@@ -154,7 +154,7 @@ class _FileReader:
         return decoded
 
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:
-        """Return the inherited options, overridden by lines that match a name, and by options inside the .proto file."""
+        """Return the inherited options, overridden by lines that match a name, then by options in the .proto file."""
         options = dict(inherited)
         for index, line in enumerate(self._lines):
             if line.matches(name):

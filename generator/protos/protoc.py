@@ -1,6 +1,4 @@
-"""The protobuf compiler (protoc, from grpcio-tools): runs it on the needed files, and turns its errors into
-diagnostics.
-"""
+"""A runner of protoc (from grpcio-tools), which turns protoc's errors into diagnostics."""
 
 from __future__ import annotations
 
@@ -23,7 +21,7 @@ from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.schema import Schema
 
-# The same as `python -m grpc_tools.protoc`, without its import of pkg_resources: that one starts three times as slowly.
+# The same as `python -m grpc_tools.protoc`, which takes three times as long to start: it loads modules not needed here.
 _RUN = """
 import os, sys
 from grpc_tools import _protoc_compiler

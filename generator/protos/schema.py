@@ -58,8 +58,7 @@ class ProtoField(Declared):
     type_name: str = ""
     """Full name of the message or enum; empty for a scalar."""
     label: str = ""
-    """``repeated``; ``required``; ``optional`` if the field has presence (absent differs from zero); empty otherwise.
-    """
+    """``repeated``; ``required``; ``optional`` if absent differs from zero (presence); empty otherwise."""
     declared_optional: bool = False
     """True if a proto3 file declares the field ``optional``."""
     oneof: str = ""
@@ -76,7 +75,7 @@ class ProtoField(Declared):
 
     @property
     def optional(self) -> bool:
-        """True if the ROS message has to tell *absent* from *zero*; for a message field, only if declared ``optional``."""
+        """True if absent differs from zero; for a message field, only if it is declared ``optional``."""
         holds_message = self.type in ("message", "group")
         return self.declared_optional or (self.label == "optional" and not holds_message and not self.oneof)
 
@@ -204,7 +203,7 @@ class Syntax:
     """The syntax of a file; for an edition, also the features that hold in the whole file."""
 
     name: str
-    """``proto2``, ``proto3``, or an edition such as ``2023``; empty if unknown."""
+    """The version: ``proto2``, ``proto3``, or an edition such as ``2023``; empty if unknown."""
     presence: str = ""
     """The feature `field_presence` of an edition."""
     encoding: str = ""
