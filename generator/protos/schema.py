@@ -58,7 +58,7 @@ class ProtoField(Declared):
     type_name: str = ""
     """Full name of the message or enum; empty for a scalar."""
     label: str = ""
-    """``repeated``; ``required``; ``optional`` if absent differs from zero (presence); empty otherwise."""
+    """``repeated``, ``required``, or ``optional`` (absent differs from zero). Empty otherwise."""
     declared_optional: bool = False
     """True if a proto3 file declares the field ``optional``."""
     oneof: str = ""
@@ -200,10 +200,10 @@ class ProtoExtension:
 
 @dataclass(frozen=True, slots=True)
 class Syntax:
-    """The syntax of a file; for an edition, also the features that hold in the whole file."""
+    """The syntax of a file. For an edition, it includes the features of the whole file."""
 
     name: str
-    """The version: ``proto2``, ``proto3``, or an edition such as ``2023``; empty if unknown."""
+    """``proto2``, ``proto3``, or an edition such as ``2023``. Empty if unknown."""
     presence: str = ""
     """The feature `field_presence` of an edition."""
     encoding: str = ""

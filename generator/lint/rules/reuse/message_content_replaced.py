@@ -40,7 +40,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
         if before >= _FEWEST and left * 3 < before <= replaced * 2:
             yield RULE.at(
                 pair.new.at("name"),
-                f"{pair.new.full_name} is another message now: {replaced} of {before} fields were replaced, {left} kept",
+                f"{pair.new.full_name} is another message: {replaced} of {before} fields were replaced, {left} kept",
                 "give the new message another name, and restore the old message",
                 change.earlier(pair.old.at("name"), "the old message is here"),
                 type=pair.new.full_name,
