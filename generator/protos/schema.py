@@ -200,10 +200,10 @@ class ProtoExtension:
 
 @dataclass(frozen=True, slots=True)
 class Syntax:
-    """The syntax of a file. For an edition, it includes the features of the whole file."""
+    """The syntax of a file; an edition includes the file's features."""
 
     name: str
-    """``proto2``, ``proto3``, or an edition such as ``2023``. Empty if unknown."""
+    """The syntax's name: proto2, proto3, or an edition such as 2023; empty if unknown."""
     presence: str = ""
     """The feature `field_presence` of an edition."""
     encoding: str = ""

@@ -70,7 +70,7 @@ class Graph:
 
 
 def depth(revisions: Collection[Revision], tips: Iterable[str]) -> int:
-    """Return the number of commits on the longest way back from the nearest branch; the depth of a shallow clone."""
+    """Return how many commits the history goes back: the largest distance of a commit from its nearest branch."""
     parents = {revision.commit.id: revision.parents for revision in revisions}
     level = {tip for tip in tips if tip in parents}
     seen, steps = set(level), 0

@@ -64,7 +64,10 @@ class Relations:
         return last, later.stretches[0].lifetime.came
 
     def nodes_of_content(self, use: TracedUsage) -> list[int]:
-        """Return the nodes at which the content of a field's type may have changed, and those at which the field began."""
+        """Return the nodes at which the content of a field's type may have changed.
+
+        These are the nodes that change the type, and those at which the field began.
+        """
         nodes = set()
         for stretch in use.stretches:
             type = self._record.resolve(use.usage.type, stretch.owner, stretch.lifetime.came)
