@@ -50,7 +50,7 @@ A lint that read nothing must not pass.
 Bad::
 
     $ roverlink lint protos
-    protos: fatal[STA103] holds no .proto file
+    protos: fatal[STA103] contains no .proto file
 
 Good::
 

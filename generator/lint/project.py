@@ -42,7 +42,7 @@ class Question:
     pins: tuple[Path, ...] = ()
     """Files and repositories with the pins of consumers."""
     envelope: bool = False
-    """True if a lint without an envelope makes no sense."""
+    """True if the lint has to fail when no envelope is named."""
     report: Callable[[int, int], None] | None = None
     """Called with the number of file states read from history, and their total."""
 

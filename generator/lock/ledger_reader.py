@@ -49,8 +49,8 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
     except OSError as error:
         findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))
         return Ledger()
-    except UnicodeError as error:
-        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8: {error}"))
+    except UnicodeDecodeError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8 text (wrong byte at offset {error.start})"))
         return Ledger()
     reader = _Reader()
     for index, line in enumerate(text.splitlines(), 1):
@@ -169,7 +169,9 @@ class _Reader:
         elif match := _CHECKSUM.fullmatch(line):
             self.checksum = match["digest"]
         elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
-            self.broken.append(BROKEN_LEDGER.at(span, f"not a line of the ledger: {line.strip()!r}", _RESTORE))
+            self.broken.append(
+                BROKEN_LEDGER.at(span, f"this line does not belong to a ledger: {line.strip()!r}", _RESTORE)
+            )
 
     def _add_entry(self, match: re.Match[str], span: Span) -> None:
         entry = Entry(

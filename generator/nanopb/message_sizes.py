@@ -147,7 +147,10 @@ def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message
 
 
 def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
-    """Return the first field without a size, and the reason; an empty reason if its message has no size."""
+    """Return the first field without a largest size, with the reason.
+
+    The reason is empty if the field's message has no largest size.
+    """
     for field in fields_of(schema.messages[message], bounds):
         reason = field.gap(schema, bounds)
         if reason or (field.inner and field.inner not in sizes):

@@ -271,7 +271,7 @@ _MARK = "Deprecated."
 
 
 def commented(declared: Declared) -> str:
-    """Return the comment of a declaration; a deprecated one gets the mark ``Deprecated.``"""
+    """Return the comment of a declaration, with the mark ``Deprecated.`` if it is deprecated."""
     if not declared.options or not _is_deprecated(declared):
         return declared.comment
     return f"{declared.comment}\n\n{_MARK}" if declared.comment else _MARK

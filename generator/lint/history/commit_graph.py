@@ -10,7 +10,7 @@ from roverlink.generator.lint.history.commits import Revision
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A commit that changes a .proto file, or merges lines of history that did."""
+    """A commit that changes a .proto file, or a merge of branches that changed some."""
 
     index: int
     """The node's number; larger than those of its parents."""

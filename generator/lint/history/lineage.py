@@ -64,7 +64,7 @@ class Lineage:
 
 
 def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
-    """Walk over all nodes, and keep the states of ``tips``."""
+    """Walk over all commits of the graph, parents first; keep the states of ``tips`` for later queries."""
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
         walk.visit(node)

@@ -22,7 +22,7 @@ class NumberedType:
 
 
 NumberedTypes = dict[str, NumberedType]
-"""The types of one state of a file, by full name."""
+"""The messages and enums in one state of a file, by full name."""
 
 
 def numbered_types(file: File) -> NumberedTypes:

@@ -47,7 +47,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         old = published.get((row.proto, row.name))
         help = f"the next number never used is {next_number}"
         if old is not None and old not in table.numbers:
-            help = f"give {row.name} its published number {old} again"
+            help = f"give {row.name} back its published number {old}"
         if row.number in holders:
             gone = holders[row.number]
             message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"

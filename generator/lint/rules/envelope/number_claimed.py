@@ -37,7 +37,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for row in context.table.rows:
         for claim, span in claims:
             if claim.number == row.number and not _is_same_payload(claim, row):
-                message = f"a comment names field {row.number} of {row.name} for {claim.name} ({claim.type})"
+                message = (
+                    f"{row.name} takes field {row.number}, which a comment declares for {claim.name} ({claim.type})"
+                )
                 help = (
                     f"give {row.name} the number {context.next_number()}; or delete the comment if it was never in use"
                 )

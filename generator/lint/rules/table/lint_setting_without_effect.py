@@ -43,7 +43,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnostic]:
     rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
     if rule is None:
-        message = f"unknown rule {lowered.rule!r}"
+        message = f"the lint has no rule {lowered.rule!r}"
         yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)
     elif rule.severity is Severity.FATAL:
         message = f"{rule.id} ({rule.name}) is fatal, and cannot be lowered"
