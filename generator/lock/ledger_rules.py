@@ -31,7 +31,7 @@ The file was edited by hand, or merged wrongly. Only `roverlink generate` writes
 
 Bad::
 
-    mapping.lock:8:3: error[LED102] not a line of the ledger: 'two: b B'
+    mapping.lock:8:3: error[LED102] this line does not belong to a ledger: 'two: b B'
 
 Good::
 
@@ -49,7 +49,7 @@ still send it.
 
 Bad::
 
-    mapping.lock: error[LED103] this is not what generate wrote: it was edited, or a part of it is missing
+    mapping.lock: error[LED103] the checksum is wrong: the file was edited, or a part of it is missing
 
 Good::
 
@@ -66,7 +66,7 @@ A new ledger would only know the numbers of today. Older numbers would look free
 
 Bad::
 
-    mapping.lock: error[LED104] was deleted
+    mapping.lock: error[LED104] was deleted; without it, every published number would be free for another message
 
 Good::
 
