@@ -60,7 +60,7 @@ class Repository:
             return False
         return True
 
-    def called(self) -> set[str]:
+    def names(self) -> set[str]:
         """Return the names of the repository: its folder's name, and the last part of each remote's address."""
         folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
         remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]

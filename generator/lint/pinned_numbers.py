@@ -41,7 +41,7 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
     """
     pinned: list[Pinned] = []
     faults: list[Diagnostic] = []
-    ours = repository.called() if pins else set()
+    ours = repository.names() if pins else set()
     for pin in pins:
         try:
             pinned.append(_pinned(pin, repository, envelope))

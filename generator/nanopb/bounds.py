@@ -32,7 +32,7 @@ class FieldBounds:
     """``repeated``, ``required`` or ``optional``, which replaces the declared label; empty for the declared label."""
     ignored: bool = False
     """True if nanopb leaves the field out, alone or with its oneof."""
-    said: Mapping[str, Span] = field(default_factory=dict, hash=False)
+    places: Mapping[str, Span] = field(default_factory=dict, hash=False)
     """The place of each option, by its name, as exactly as it is known."""
 
 

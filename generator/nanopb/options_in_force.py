@@ -201,5 +201,5 @@ def _field_bounds(options: _Options, left_out: bool) -> FieldBounds:
         type_override=values.get("type_override", "").removeprefix("TYPE_").lower(),
         label_override=values.get("label_override", "").removeprefix("LABEL_").lower(),
         ignored=left_out or values.get("type") == "FT_IGNORE",
-        said={name: span for name, (_, span) in options.items()},
+        places={name: span for name, (_, span) in options.items()},
     )

@@ -419,12 +419,12 @@ def test_the_place_where_a_bound_was_given_is_known(everything: _Both) -> None:
     """Every option of a field knows the line that it comes from, of the .options file or of the .proto file."""
     of_field = everything.bounds.of_field("levels.LinesInTurn", "bb")
     assert (of_field.max_size, of_field.max_length, of_field.max_count) == (46, 47, 2)
-    assert of_field.said == {
+    assert of_field.places == {
         "max_size": Span("proto/levels.options", 9, 1),
         "max_length": Span("proto/levels.options", 10, 1),
         "max_count": Span("proto/levels.proto"),
     }
-    here = everything.bounds.of_field("levels.OfField", "a").said["max_size"]
+    here = everything.bounds.of_field("levels.OfField", "a").places["max_size"]
     assert (here.file, here.line) == ("proto/levels.proto", 29)
 
 

@@ -54,8 +54,8 @@ class Relations:
         """
         handovers = self._handovers(earlier, later)
         if handovers:
-            stretch, went, heir = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
-            return self._record.before(stretch.owner, stretch.lifetime.fact, went), heir.lifetime.came
+            stretch, went, successor = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
+            return self._record.before(stretch.owner, stretch.lifetime.fact, went), successor.lifetime.came
         stretch = earlier.stretches[-1]
         ended = max(stretch.lifetime.went, default=None)
         last = (
@@ -101,9 +101,9 @@ class Relations:
         Each pair comes with the node at which the earlier stretch ends.
         """
         return [
-            (stretch, went, heir)
+            (stretch, went, successor)
             for stretch in earlier.stretches
             for went in stretch.lifetime.went
-            for heir in later.stretches
-            if self._graph.precedes(went, heir.lifetime.came)
+            for successor in later.stretches
+            if self._graph.precedes(went, successor.lifetime.came)
         ]

@@ -53,7 +53,7 @@ class _Member:
 
 
 @dataclass(frozen=True, slots=True)
-class _Cures:
+class _HelpTexts:
     """The help texts, which depend on the owner of the file."""
 
     missing: str
@@ -63,8 +63,8 @@ class _Cures:
 
 
 _OF_OWNER = {
-    "mapping": _Cures(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
-    "proto": _Cures(
+    "mapping": _HelpTexts(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
+    "proto": _HelpTexts(
         missing="correct the number, or add the member in the envelope's repository",
         differs="",
         no_row="add a row for it under `messages`",
@@ -138,7 +138,7 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
     """Compare rows with members, and yield each difference once."""
     table = context.table
     name, oneof = table.envelope.message, table.envelope.oneof
-    cures = _OF_OWNER[table.envelope.owner]
+    help_texts = _OF_OWNER[table.envelope.owner]
     payloads = {member.number: member for member in members if member.oneof == oneof}
     if not payloads and table.rows:
         help = _GENERATE if table.envelope.owner == "mapping" else ""
@@ -148,11 +148,11 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
     beside = {(member.number, member.type) for member in members if member.oneof != oneof}
     rows = [row for row in table.rows if (row.number, row.proto) not in beside]
     for row in rows:
-        yield from _compare_row(row, payloads, table, cures)
+        yield from _compare_row(row, payloads, table, help_texts)
     strayed = [row for row in rows if row.number not in payloads]
     for member in payloads.values():
         if not any(_is_moved(row, member, table) for row in strayed):
-            yield from _without_row(member, context, cures)
+            yield from _without_row(member, context, help_texts)
 
 
 def _is_moved(row: Row, member: _Member, table: Table) -> bool:
@@ -160,7 +160,9 @@ def _is_moved(row: Row, member: _Member, table: Table) -> bool:
     return member.name == row.name and member.number not in table.numbers
 
 
-def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
+def _compare_row(
+    row: Row, payloads: Mapping[int, _Member], table: Table, help_texts: _HelpTexts
+) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]
     if member is None:
@@ -170,32 +172,34 @@ def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures:
             message = f"member {row.name} has the number {moved.number}, not {row.number}"
             also = [(moved.span, "the member")]
         yield RULE.at(
-            row.at("number"), message, cures.missing, also, type=envelope, number=row.number, rests_on=rests_on
+            row.at("number"), message, help_texts.missing, also, type=envelope, number=row.number, rests_on=rests_on
         )
         return
     also = [(member.span, "the member")]
     if member.type != row.proto:
         message = f"member {row.number} carries {member.type}, not {row.proto}"
         yield RULE.at(
-            row.at("proto"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on
+            row.at("proto"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
         )
     if member.name != row.name:
         message = f"member {row.number} is called {member.name}, not {row.name}"
         rests_on.append(row.at("name"))
-        yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
+        yield RULE.at(
+            row.at("name"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
+        )
 
 
-def _without_row(member: _Member, context: Context, cures: _Cures) -> Iterator[Diagnostic]:
+def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> Iterator[Diagnostic]:
     table, number = context.table, member.number
     envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
         message = f"{member} is retired in {table.file}"
-        yield RULE.at(member.span, message, cures.retired, type=envelope, number=number)
+        yield RULE.at(member.span, message, help_texts.retired, type=envelope, number=number)
     elif table.whole and number not in table.numbers:
         message = f"{member} has no row in {table.file}"
         rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
         rests_on += [entry.span for entry in context.published if entry.number == number]
-        yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
+        yield RULE.at(member.span, message, help_texts.no_row, type=envelope, number=number, rests_on=rests_on)
 
 
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:

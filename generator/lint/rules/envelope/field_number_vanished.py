@@ -35,8 +35,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
         if entry.number in table.numbers:
             continue
         message = f"field {entry.number} was published as {entry.name} ({entry.proto}), but is missing in {table.file}"
-        cure = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
-        help = f"put the row back, or add to `retired`: - {cure}"
+        entry_text = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
+        help = f"put the row back, or add to `retired`: - {entry_text}"
         of_ledger = entry in context.ledger.entries
         span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
         also = [] if of_ledger else [(entry.span, "published here")]

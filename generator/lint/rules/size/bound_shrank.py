@@ -70,10 +70,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
 def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[Diagnostic]:
     for option, text in (*_shrunk_size(now, before), *_shrunk_count(now, before), *_shrunk_integer(now, before)):
         yield RULE.at(
-            now.given.said.get(option, now.field.span),
+            now.given.places.get(option, now.field.span),
             f"{message.full_name}.{now.field.name} accepts {text} before",
             f"restore {option}, or add a new field with a new number",
-            [(before.given.said.get(option, before.field.span), "the earlier bound")],
+            [(before.given.places.get(option, before.field.span), "the earlier bound")],
             type=message.full_name,
             number=now.field.number,
         )

@@ -41,14 +41,14 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
             yield RULE.at(
                 pair.new.at("default"),
                 f"an absent {pair.new.name} = {pair.new.number} was read as {old}, and is read as {new} now",
-                f"{_cure(pair)}, and send {new} explicitly",
+                f"{_undo(pair)}, and send {new} explicitly",
                 change.earlier(pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
 
 
-def _cure(pair: FieldPair) -> str:
+def _undo(pair: FieldPair) -> str:
     if (pair.old.type, pair.old.type_name) != (pair.new.type, pair.new.type_name):
         return back(pair)
     if "default" in pair.new.facets and "default" not in pair.old.facets:
