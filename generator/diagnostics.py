@@ -1,4 +1,4 @@
-"""Diagnostics: what is wrong, where, and what to do about it; and the rules that raise them."""
+"""Rules, and the diagnostics that they raise: a fault, its place and the suggested repair."""
 
 from __future__ import annotations
 
@@ -14,23 +14,26 @@ class Severity(str, Enum):
     """The effect of a diagnostic on a run."""
 
     FATAL = "fatal"
-    """Something could not be looked at, or not be written; the exit code is 2."""
+    """An input cannot be read, or an output cannot be written; the exit code is 2."""
     ERROR = "error"
-    """Nothing is written; the exit code is 1."""
+    """The input is wrong; nothing is written, and the exit code is 1."""
     WARNING = "warning"
-    """It is shown, and the run goes on; `lint` exits with 1 all the same."""
+    """The input is questionable; the run goes on, but `lint` exits with 1."""
     HINT = "hint"
-    """It is shown, and is no fault."""
+    """A remark that is not a fault; the exit code stays the same."""
 
     @property
     def rank(self) -> int:
-        """How grave it is: 0 for the gravest."""
+        """The severity as a number: 0 for the most severe."""
         return list(Severity).index(self)
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
-    """A place in a file; line and column count from 1, and 0 stands for the file as a whole."""
+    """A place in a file.
+
+    Line and column count from 1. A line of 0 stands for the whole file.
+    """
 
     file: str
     line: int = 0
@@ -41,18 +44,20 @@ class Span:
 
 
 def shown(folder: str, path: str) -> str:
-    """Name a file as diagnostics do: below its folder, in a commit (``main:``), or by its path alone."""
+    """Join a folder and a path for display: ``proto/imu.proto``, or ``main:imu.proto`` for a git ref."""
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of diagnostic. Its id is never given to another kind, even after the rule is gone.
+    """A kind of diagnostic.
 
-    The documentation says in its first line what the rule finds, then why that hurts, and ends with a section
-    ``Bad::`` and a section ``Good::`` that hold an example each. An example is a part of a project: rows, or whole
-    sections, of mapping.yaml, or of a .proto file; a comment with a path starts a further file. Where a project alone
-    does not show the rule, the example is what a terminal shows.
+    An id is never given to another rule, even after its own rule is gone.
+
+    The first line of the documentation says what the rule finds. Then it says why that is a fault. It ends with the
+    sections ``Bad::`` and ``Good::``, each with one example. An example is a part of a project: rows or sections of
+    mapping.yaml, or a .proto file. A comment with a path starts another file. If files cannot show the fault, the
+    example is a terminal's text.
     """
 
     id: str
@@ -77,12 +82,12 @@ class Rule:
         uses: Sequence[Use] = (),
         rests_on: Sequence[Span] = (),
     ) -> Diagnostic:
-        """A diagnostic of this kind.
+        """Return a diagnostic of this kind.
 
-        ``also`` are other places that belong to it; ``type`` is the full name of the message or enum that it is
-        about, ``number`` that of the field, of the enum value, or of the payload in the envelope; ``uses`` is what
-        the number stood for in history. ``rests_on`` are places that it takes for granted: where one of them is
-        wrong by itself, the diagnostic only follows from that and is dropped (see `independent`).
+        ``also`` lists related places, each with a text. ``type`` is the full name of the message or enum concerned.
+        ``number`` is the number of the field or enum value, or of the payload in the envelope. ``uses`` are the
+        meanings that the number had in history. ``rests_on`` are places that the diagnostic assumes to be right: it is
+        dropped if one of them has an error of its own (see `independent`).
         """
         rests = tuple(rests_on)
         return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
@@ -90,18 +95,18 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """What a number stood for in some part of history."""
+    """One meaning that a number had in the history of the repository."""
 
     type: str
     name: str
     came: Commit
     went: Commit | None
-    """Where it went last; None while some branch has it."""
+    """The commit that removed it last; None if a branch still has it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One fault at one place."""
+    """A fault at a place in a file."""
 
     rule: Rule
     span: Span
@@ -109,18 +114,18 @@ class Diagnostic:
     help: str = ""
     also: tuple[tuple[Span, str], ...] = ()
     type: str = ""
-    """Full name of the message or enum that it is about; empty for none."""
+    """Full name of the message or enum concerned; empty for none."""
     number: int | None = None
-    """Of the field or of the enum value that it is about."""
+    """Number of the field or enum value concerned; None for none."""
     severity: Severity = Severity.ERROR
-    """The rule's, or what the table has lowered that to."""
+    """The rule's severity, unless the table lowers it."""
     uses: tuple[Use, ...] = ()
-    """The usages of the number, the earliest first; empty but for a diagnostic of history."""
+    """The usages of the number, the earliest first; only diagnostics about history have any."""
     rests_on: tuple[Span, ...] = ()
-    """Places that it takes for granted."""
+    """Places that the diagnostic assumes to be right."""
 
     def render(self) -> str:
-        """The diagnostic as text: the place, what is wrong, the other places, the cure."""
+        """Return the diagnostic as text: place, message, related places, help."""
         lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:
@@ -129,9 +134,9 @@ class Diagnostic:
 
 
 class DiagnosticsError(Exception):
-    """A phase cannot go on: the diagnostics say why.
+    """Raised when a phase cannot go on; the diagnostics say why.
 
-    ``texts`` has the text of each file that the diagnostics name and that is not on disk as it was read.
+    ``texts`` holds the text of each file that the diagnostics name and that is not on disk in this state.
     """
 
     def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
@@ -141,9 +146,9 @@ class DiagnosticsError(Exception):
 
 
 def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Drop every diagnostic that rests on a place with an error of its own.
+    """Drop every diagnostic that only follows from an error at another place.
 
-    An error that itself rests on other places drops nothing; so two diagnostics never drop each other.
+    An error that itself rests on other places drops nothing, so two diagnostics never drop each other.
     """
     findings = list(findings)
     wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
@@ -151,16 +156,16 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Sort diagnostics by place, then id; each once, and without those that only follow from others."""
+    """Sort diagnostics by place, then id. Drops duplicates, and those that only follow from others."""
     return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
-    """Tell whether any diagnostic is an error."""
+    """Return True if any diagnostic is an error or fatal."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:
-    """``did you mean ...?`` with the known word nearest to one that is not, or ``otherwise``."""
+    """Return ``did you mean ...?`` with the most similar known word, or ``otherwise`` if no word is similar."""
     found = difflib.get_close_matches(word, list(known), 1, 0.6)
     return f"did you mean {found[0]}?" if found else otherwise

@@ -1,4 +1,9 @@
-"""What git knows of a repository, asked through its own program."""
+"""Access to a git repository through the ``git`` program.
+
+- git reads its environment before its arguments: within a hook, ``GIT_DIR`` would select the hook's repository.
+- ``git ls-tree`` lists links and submodules too; only the modes 100644 and 100755 are files.
+- A clone may lack objects (``--depth``, ``--filter``); reading them raises `GitError`.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +16,22 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
-# What a hook of git's is told of the repository that it runs in; the folder may be in another one.
+# git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
 _OF_A_HOOK = ("GIT_DIR", "GIT_WORK_TREE", "GIT_COMMON_DIR", "GIT_INDEX_FILE", "GIT_PREFIX")
-_FILES = ("100644", "100755")  # the modes of files in a tree; there are links and submodules, too
+_FILES = ("100644", "100755")  # modes of regular files; a link has 120000, a submodule 160000
 
 
 class GitError(Exception):
-    """git is not there, or says no; the text is its own."""
+    """Raised when git is not installed or refuses; the text is git's own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Commit:
-    """A commit, as a finding names it."""
+    """A commit, as diagnostics show it."""
 
     id: str
     date: str
-    """Of its author, as ``2026-11-21``."""
+    """The author's date, such as ``2026-11-21``."""
     subject: str
 
     def __str__(self) -> str:
@@ -35,12 +40,12 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class Repository:
-    """A folder within a git repository, from which paths are counted."""
+    """A folder in a git repository. All paths are relative to this folder."""
 
     folder: Path
 
     def exists(self) -> bool:
-        """Whether the folder is in a repository, be it one without a commit, that git can read."""
+        """Return True if git finds a repository there, even one without commits."""
         try:
             self._run("rev-parse", "--git-dir")
         except GitError:
@@ -48,43 +53,43 @@ class Repository:
         return True
 
     def has(self, ref: str, path: str) -> bool:
-        """Whether a commit has a file."""
+        """Return True if a commit contains a file."""
         try:
             self._run("cat-file", "-e", f"{ref}:./{path}")
         except GitError:
             return False
         return True
 
-    def called(self) -> set[str]:
-        """What others may call the repository: its folder's name, and those that its remotes' addresses end with."""
+    def names(self) -> set[str]:
+        """Return the names of the repository: its folder's name, and the last part of each remote's address."""
         folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
         remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]
         addresses = [str(folder).removesuffix("/.git"), *remotes]
         return {name_of_repository(address) for address in addresses}
 
     def resolve(self, ref: str) -> str:
-        """The commit that a ref names. Raises `GitError` where it names none."""
+        """Return the full id of the commit that a ref names. Raises `GitError` if it names none."""
         return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
 
     def commit(self, ref: str) -> Commit:
-        """The commit that a ref names. Raises `GitError` where it names none."""
+        """Return the commit that a ref names. Raises `GitError` if it names none."""
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
         return commit_of(id, seconds, subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
-        """Mode, object and path of all that stands below the folder in a commit; paths are relative to the folder."""
+        """Return mode, object id and path of each entry below the folder in a commit."""
         listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
         prefix = self._run("rev-parse", "--show-prefix").strip()
         entries = (entry.split("\t", 1) for entry in listed if entry)
         return [(about.split()[0], about.split()[2], path.removeprefix(prefix)) for about, path in entries]
 
     def files(self, commit: str) -> list[str]:
-        """The files below the folder in a commit, relative to it; links and submodules are not among them."""
+        """Return the paths of the files below the folder in a commit, without links and submodules."""
         return [path for mode, _, path in self.entries(commit) if mode in _FILES]
 
     def contents(self, commit: str, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
-        """The bytes of files in a commit. Raises `GitError` where the clone does not have them."""
+        """Yield path and content of files in a commit. Raises `GitError` if the clone lacks one."""
         paths = list(paths)
         asked = "".join(f"{commit}:./{path}\n" for path in paths)
         answer = self._run_bytes("cat-file", "--batch", input=asked.encode())
@@ -99,7 +104,7 @@ class Repository:
             position = head_end + 1 + size + 1
 
     def commit_of_line(self, path: str, line: int, commit: str | None = None) -> Commit | None:
-        """The commit from which a line of a file is; None where it is not committed yet, or git does not say."""
+        """Return the commit that last changed a line; None if it is uncommitted or git cannot tell."""
         try:
             said = self._run("blame", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path)
         except GitError:
@@ -126,22 +131,25 @@ class Repository:
 
 
 def name_of_repository(address: str) -> str:
-    """The name that the address of a repository ends with, be it a URL or a folder."""
+    """Return the last part of a repository's address, which is a URL or a folder, without ``.git``."""
     return re.split(r"[/:]", address.rstrip("/"))[-1].removesuffix(".git")
 
 
 def environment() -> dict[str, str]:
-    """The environment in which git finds the repository of the folder that it is asked about, also within a hook."""
+    """Return the environment for git, without the variables that a hook sets."""
     return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
 
 
 def commit_of(id: str, seconds: str, subject: str) -> Commit:
-    """A commit as git tells of it, without what a terminal would obey, or XML cannot hold."""
+    """Return a commit.
+
+    Unprintable characters of the subject are replaced: a terminal might obey them, and XML forbids some.
+    """
     return Commit(id, _date_of(seconds), "".join(letter if letter.isprintable() else "\ufffd" for letter in subject))
 
 
 def _date_of(seconds: str) -> str:
-    """The date of a time; empty where somebody's clock made it one that no calendar has."""
+    """Return the date of a Unix time; empty if the time is outside of the calendar."""
     try:
         return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()
     except (ValueError, OverflowError):

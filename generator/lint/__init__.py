@@ -1,1 +1,1 @@
-"""The lint: what the rules may look at, the rules, and the engine that asks them."""
+"""The lint: the context that rules read, the rules, and the engine that runs them."""

@@ -1,6 +1,6 @@
-"""A tree of .proto files without a mapping.yaml, as a table that says nothing but where the envelope is.
+"""A tree of .proto files without a mapping.yaml, as a table.
 
-Its rows are the members of the envelope, so that the rules for numbers and names see them as they see a table's.
+Its rows are the members of the envelope, so the rules about numbers and names work as they do on a real table.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSet
 
 @dataclass(frozen=True, slots=True)
 class EnvelopeName:
-    """Which message carries the payloads, as the command line says it."""
+    """The envelope's message, as given on the command line."""
 
     file: str
-    """Relative to the tree; empty for none."""
+    """The envelope's file, relative to the tree; empty for none."""
     message: str
 
 
 def table_of_tree(envelope: EnvelopeName) -> Table:
-    """A table without rows; `with_members` gives it those of the envelope."""
+    """Return a table without rows; `with_members` adds them from the envelope."""
     file = str(PurePosixPath(envelope.file)) if envelope.file else ""
     here = Span(file or ".")
     return Table(
@@ -44,10 +44,10 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
 
 
 def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = (), past: Iterable[str] = ()) -> Table:
-    """The table of a tree with a row for each member of its envelope; any other table as it is.
+    """Add a row for each member of the envelope to the table of a tree; return any other table unchanged.
 
-    The envelope's message may be named without its package. Raises `DiagnosticsError` where there is no such envelope,
-    after the ``findings`` that may be why, unless it is among the messages of the ``past``.
+    The message may be named without its package. Raises `DiagnosticsError`, with ``findings`` in front, if the envelope
+    is not declared, unless it is among the messages of the ``past``.
     """
     if table.proto.root or not (table.envelope.message or table.envelope.file):
         return table
@@ -68,41 +68,41 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = 
 
 
 def must_have_envelope(table: Table, findings: Sequence[Diagnostic]) -> None:
-    """Raises `DiagnosticsError` where nobody said which message the envelope is."""
+    """Raise `DiagnosticsError` if the envelope's message was not named."""
     if not table.envelope.message:
-        message = "which message is the envelope was not said; nothing was looked at"
-        raise DiagnosticsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "say --message")])
+        message = "the envelope's message is not named; nothing was linted"
+        raise DiagnosticsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "add --message NAME")])
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
-    """The full name of the envelope's message, where one message alone has the name."""
+    """Return the full name of the envelope's message, if only one message has that name."""
     named = _named(envelope.message, schema.messages)
     return named[0] if len(named) == 1 and envelope.message not in named else envelope.message
 
 
 def _named(name: str, messages: Iterable[str]) -> list[str]:
-    """The messages of a name, whatever package they are in; none for no name."""
+    """Return the messages with a name in any package; none for an empty name."""
     return [message for message in messages if name and f".{message}".endswith(f".{name}")]
 
 
 def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Diagnostic:
-    """What is wrong with the words that name the envelope."""
+    """Return a diagnostic for an envelope that was named wrongly."""
     name, file = settings.message, settings.file
     in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]
     known = _named(name, schema.messages) or in_file
-    help = f"say --message {' or --message '.join(known)}" if known else "say --message"
+    help = f"use --message {' or --message '.join(known)}" if known else "add --message NAME"
     if elsewhere is not None:
         message = f"{name} is declared in {elsewhere.span.file}, not in {file}"
-        help = f"say --envelope {elsewhere.span.file}"
+        help = f"use --envelope {elsewhere.span.file}"
     elif not name:
-        message = "which of its messages is the envelope was not said"
+        message = "the envelope's message is not named"
     else:
         message = f"no message {name} is declared in a file that compiles"
     return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
 
 
 def _largest_oneof(envelope: ProtoMessage) -> str:
-    """The oneof with the most members; empty where there is none, and then every field is a payload."""
+    """Return the oneof with the most members. Without any oneof this is empty, and all fields are payloads."""
     counted = Counter(field.oneof for field in envelope.fields if field.oneof)
     return counted.most_common(1)[0][0] if counted else ""
 

@@ -27,12 +27,12 @@ _TABLE = "mapping.yaml"
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Where a state has what, relative to its folder."""
+    """The layout of a project: places and names, relative to its folder."""
 
     root: str
-    """The proto root; empty for the folder itself."""
+    """The folder of the .proto files; empty for the project's own folder."""
     exclude: tuple[str, ...]
-    """Files that are left out, where the state has no table that says so itself."""
+    """Excluded files; only used if the state has no table."""
     envelope_message: str
     oneof: str
 
@@ -42,19 +42,19 @@ class Baseline:
     """An earlier state of a project."""
 
     name: str
-    """How findings call it."""
+    """The name of the state in diagnostics."""
     schema: Schema
     entries: tuple[Entry, ...]
-    """The payloads of its envelope, and of its ledger and table where it has them."""
+    """The payloads of its envelope, ledger and table."""
     bounds: Bounds | None
     commit_of: Callable[[Span], Commit | None]
-    """The commit from which a line of the state is; None where that is not known."""
+    """Returns the commit of a line; None if it is unknown."""
 
 
 def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
-    """The state that ``--against`` names, as far as it can be read; what cannot is a finding.
+    """Read the state that ``--against`` names, and report the parts that cannot be read.
 
-    A folder or a file of that name comes before a git ref. Raises `DiagnosticsError` where there is nothing.
+    A folder or file of that name is preferred to a git ref. Raises `DiagnosticsError` if there is no such state.
     """
     path = Path(spec)
     if path.is_dir():
@@ -68,7 +68,7 @@ def _descriptor_set(path: Path, spec: str, layout: Layout) -> Baseline:
     try:
         compiled = FileDescriptorSet.FromString(path.read_bytes())
     except (OSError, DecodeError) as error:
-        message = "is no descriptor set, as `protoc --descriptor_set_out` or `buf build` writes it"
+        message = "is not a descriptor set, as written by `protoc --descriptor_set_out` or `buf build`"
         raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), message)]) from error
     if not compiled.file:
         raise DiagnosticsError([UNREADABLE_STATE.at(Span(spec), "is a descriptor set without any file")])
@@ -81,8 +81,8 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
     try:
         commit = repository.resolve(ref)
     except GitError as error:
-        message = f"{ref!r} is no folder, no file, and no git ref"
-        help = str(error) or "git branch --all and git tag show which refs there are; a shallow clone has few"
+        message = f"{ref!r} is not a folder, a file, or a git ref"
+        help = str(error) or "git branch --all and git tag list the refs; a shallow clone has few of them"
         raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:
@@ -112,15 +112,15 @@ def _baseline_in(
     commit_of: Callable[[Span], Commit | None],
     findings: list[Diagnostic],
 ) -> Baseline:
-    """The state in a folder: a project, the folder of its protos, or any tree of them."""
-    own: list[Diagnostic] = []  # faults of the state's own, which nobody can mend there
+    """Read the state in a folder: a project, the folder of its .proto files, or any tree of them."""
+    own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
     table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))
     root = table.proto.root if table else (layout.root if (folder / layout.root).is_dir() else "")
     shown_root = shown(name, root) if root else name
     files = read_protos(folder / root, shown_root, findings)
     if not files:
-        raise DiagnosticsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "holds no .proto file")])
+        raise DiagnosticsError([*findings, UNREADABLE_STATE.at(Span(shown_root), "contains no .proto file")])
     excluded = table.proto.exclude if table else layout.exclude
     schema, errors = compile_tree(folder / root, [file for file in files if file not in excluded], shown_root)
     findings += [finding for finding in own if finding.severity is Severity.FATAL]
@@ -131,8 +131,8 @@ def _baseline_in(
 
 
 def _of_state(error: Diagnostic) -> Diagnostic:
-    """An error of protoc's in another state: it was not looked at, and nobody can mend it there."""
-    help = "name another state, or lint against a descriptor set"
+    """Convert an error of protoc in an earlier state, which cannot be edited."""
+    help = "compare with another state, or with a descriptor set"
     return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)
 
 
@@ -142,7 +142,7 @@ def _rows(table: Table | None) -> list[Entry]:
 
 
 def _members(schema: Schema, layout: Layout) -> list[Entry]:
-    """The payloads in a state's envelope."""
+    """Return the payloads in a state's envelope."""
     envelope = schema.messages.get(layout.envelope_message)
     fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
     return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]

@@ -1,8 +1,8 @@
-"""`buf breaking`, for what our own rules leave to it: changes of generated source code and of JSON.
+"""`buf breaking`, for changes that our own rules do not check: generated source code and JSON.
 
-Buf is given descriptor sets of both states that protoc compiled, and its whole configuration. So it needs neither the
-network nor a buf.yaml, and any earlier state will do. Of its category FILE, which has every rule of the others or a
-stricter one, those findings are dropped that our rules for bytes and for the envelope have already made.
+buf gets both states as descriptor sets of protoc, and its whole configuration on the command line. So it needs no
+network and no buf.yaml, and works with any earlier state. It uses the category FILE, which contains the rules of all
+other categories or stricter ones. Results that our own rules about bytes and the envelope already report are dropped.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoMessage, Schema
 NOT_INSTALLED = Rule(
     "BUF101",
     "buf-not-installed",
-    """`lint --with-buf` finds no buf to run.
+    """`lint --with-buf` needs buf, which is not installed.
 
-buf is looked for beside the running Python interpreter, then on the PATH. Nothing is linted, since a result without
-buf's part could be taken for a clean one.
+The lint looks for buf beside the running Python interpreter, then on the PATH. Without buf nothing is linted, because
+the result could be mistaken for a complete one.
 
 Bad::
 
@@ -43,9 +43,9 @@ Good::
 FAILED = Rule(
     "BUF102",
     "buf-failed",
-    """buf cannot be run, or did not compare the two states.
+    """buf cannot be run, or failed to compare the two states.
 
-buf refuses some files that protoc accepts, such as message sets. What the lint finds itself is shown all the same.
+buf rejects some files that protoc accepts, such as message sets. The lint's own results are still shown.
 
 Bad::
 
@@ -67,7 +67,7 @@ _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 
 def rule(id: str) -> Rule | None:
-    """Return a rule of buf's by its name; None if it has no such name."""
+    """Return a rule of buf by its name; None if it is not the name of a rule."""
     return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
 
 
@@ -79,17 +79,17 @@ def executable() -> str | None:
 def require() -> None:
     """Raise `DiagnosticsError` if buf is not installed."""
     if executable() is None:
-        message = "there is no buf beside this Python interpreter or on the PATH; nothing was linted"
+        message = "buf is not installed beside this Python interpreter or on the PATH; nothing was linted"
         raise DiagnosticsError([NOT_INSTALLED.at(_OPTION, message, f"{sys.executable} -m pip install buf-bin")])
 
 
 def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
-    """List what buf finds in a schema against an earlier one. Raises `DiagnosticsError` if buf fails.
+    """Run buf on two states and return its results. Raises `DiagnosticsError` if buf fails.
 
-    The deletion of a map's entry is left out: nobody wrote the entry.
+    A deleted map entry is left out: it has no declaration of its own, and the map's field is reported.
     """
     if not before.files or not after.files:
-        return []  # nothing compiled, which is a finding already
+        return []  # no file compiled, and protoc's errors are already reported
     said = _run(before, after)
     try:
         found = [_finding(json.loads(line), before, after, shown_root) for line in said.splitlines()]
@@ -100,7 +100,7 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
 
 
 def _run(before: Schema, after: Schema) -> str:
-    # What does not compile is no part of the state, and buf would take it for deleted.
+    # A file that does not compile is missing in the descriptor set, and buf would report it as deleted.
     ignored = sorted({"google/protobuf", *before.uncompiled, *after.uncompiled})
     config = json.dumps({"version": "v2", "breaking": {"use": ["FILE"], "ignore": ignored}})
     command = [executable() or "buf", "breaking", "after.binpb", "--against", "before.binpb"]
@@ -135,7 +135,7 @@ def _failure(why: str) -> DiagnosticsError:
 
 
 def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
-    """Read a line of buf's; a deleted file has no place. Raises any of several errors if it is none."""
+    """Convert a line of buf's output. A deleted file has no place. Raises several kinds of errors for other lines."""
     id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
     broken = rule(id)
     if broken is None:
@@ -147,17 +147,17 @@ def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_ro
     return broken.at(
         span,
         message,
-        f"https://buf.build/docs/breaking/rules/#{id.lower()} says what that breaks",
+        f"see https://buf.build/docs/breaking/rules/#{id.lower()}",
         type=_full_name(message, path, span, before, after),
         number=int(number[1]) if number else None,
     )
 
 
 def _full_name(message: str, path: str, span: Span, before: Schema, after: Schema) -> str:
-    """Return the full name of the message or enum that a finding is about; empty for none.
+    """Return the full name of the message or enum in buf's message; empty for none.
 
-    Buf names it in full, without its package, or, if it is nested, by its last name alone. Of several with one last
-    name, it is the last that starts before the place.
+    buf writes the full name, the name without package, or only the last part of a nested type's name. If several types
+    match, the last one that starts before the place is meant.
     """
     name = _TYPE.search(message)
     if name is None:
@@ -173,9 +173,11 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
 
 
 def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield the findings of buf's that are not about a field, value or reserved range of which ours say more."""
+    """Yield buf's results, except those about a number that our own rules already report."""
     told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
     for one in theirs:
-        of_range = one.rule.id.startswith("RESERVED_") and (one.type, None) in told  # ours may be about several ranges
+        of_range = (
+            one.rule.id.startswith("RESERVED_") and (one.type, None) in told
+        )  # our diagnostic may cover several ranges
         if one.number is None or not (of_range or (one.type, one.number) in told):
             yield one

@@ -1,4 +1,4 @@
-"""Which commit of the protos each consumer is pinned to: git submodules, CMake's FetchContent, or a plain list."""
+"""Pins: the commit of the protos that each consumer uses, in git submodules, CMake's FetchContent, or a plain list."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ _SUBMODULE = "160000"  # the mode of a submodule in a tree
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A consumer, and the commit that it takes the protos from."""
+    """A consumer, and its commit of the protos."""
 
     consumer: str
     commit: str
-    """As it is written: a commit, a tag or a branch."""
+    """The commit as written: an id, a tag or a branch."""
     span: Span
     source: str
-    """The file or the repository that was to be read."""
+    """The file or repository that contains the pin."""
     listed: bool = False
-    """Whether a plain list says that it is the protos'; of other sources, the address may."""
+    """True if a plain list contains the pin, which only has pins of the protos. Other sources have other pins too."""
     address: str = ""
-    """Of the repository that it is a commit of, as far as it is written."""
+    """The address of the pinned repository, as far as it is known."""
 
 
 def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin, ...]:
-    """The pins in files and in repositories; one without any is a finding."""
+    """Read the pins in files and repositories; report a source without any pin."""
     pins: list[Pin] = []
     for source in sources:
         read = len(findings)
         found = list(_pins_of(source, findings))
         if not found and len(findings) == read:
-            message = "no pin was found: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
+            message = "contains no pin: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
             findings.append(UNREADABLE_PINS.at(Span(str(source)), message))
         pins += found
     return tuple(pins)
@@ -71,7 +71,9 @@ def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
             if match:
                 yield Pin(match["name"], match["commit"], Span(str(path), number, 1), str(path), listed=True)
             else:
-                findings.append(UNREADABLE_PINS.at(Span(str(path), number, 1), f"no `name commit`: {line.strip()!r}"))
+                findings.append(
+                    UNREADABLE_PINS.at(Span(str(path), number, 1), f"is not `name commit`: {line.strip()!r}")
+                )
 
 
 def _text(path: Path, findings: list[Diagnostic]) -> str:
@@ -81,13 +83,13 @@ def _text(path: Path, findings: list[Diagnostic]) -> str:
         findings.append(UNREADABLE_PINS.at(Span(str(path)), f"cannot be read: {error.strerror}"))
         return ""
     if "\0" in text:
-        findings.append(UNREADABLE_PINS.at(Span(str(path)), "is binary, and no list of pins"))
+        findings.append(UNREADABLE_PINS.at(Span(str(path)), "is a binary file, not a list of pins"))
         return ""
     return text
 
 
 def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Iterator[Pin]:
-    """The GIT_TAG of each declaration; comments do not count, and variables are what `set` made them."""
+    """Yield the GIT_TAG of each declaration. Comments are ignored, and variables are replaced by their `set` value."""
     bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
     variables = {match["name"]: match["value"] for text in bare.values() for match in _SET.finditer(text)}
     for path, text in bare.items():
@@ -100,7 +102,7 @@ def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Itera
 
 
 def _word_after(keyword: str, words: list[str], variables: Mapping[str, str]) -> str:
-    """The argument of a keyword, with the values of the variables that are known; empty where there is none."""
+    """Return the argument of a keyword, with known variables replaced; empty if there is none."""
     if keyword not in words[:-1]:
         return ""
     word = words[words.index(keyword) + 1].strip('"')
@@ -121,10 +123,10 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
 
 
 def _addresses(folder: Path) -> dict[str, str]:
-    """The address of each submodule by its path, as far as .gitmodules has them."""
+    """Return the addresses in .gitmodules by submodule path."""
     modules = configparser.ConfigParser(strict=False, interpolation=None)
     try:
-        # Its lines are indented, which to Python would be a value that goes on.
+        # git indents the lines of a section. For configparser, an indented line would continue the value before it.
         text = (folder / ".gitmodules").read_text(encoding="utf-8", errors="replace")
         modules.read_string("\n".join(line.strip() for line in text.splitlines()))
     except (OSError, configparser.Error):

@@ -1,4 +1,4 @@
-"""The context of the rules: the table, the protos, and what is known of their past."""
+"""The context of the rules: the table, the protos, and their past."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Ta
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
-    """What became of the wire schema that the ledger has; nothing where there is no ledger yet.
+    """Return the change of the wire schema since the last generate; none if there is no ledger yet.
 
-    ``incomplete`` names a message that `schema` does not have as it will be, of which nothing can be said.
+    ``incomplete`` names a message that `schema` does not contain in its final form, and that is not compared.
     """
     if not published.entries:
         return ()
@@ -30,71 +30,72 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """The history of the protos, and what of it is looked at."""
+    """The history of the protos, and the requested checks of it."""
 
     history: History
     of_numbers: bool = False
-    """Whether every number's past is judged."""
+    """True if the history of every number is checked."""
     of_branches: bool = False
-    """Whether open branches are compared with each other."""
+    """True if open branches are compared with each other."""
     pinned: tuple[Pinned, ...] = ()
-    """The consumers, and what the commits that they are pinned to say."""
+    """The consumers, with the envelope's numbers at their pinned commits."""
 
     def taken(self, envelope: str) -> dict[int, str]:
-        """Every number that the envelope ever had on any branch, and what for."""
+        """Return every number that the envelope ever had on any branch, with the reason why it is taken."""
         taken: dict[int, str] = {}
         for number, usages in self.history.claims(envelope).items():
-            taken[number] = f"stood in a comment, for {usages[-1].name} ({usages[-1].came})"
+            taken[number] = f"was named in a comment for {usages[-1].name} ({usages[-1].came})"
         for number, usages in self.history.numbers(envelope).items():
             last = usages[-1]
-            where = f", which {branch_name(last.live_at[0])} has" if last.live_at else f" until {last.went}"
-            taken[number] = f"stood for {last.name} ({last.type}){where}"
+            where = f" on {branch_name(last.live_at[0])}" if last.live_at else f" until {last.went}"
+            taken[number] = f"{'is' if last.live_at else 'was'} {last.name} ({last.type}){where}"
         return taken
 
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """The table, the protos as they are, and what is known of their past."""
+    """The input of every rule: the table, the current protos, and their past."""
 
     table: Table
     schema: Schema | None
-    """None where the protos did not compile."""
+    """The compiled protos; None if nothing compiled."""
     ledger: Ledger
     files: Mapping[str, File] = field(default_factory=dict)
-    """What each .proto file below the root declares, as far as it can be read; the excluded ones are not among them."""
+    """The declarations in each .proto file, as far as they can be read, without excluded files."""
     excluded_files: Mapping[str, File] = field(default_factory=dict)
-    """The same, of the files that the table leaves out."""
+    """The same for excluded files."""
     changes: tuple[SchemaChange, ...] = ()
     earlier_entries: tuple[Entry, ...] = ()
-    """The payloads of the state that this one is compared with."""
+    """The payloads of the baseline."""
     bounds: Bounds | None = None
-    """nanopb's bounds; None where they were not read."""
+    """nanopb's bounds; None if they were not read."""
     past: Past | None = None
-    """All of history; None where nobody asked for it."""
+    """The history; None if it was not requested."""
 
     @property
     def published(self) -> tuple[Entry, ...]:
-        """Every number that is known to have been published."""
+        """All payloads that are known to have been published."""
         return (*self.ledger.entries, *self.earlier_entries)
 
     def next_number(self) -> int:
-        """The number for the next payload: the smallest above all published ones that nothing ever had or claimed.
+        """Return the number for the next payload: the smallest free one above all published numbers.
 
-        Where all of those are closed, it is the smallest of all; and one that is too large where none is left.
+        If no number above is free, this is the smallest free number. If none is free at all, it is larger than protobuf
+        allows.
         """
         above = self.free_number(self.largest_number() + 1)
         return above if above <= LARGEST_NUMBER else self.free_number(1)
 
     def free_number(self, number: int, besides: Set[int] = frozenset()) -> int:
-        """The smallest number of the envelope, from one on, that is free but for what ``besides`` has."""
+        """Return the smallest free number of the envelope from ``number`` on; numbers in ``besides`` count as free."""
         for _, last, _ in self.occupied(number, besides):
             number = last + 1
         return number
 
     def occupied(self, number: int, besides: Set[int] = frozenset()) -> Iterator[tuple[int, int, str]]:
-        """The numbers of the envelope from one on that cannot be given to a new payload, up to the first that can.
+        """Yield the occupied numbers from ``number`` on, up to the first free one.
 
-        They come as ranges, both ends included, each with its reason; those that ``besides`` has count as free.
+        They are ranges with both ends included, each with its reason. Numbers in ``besides`` count as free.
         """
         taken, closed = self.taken(), list(self._closed())
         while True:
@@ -107,29 +108,29 @@ class Context:
             number = found[0][0] + 1
 
     def largest_number(self) -> int:
-        """The largest number of the table, or that is known to have been published; 0 for none."""
+        """Return the largest number of the table and of all published payloads; 0 for none."""
         return max([0, *self.table.numbers, *(entry.number for entry in self.published)])
 
     def taken(self) -> dict[int, str]:
-        """Every single number of the envelope that cannot be given to a new payload, and why."""
+        """Return every number of the envelope that is taken, with the reason."""
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):
-            taken |= {field.number: f"is that of {field.name} in {path}" for field in message.fields}
+            taken |= {field.number: f"is {field.name} in {path}" for field in message.fields}
         for claim, span in self.envelope_claims():
-            taken[claim.number] = f"stands in a comment, for {claim.name} ({span})"
+            taken[claim.number] = f"is named in a comment for {claim.name} ({span})"
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
-            taken[number] = f"stood for {' and for '.join(type for type, _ in burned.uses)}"
+            taken[number] = f"is burned: it was {' and '.join(type for type, _ in burned.uses)}"
         taken |= {entry.number: f"was published for {entry.name} ({entry.proto})" for entry in self.published}
-        taken |= dict.fromkeys(table.numbers, f"stands in {table.file}")
-        taken |= {row.number: f"is retired, of {row.name} ({row.proto})" for row in table.retired}
-        return taken | {row.number: f"is that of {row.name} ({row.proto})" for row in table.rows}
+        taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
+        taken |= {row.number: f"is retired: it was {row.name} ({row.proto})" for row in table.retired}
+        return taken | {row.number: f"is {row.name} ({row.proto})" for row in table.rows}
 
     def _closed(self) -> Iterator[tuple[int, int, str]]:
-        """Ranges of numbers that the envelope keeps closed, both ends included, and why."""
-        yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is kept by protobuf for itself"
+        """Yield ranges of numbers that the envelope must not use, with the reason. Both ends are included."""
+        yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is reserved for protobuf"
         for path, message in self.declared(self.table.envelope.message):
             for first, last in message.reserved:
                 yield first, last, f"is reserved in {path}"
@@ -137,17 +138,17 @@ class Context:
                 yield first, last, f"is for extensions in {path}"
 
     def place(self, file: str, line: int, column: int) -> Span:
-        """A place in a .proto file."""
+        """Return a place in a .proto file."""
         return Span(shown(self.table.proto.root, file), line, column)
 
     def envelope_claims(self) -> Iterator[tuple[ProtoField, Span]]:
-        """Members of the envelope that somebody commented out, with their places."""
+        """Yield members of the envelope that are commented out, with their places."""
         for path, message in self.declared(self.table.envelope.message):
             for claim in message.claims:
                 yield claim, self.place(path, claim.span.line, claim.span.column)
 
     def declared(self, full_name: str) -> Iterator[tuple[str, ProtoMessage]]:
-        """The declarations of a message, each with its file; more than one where it is declared twice."""
+        """Yield the declarations of a message with their files; several if it is declared twice."""
         for path, file in self.files.items():
             for message in file.messages:
                 if message.full_name == full_name:

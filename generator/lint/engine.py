@@ -1,4 +1,4 @@
-"""The engine of the lint: every rule looks at the context, and the table says what its diagnostics count for."""
+"""The engine of the lint: runs every rule, and applies the table's severities."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OF_CHANGES = "WIR"
 
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
-    """What every rule finds, and what buf found that no rule says, counting for as much as the table says."""
+    """Return the diagnostics of all rules and of buf, with the severities of the table."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
     said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in said)
@@ -24,17 +24,17 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """The findings, without what the rules for fields say of a payload of which those for the envelope say more."""
+    """Drop diagnostics about fields of a payload if a rule about the envelope reports the same payload."""
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
-    told = {*payloads, None} if payloads else payloads  # None: reserved numbers, which are those of such payloads
+    told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
     for one in found:
         if one.type != envelope or one.number not in told or not one.rule.id.startswith(_OF_CHANGES):
             yield one
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
-    """The finding with its severity lowered where the table lowers it; None where it turns it off."""
+    """Return a diagnostic with the table's severity; None if the table turns it off."""
     if finding.severity is Severity.FATAL:
         return finding
     severity: Severity = finding.severity
@@ -55,7 +55,7 @@ def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
 
 
 def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
-    """Whether a finding is about a row: its number in the envelope, its message, or what can travel inside that."""
+    """Return True if a diagnostic is about a row: its number, its message, or a type inside that message."""
     if finding.type in ("", context.table.envelope.message):
         return finding.number == number
     if context.schema is None:

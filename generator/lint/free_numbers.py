@@ -1,4 +1,4 @@
-"""Numbers that nothing uses, has used or is going to use, and what is to be given one of them."""
+"""Free numbers: never used by any declaration, comment or published state; and the fields that should get them."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1
 
 
 def next_field_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """The number for the next field of a message: above every one that is known; None where there is none left.
+    """Return the number for a message's next field, above all known numbers; None if none is left.
 
-    ``taken`` are those that others were offered already.
+    ``taken`` are numbers that were already offered to other fields.
     """
     known = {*taken} | {number for schema in _schemas(context) for number in _fields(schema, full_name)}
     known |= {field.number for field in context.ledger.fields(full_name)}
@@ -35,7 +35,7 @@ def next_field_number(context: Context, full_name: str, taken: Iterable[int] = (
 
 
 def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """The number for the next value of an enum: above every one that is known; None where there is none left."""
+    """Return the number for an enum's next value, above all known numbers; None if none is left."""
     known, closed = {-1, *taken}, list[Range]()
     for enum in (schema.enums[full_name] for schema in _schemas(context) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
@@ -47,7 +47,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
 
 
 def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
-    """A number of its own for each value that is new and took the number of another one."""
+    """Return a new number for each new value that took the number of another one."""
     known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
     numbers: dict[str, int] = {}
     for value in pair.new.values:
@@ -58,7 +58,7 @@ def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
 
 
 class NewNumbers:
-    """The numbers that are offered to the fields of a change."""
+    """The new numbers that help texts offer to the fields of a change."""
 
     def __init__(self, context: Context, change: SchemaChange) -> None:
         self._context = context
@@ -66,7 +66,7 @@ class NewNumbers:
         self._of: dict[str, dict[int, int]] = {}
 
     def of(self, owner: str, number: int) -> int | None:
-        """What is offered to the field of a message that has a number now; None where there is none left."""
+        """Return the new number for the field with a number; None if none is left."""
         if owner not in self._of:
             self._of[owner] = self._handed_out(owner)
         return self._of[owner].get(number) or next_field_number(self._context, owner, self._of[owner].values())
@@ -82,16 +82,16 @@ class NewNumbers:
 
 
 def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> str:
-    """How to undo what became of a field, or else to keep its number out of it."""
+    """Describe how to undo the change of a field, or how to give it a new number."""
     owner, old, new = written(pair)
     undo = undo or back(pair)
     message = pair.change.after.messages.get(owner)
     number = None if pair.extension else numbers.of(owner, new.number)
     if number is None or message is None:
-        return f"{undo}, or give the new one a number of its own"
+        return f"{undo}, or give the new field its own number"
     moved = declaration(new, pair.change.after, owner, pair.syntax, number)
     freed = reserve(message, pair.syntax, [(old.number, old.number)], [old.name])
-    return f"{undo}; or give it a new number, {number} is free: `{moved} {freed}`"
+    return f"{undo}; or give it the free number {number}: `{moved} {freed}`"
 
 
 def _schemas(context: Context) -> Iterator[Schema]:

@@ -1,4 +1,4 @@
-"""Diagnostics about history: the numbers, their places today, and the commits of their usages."""
+"""Diagnostics about history: a number, its place today, and the commits of its usages."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoFi
 _RELATIONS = {
     Relation.SUCCESSION: "one after the other on one branch",
     Relation.BRANCHES: "on different branches",
-    Relation.TOGETHER: "in one and the same state",
+    Relation.TOGETHER: "in the same commit",
 }
 _CONFIDENCES = {
     Confidence.CERTAIN: "",
-    Confidence.LIKELY: "; some of it was read from files with errors",
-    Confidence.DOUBTFUL: "; all of it was read from files with errors",
+    Confidence.LIKELY: "; some of the files have syntax errors",
+    Confidence.DOUBTFUL: "; all of the files have syntax errors",
 }
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
-    """The numbers of messages and enums that had several meanings of some kinds, and were not accepted."""
+    """Yield the numbers with several meanings of these kinds that were not accepted."""
     past = context.past
     if past is None or not past.of_numbers:
         return
@@ -42,24 +42,24 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, 
 
 
 def _stands_for(name: str, owner: str, context: Context, history: History) -> bool:
-    """Whether what is found of a message under one of its names is found under another: today's, if there is one."""
+    """Return True if another name of the same message is used today, so that the reuse is reported there."""
     today = [(_declared(context, each) is not None, each) for each in (owner, name)]
     return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
 def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
-    """Return the usages that are concerned, the earliest first."""
+    """Return the usages of the reuses, the earliest first."""
     concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
     return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
 def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
-    """A finding about one number, with everything that it stood for. There must be a past."""
-    assert context.past is not None, "what is reported was found in it"  # noqa: S101  # for mypy
+    """Return a diagnostic about one number and all its meanings. The context must have a past."""
+    assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
     usages = _usages(context.past.history, owner, number, reuses)
     return rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner} stood for {_told(usages, reuses)}; {_today(context, owner, number)}"
+        f"number {number} of {owner} was {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
         _help(context, owner, number),
         [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
@@ -70,17 +70,17 @@ def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequ
 
 
 def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
-    """What the number stood for, and how that came."""
+    """Return the meanings of a number, and how they followed each other."""
     last = reuses[-1]
     told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
     if len(usages) == 1 and last.old:
-        return f"{told}, whose contents were replaced: {last.survivors} of {len(last.old.facts)} fields are left"
+        return f"{told}, and its content was replaced: {last.survivors} of {len(last.old.facts)} fields are left"
     at_once = ", at the same time" if any(reuse.at_once for reuse in reuses) else ""
     return f"{told}, {_RELATIONS[last.relation]}{at_once}"
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
-    """Where a number of a message or an enum stands today; else the whole of it; else the envelope."""
+    """Return the place of a number today; else of its message or enum; else of the envelope."""
     declared = _declared(context, owner)
     if declared is None:
         return context.table.envelope.span
@@ -89,7 +89,7 @@ def place_of(context: Context, owner: str, number: int) -> Span:
 
 
 def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] | None:
-    """Type and name of what a number of a message or an enum stands for today; None where it is free."""
+    """Return type and name that a number has today; None if it is free."""
     declared = _declared(context, owner)
     part = _parts(declared).get(number) if declared else None
     return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
@@ -101,7 +101,7 @@ def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
 
 
 def _parts(declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
-    """The fields or the values by number."""
+    """Return the fields or values by number."""
     if isinstance(declared, ProtoMessage):
         return {field.number: field for field in declared.fields}
     return {value.number: value for value in declared.values}
@@ -114,19 +114,19 @@ def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
 def _today(context: Context, owner: str, number: int) -> str:
     declared = _declared(context, owner)
     if declared is None:
-        return f"today there is no {owner}"
+        return f"today {owner} does not exist"
     if part := _parts(declared).get(number):
         return f"today it is {part.name}"
     return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
 
 
 def _help(context: Context, owner: str, number: int) -> str:
-    accept = "`roverlink lint --history --accept` takes note of it, so that only what is new is found"
+    accept = "`roverlink lint --history --accept` records it, and later runs only report new cases"
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
     if number in _parts(declared):
-        return f"make sure that nothing old is left that means the other thing by it; {accept}"
+        return f"make sure that no board still uses the old meaning; {accept}"
     return f"write `reserved {number};` into {owner}; {accept}"
 
 

@@ -1,4 +1,4 @@
-"""The rules of a lint that cannot look at something: a state, the protos, the history, the pins."""
+"""Rules about input that the lint cannot read: a state, the protos, the history, the pins."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from roverlink.generator.diagnostics import Rule, Severity
 NO_SUCH_STATE = Rule(
     "STA101",
     "no-such-state",
-    """`--against` names no folder, no file and no git ref.
+    """`--against` names something that is not a folder, a file or a git ref.
 
-Without the earlier state, no change can be judged.
+Without the earlier state, the lint cannot check any change.
 
 Bad::
 
@@ -27,7 +27,7 @@ UNREADABLE_STATE = Rule(
     "unreadable-state",
     """The earlier state, or a file of it, cannot be read or does not compile.
 
-Changes of messages that are unknown there cannot be judged.
+The lint cannot check changes of messages that are unknown there.
 
 Bad::
 
@@ -43,14 +43,14 @@ Good::
 NO_PROTOS = Rule(
     "STA103",
     "no-protos",
-    """The folder does not exist or contains no `.proto` file.
+    """The folder does not exist, or contains no `.proto` file.
 
-A lint that looked at nothing must not pass.
+A lint that read nothing must not pass.
 
 Bad::
 
     $ roverlink lint protos
-    protos: fatal[STA103] holds no .proto file
+    protos: fatal[STA103] contains no .proto file
 
 Good::
 
@@ -62,9 +62,9 @@ Good::
 NO_ENVELOPE_MESSAGE = Rule(
     "STA104",
     "no-envelope-message",
-    """In a tree without a table, the envelope's message is not declared, or nobody named it.
+    """In a tree without a table, the envelope's message is not declared or not named.
 
-Numbers of payloads are numbers of the envelope, so the lint has to know which message it is.
+The numbers of payloads are numbers of the envelope, so the lint has to know this message.
 
 Bad::
 
@@ -98,9 +98,9 @@ Good::
 LIMITED_HISTORY = Rule(
     "STA106",
     "limited-history",
-    """A part of the history is not there, or some state of a file cannot be read.
+    """A part of the history is missing, or some state of a file cannot be read.
 
-A number that was used only in that part looks unused. CI systems clone without history unless they are told to.
+A number that was used only in that part looks unused. Many CI systems clone without history by default.
 
 Bad::
 
@@ -116,9 +116,9 @@ Good::
 UNREADABLE_PINS = Rule(
     "PIN101",
     "unreadable-pins",
-    """A source of pins cannot be read, contains none, or names a commit that the repository does not have.
+    """A source of pins cannot be read, contains no pin, or names a commit that the repository does not have.
 
-A consumer whose commit is unknown could disagree with all others.
+If the commit of a consumer is unknown, it may disagree with all others.
 
 Bad::
 

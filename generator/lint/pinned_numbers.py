@@ -1,4 +1,4 @@
-"""The numbers of the envelope at the commits that consumers of the protos are pinned to."""
+"""Pinned numbers: the envelope's numbers at the commits that consumers are pinned to."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from roverlink.generator.lint.history import differ
 from roverlink.generator.lint.input_rules import UNREADABLE_PINS
 from roverlink.generator.protos.parser import parse
 
-_FETCH = "git fetch --all gets what is new"
+_FETCH = "git fetch --all gets new commits"
 
 
 @dataclass(frozen=True, slots=True)
 class Pinned:
-    """What a consumer's commit says of the envelope."""
+    """A consumer with its commit, and the envelope's numbers there."""
 
     pin: Pin
     commit: Commit
     numbers: Mapping[int, tuple[str, str]]
-    """Type and name of the payload by its number."""
+    """Type and name of each payload, by number."""
 
     def disagreements(self, other: Pinned) -> list[int]:
-        """The numbers that are of another payload to another consumer."""
+        """Return the numbers that have different payloads for the two consumers."""
         return sorted(
             number
             for number in self.numbers.keys() & other.numbers.keys()
@@ -34,15 +34,14 @@ class Pinned:
 
 
 def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Diagnostic]) -> list[Pinned]:
-    """What each pin's commit of the protos says of the envelope.
+    """Read the envelope's numbers at the commit of each pin.
 
-    A commit that this repository does not have is a finding where a plain list names it, or where the pin is by its
-    address one of this repository; of other addresses, it is that of another dependency. So is a source of which
-    nothing is known here.
+    A source may pin other dependencies too. So an unknown commit is reported only if a plain list names it, or if the
+    pin's address is that of this repository. A source without any known commit is reported as well.
     """
     pinned: list[Pinned] = []
     faults: list[Diagnostic] = []
-    ours = repository.called() if pins else set()
+    ours = repository.names() if pins else set()
     for pin in pins:
         try:
             pinned.append(_pinned(pin, repository, envelope))
@@ -57,7 +56,10 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
 
 
 def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
-    """What a pin's commit says. Raises `LookupError` where this repository does not have it, or it has no envelope."""
+    """Return a pin's numbers.
+
+    Raises `LookupError` if the repository lacks the commit, or the commit lacks the envelope.
+    """
     try:
         commit = repository.commit(pin.commit)
         numbers = _numbers_at(repository, commit.id, envelope)
@@ -69,7 +71,7 @@ def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
 
 
 def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
-    """The sources of which no pin is of this repository."""
+    """Yield a diagnostic for each source without a pin of this repository."""
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
         message = f"none of its pins is a commit of this repository: {others}"
@@ -77,7 +79,7 @@ def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
 
 
 def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]] | None:
-    """The envelope's numbers at a commit, in whatever package it was; None where there is none."""
+    """Return the envelope's numbers at a commit, in any package; None if it is not declared."""
     name = envelope.rpartition(".")[2]
     protos = [file for file in repository.files(commit) if file.endswith(".proto")]
     found: dict[str, dict[int, tuple[str, str]]] = {}

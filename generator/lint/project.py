@@ -1,4 +1,4 @@
-"""The lint of a project, or of a tree of .proto files that has no table: everything is read, and every rule asked."""
+"""The lint of a project, or of a tree of .proto files without a table: reads all inputs and runs all rules."""
 
 from __future__ import annotations
 
@@ -29,55 +29,55 @@ from roverlink.generator.table import Table, reader
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is looked at beside the present."""
+    """The request to the lint: the checks beyond the current state."""
 
     against: str | None = None
-    """Another state: a folder, a descriptor set, or a git ref."""
+    """The baseline: a folder, a descriptor set, or a git ref."""
     with_buf: bool = False
-    """Whether buf compares the two states as well."""
+    """True if buf compares the two states too."""
     history: bool = False
-    """Whether every number's past is judged."""
+    """True if the history of every number is checked."""
     branches: bool = False
-    """Whether open branches are compared with each other."""
+    """True if open branches are compared with each other."""
     pins: tuple[Path, ...] = ()
-    """Files and repositories that say which commit a consumer is pinned to."""
+    """Files and repositories with the pins of consumers."""
     envelope: bool = False
-    """Whether there is nothing to say without an envelope."""
+    """True if the lint has to fail when no envelope is named."""
     report: Callable[[int, int], None] | None = None
-    """Told how much of the history is read, and of how much."""
+    """Called with the number of file states read from history, and their total."""
 
     @property
     def of_the_past(self) -> bool:
-        """Whether git's history has to be read."""
+        """True if the history has to be read."""
         return self.history or self.branches or bool(self.pins)
 
     @property
     def of_the_envelope(self) -> bool:
-        """Whether it has to be known which message the envelope is."""
+        """True if the envelope's message has to be known."""
         return self.envelope or self.branches or bool(self.pins)
 
 
 @dataclass(frozen=True, slots=True)
 class Linted:
-    """What a lint found, and how to show more of it."""
+    """The result of a lint."""
 
     findings: tuple[Diagnostic, ...]
     folder: Path
-    """The folder from which the files of findings are named."""
+    """The folder that paths of diagnostics are relative to."""
     commit_of: Callable[[Span], Commit | None]
-    """The commit from which a line is; None where it is not committed, or not known."""
+    """Returns the commit of a line; None if it is uncommitted or unknown."""
     context: Context
-    """What the rules looked at."""
+    """The context that the rules read."""
 
     @property
     def limits(self) -> list[Diagnostic]:
-        """The findings that say what could not be looked at, or not all of it."""
+        """The diagnostics about inputs that could not be read completely."""
         partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
         return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
 
 def lint_project(table_path: Path, question: Question) -> Linted:
-    """Lint the project of a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    """Lint the project of a table. Raises `DiagnosticsError` if nothing can be linted."""
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
     table = reader.read(table_path, findings, table_path.name)
@@ -86,7 +86,7 @@ def lint_project(table_path: Path, question: Question) -> Linted:
 
 
 def lint_tree(root: Path, envelope: bare_tree.EnvelopeName, question: Question) -> Linted:
-    """Lint a folder of .proto files, without a table. Raises `DiagnosticsError` where nothing can be looked at."""
+    """Lint a folder of .proto files without a table. Raises `DiagnosticsError` if nothing can be linted."""
     findings: list[Diagnostic] = []
     return _lint(root.resolve(), bare_tree.table_of_tree(envelope), lock.Ledger(), question, findings)
 
@@ -98,7 +98,7 @@ def _lint(
         buf.require()
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
-        message = f"there is no folder {table.proto.root or project}; nothing was looked at"
+        message = f"the folder {table.proto.root or project} does not exist; nothing was linted"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
     if question.of_the_envelope:
         bare_tree.must_have_envelope(table, findings)
@@ -106,7 +106,7 @@ def _lint(
     found_before = len(findings)
     declared = read_protos(root, shown_root, findings)
     if not declared and len(findings) == found_before and not (past and past.history.messages):
-        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "holds no .proto file")])
+        raise DiagnosticsError([*findings, NO_PROTOS.at(Span(shown_root or "."), "contains no .proto file")])
     kept = {file: text for file, text in declared.items() if file not in table.proto.exclude}
     left_out = {file: text for file, text in declared.items() if file in table.proto.exclude}
     schema, errors = compile_tree(root, list(kept), shown_root)
@@ -134,23 +134,23 @@ def _lint(
 
 
 def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
-    """The past, as far as it is asked for. Raises `DiagnosticsError` where there is no repository."""
+    """Read the requested part of the past. Raises `DiagnosticsError` if there is no repository."""
     try:
         history = read_history(root, question.report)
     except GitError as error:
         message = "the history cannot be read"
         raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
     if history.shallow:
-        message = f"this is a shallow clone: its history goes back {history.depth} commits, and no further"
+        message = f"this is a shallow clone: its history goes back only {history.depth} commits"
         findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
     for path in history.unread:
-        findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or not there"))
+        findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or missing"))
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
     return Past(history, question.history, question.branches, tuple(pins))
 
 
 def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
-    """The state to compare with; None without one, and for one that cannot be read: the rest is linted all the same."""
+    """Read the baseline; None if there is none, or if it cannot be read. The rest is still linted."""
     try:
         return open_baseline(question.against, project, layout, findings) if question.against else None
     except DiagnosticsError as error:
@@ -159,7 +159,7 @@ def _baseline(question: Question, project: Path, layout: Layout, findings: list[
 
 
 def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagnostic]) -> list[Diagnostic]:
-    """List what buf finds; if buf fails, the rest is linted all the same."""
+    """Return the results of buf. If buf fails, report that; the rest is still linted."""
     try:
         return buf.breaking(before, after, shown_root)
     except DiagnosticsError as error:
@@ -173,7 +173,7 @@ def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) 
 
 
 def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
-    """Asks git for the commit of a line, in this state or in the other one."""
+    """Return a function that finds the commit of a line, in this state or in the baseline."""
     repository = Repository(project)
 
     def commit_of(span: Span) -> Commit | None:
@@ -181,7 +181,7 @@ def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit 
             return None
         if baseline is not None and span.file.startswith(baseline.name):
             return baseline.commit_of(span)
-        if not (project / span.file).is_file():  # a file of an earlier commit, which has the commit in its name
+        if not (project / span.file).is_file():  # a file of an earlier commit: its name starts with the commit
             return None
         return repository.commit_of_line(span.file, span.line)
 

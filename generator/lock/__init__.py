@@ -1,9 +1,12 @@
-"""mapping.lock, the ledger: every number ever published, and the wire schema as of the last generate.
+"""The ledger, mapping.lock: every published number, and the wire schema at the last generate.
 
-One line a fact, so that a diff can be reviewed line by line. Facts are only ever added: what is gone stays, and says
-so. The last line is a checksum of all others, by which a file that was edited or cut short is noticed. Two branches
-that both changed the ledger disagree at least there, so that merging them is always a conflict; reading takes the
-lines of both sides, and the next generate writes them in order.
+Rules:
+
+- Each fact has one line, so a diff can be reviewed line by line.
+- Facts are never removed: a number that no longer exists is marked as ``gone``.
+- The last line is a checksum of the others. It shows that the file was edited or cut short.
+- Two branches that both change the ledger always have a merge conflict, at least in the checksum. Reading accepts the
+  lines of both sides, and the next generate writes them in order.
 """
 
 from roverlink.generator.lock.ledger import NAME, Burned, Entry, Ledger, checksum

@@ -1,4 +1,4 @@
-"""What the ledger holds."""
+"""The content of the ledger."""
 
 from __future__ import annotations
 
@@ -14,61 +14,61 @@ NAME = "mapping.lock"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A number that was published, and what for."""
+    """A published number, and the payload that had it."""
 
     number: int
     name: str
     proto: str
     topic: str
-    """The topic of its row; empty where it has none any more."""
+    """The topic of the row; empty if the payload has no row now."""
     retired: bool
     contested: bool
-    """Whether it stands on one side of a merge conflict: published by one branch, not by both."""
+    """True if the entry is only on one side of a merge conflict, so only one branch has published it."""
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """A number of a message or an enum that had several meanings in the past, which was accepted."""
+    """A number of a message or enum with several meanings in the past, accepted by ``lint --history --accept``."""
 
     owner: str
     """Full name of the message or enum."""
     number: int
     uses: tuple[tuple[str, str], ...]
-    """Type and name of everything that it stood for; the type of an enum value is empty."""
+    """Type and name of each meaning; the type of an enum value is empty."""
     now: tuple[str, str] | None
-    """What it stood for when that was accepted, and may go on standing for; None where nothing had it any more."""
+    """The meaning when the number was accepted, which it may keep; None if nothing used it then."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
-    """Every number that was ever published, in order; a number may have been published for several payloads."""
+    """Every published number, in order. A number may have been published for several payloads."""
 
     entries: tuple[Entry, ...] = ()
     schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
-    """What could travel as of the last generate. What the ledger does not hold is empty: files, JSON names, options."""
+    """The messages and enums of all payloads at the last generate. Files, JSON names and options are unknown."""
     gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
-    """By message: the fields that a later generate did not find any more."""
+    """By message: the fields that a later generate did not find."""
     gone_values: Mapping[str, tuple[ProtoEnumValue, ...]] = field(default_factory=dict)
-    """By enum: the values that a later generate did not find any more."""
+    """By enum: the values that a later generate did not find."""
     burned: tuple[Burned, ...] = ()
-    """By owner and number."""
+    """The burned numbers, sorted by owner and number."""
 
     def fields(self, message: str) -> tuple[ProtoField, ...]:
-        """Return every field of a message that was ever published; those that are gone come last."""
+        """Return every published field of a message; the fields that are gone come last."""
         declared = self.schema.messages.get(message)
         return (*(declared.fields if declared else ()), *self.gone_fields.get(message, ()))
 
     def values(self, enum: str) -> tuple[ProtoEnumValue, ...]:
-        """Return every value of an enum that was ever published; those that are gone come last."""
+        """Return every published value of an enum; the values that are gone come last."""
         declared = self.schema.enums.get(enum)
         return (*(declared.values if declared else ()), *self.gone_values.get(enum, ()))
 
     def burned_in(self, owner: str) -> dict[int, Burned]:
-        """The burned numbers of a message or enum."""
+        """Return the burned numbers of a message or enum."""
         return {burned.number: burned for burned in self.burned if burned.owner == owner}
 
 
 def checksum(text: str) -> str:
-    """What the last line says of all before it."""
+    """Return the checksum in the last line, for the text before it."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]

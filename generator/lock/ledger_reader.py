@@ -1,4 +1,4 @@
-"""The ledger's text to what it says."""
+"""The reader of mapping.lock."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoFi
 
 _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
-_RESTORE = "restore the file from version control; it is only written by `roverlink generate`"
+_RESTORE = "restore the file from version control; only `roverlink generate` writes it"
 _TYPE = r"[A-Za-z_][\w.]*"
 _ENTRY = re.compile(
     rf"  (?P<number>[0-9]{{1,9}}): (?P<name>\w+) (?P<proto>{_TYPE})(?: on (?P<topic>\S+))?(?P<end> retired| gone)?"
@@ -34,29 +34,29 @@ _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 
 
 def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
-    """The ledger on disk, as far as it can be read; empty where there is none yet.
+    """Read the ledger from disk, as far as possible; it is empty if there is no file yet.
 
-    It is a finding where it cannot be read, where a line is none of the ledger's, where it is not as generate wrote it,
-    and where it was deleted, though not in git.
+    Reports a file that cannot be read, a line that is not an entry, a wrong checksum, and a file that git's last commit
+    contains but the disk does not.
     """
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         if Repository(path.parent).has("HEAD", path.name):
-            message = "was deleted: with it, every number that was ever published would be free again"
+            message = "was deleted; without it, every published number would be free for another message"
             findings.append(DELETED_LEDGER.at(Span(name), message, _RESTORE))
         return Ledger()
     except OSError as error:
         findings.append(UNREADABLE_LEDGER.at(Span(name), f"cannot be read: {error.strerror}"))
         return Ledger()
-    except UnicodeError as error:
-        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8: {error}"))
+    except UnicodeDecodeError as error:
+        findings.append(UNREADABLE_LEDGER.at(Span(name), f"is not UTF-8 text (wrong byte at offset {error.start})"))
         return Ledger()
     reader = _Reader()
     for index, line in enumerate(text.splitlines(), 1):
         reader.line(line, Span(name, index, len(line) - len(line.lstrip()) + 1))
     if not reader.broken and not reader.merged and checksum(text.rpartition("checksum:")[0]) != reader.checksum:
-        message = "this is not what generate wrote: it was edited, or a part of it is missing"
+        message = "the checksum is wrong: the file was edited, or a part of it is missing"
         reader.broken.append(EDITED_LEDGER.at(Span(name), message, _RESTORE))
     findings += reader.broken
     return reader.ledger()
@@ -64,7 +64,7 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
 
 @dataclass(slots=True)
 class _Type:
-    """A message or an enum while it is read."""
+    """A message or an enum that is being read."""
 
     of_message: bool
     span: Span
@@ -74,7 +74,7 @@ class _Type:
     places: dict[str, Span] = field(default_factory=dict)
 
     def add(self, match: re.Match[str], span: Span) -> None:
-        """Take what a line below it says."""
+        """Add a line that stands below the type."""
         if match.re is not _RESERVED:
             self.numbers.append((match, span))
         elif match["name"]:
@@ -86,7 +86,10 @@ class _Type:
             self.places[f"reserved {first} to {self.reserved[-1][1]}"] = span
 
     def fields(self, gone: bool, messages: Set[str], enums: Set[str]) -> Iterator[ProtoField]:
-        """The fields that are gone, or the others; types are known by the names of messages and enums."""
+        """Yield the fields that are gone, or the current ones.
+
+        The names of messages and enums tell the kind of a type.
+        """
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
                 type = match["type"]
@@ -103,14 +106,14 @@ class _Type:
                 )
 
     def values(self, gone: bool) -> Iterator[ProtoEnumValue]:
-        """The values that are gone, or the others."""
+        """Yield the values that are gone, or the current ones."""
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
                 yield ProtoEnumValue(span=span, name=match["name"], number=int(match["number"]))
 
 
 class _Reader:
-    """Reads line by line, and takes what both sides of a merge conflict have."""
+    """Reads line by line. Accepts the lines of both sides of a merge conflict."""
 
     def __init__(self) -> None:
         self._entries: dict[tuple[int, str, str], Entry] = {}
@@ -121,12 +124,12 @@ class _Reader:
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
         self.merged = False
-        """Whether there was a merge conflict."""
+        """True after a merge conflict."""
         self.checksum = ""
         self.broken: list[Diagnostic] = []
 
     def ledger(self) -> Ledger:
-        """What was read."""
+        """Return the ledger."""
         entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
         burned = tuple(burned for _, burned in sorted(self._burned.items()))
         messages = {name: self._message(name, type) for name, type in self._messages.items()}
@@ -151,7 +154,7 @@ class _Reader:
         )
 
     def line(self, line: str, span: Span) -> None:
-        """Take one line, in whatever section: a conflict may reach over both."""
+        """Read one line of any section. A conflict may span several sections."""
         if line.startswith(_CONFLICT_MARKERS):
             self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
         elif match := _ENTRY.fullmatch(line):
@@ -166,7 +169,9 @@ class _Reader:
         elif match := _CHECKSUM.fullmatch(line):
             self.checksum = match["digest"]
         elif not self._add_fact(line, span) and not _OTHER_LINE.fullmatch(line):
-            self.broken.append(BROKEN_LEDGER.at(span, f"not a line of the ledger: {line.strip()!r}", _RESTORE))
+            self.broken.append(
+                BROKEN_LEDGER.at(span, f"this line does not belong to a ledger: {line.strip()!r}", _RESTORE)
+            )
 
     def _add_entry(self, match: re.Match[str], span: Span) -> None:
         entry = Entry(
@@ -181,7 +186,7 @@ class _Reader:
         self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
 
     def _add_fact(self, line: str, span: Span) -> bool:
-        """Take a line below a message or an enum; False where it is none."""
+        """Read a line below a message or an enum; return False if it is not a line of that kind."""
         type = self._type
         pattern = (_FIELD if type.of_message else _VALUE) if type else None
         match = (_RESERVED.fullmatch(line) or pattern.fullmatch(line)) if pattern else None
@@ -192,9 +197,9 @@ class _Reader:
         return True
 
     def _is_published(self, type: _Type, line: str) -> bool:
-        """Whether a fact was in the ledger of both branches, or there is but one.
+        """Return True if both branches of a conflict have the line, or if there is no conflict.
 
-        What only one side of a conflict has was published by one branch; the merged protos say what became of it.
+        A line on one side only was published by one branch. The merged .proto files decide if it is still valid.
         """
         if not self._in_conflict:
             return True

@@ -1,4 +1,4 @@
-"""The rules of the ledger's file."""
+"""Rules about the ledger's file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ UNREADABLE_LEDGER = Rule(
     "unreadable-ledger",
     """mapping.lock cannot be read.
 
-Without the ledger nobody knows which numbers were published, and a number could be used again.
+Without the ledger, the published numbers are unknown, and a number could be used again.
 
 Bad::
 
@@ -27,11 +27,11 @@ BROKEN_LEDGER = Rule(
     "broken-ledger",
     """A line of mapping.lock is not an entry.
 
-The file was edited by hand or merged badly. Only `roverlink generate` writes it.
+The file was edited by hand, or merged wrongly. Only `roverlink generate` writes it.
 
 Bad::
 
-    mapping.lock:8:3: error[LED102] not a line of the ledger: 'two: b B'
+    mapping.lock:8:3: error[LED102] this line does not belong to a ledger: 'two: b B'
 
 Good::
 
@@ -42,13 +42,14 @@ Good::
 EDITED_LEDGER = Rule(
     "LED103",
     "edited-ledger",
-    """mapping.lock is not what `generate` wrote: its content does not match its checksum.
+    """The content of mapping.lock does not match its checksum.
 
-A number that is removed from the ledger looks free, although boards that send it are in use.
+The file was edited, or a part of it is missing. A number that is removed from the ledger looks free, although boards
+still send it.
 
 Bad::
 
-    mapping.lock: error[LED103] this is not what generate wrote: it was edited, or a part of it is missing
+    mapping.lock: error[LED103] the checksum is wrong: the file was edited, or a part of it is missing
 
 Good::
 
@@ -59,13 +60,13 @@ Good::
 DELETED_LEDGER = Rule(
     "LED104",
     "deleted-ledger",
-    """mapping.lock is missing, and git's last commit has it.
+    """mapping.lock is missing, but git's last commit contains it.
 
-A new ledger would know only the numbers of today.
+A new ledger would only know the numbers of today. Older numbers would look free.
 
 Bad::
 
-    mapping.lock: error[LED104] was deleted
+    mapping.lock: error[LED104] was deleted; without it, every published number would be free for another message
 
 Good::
 

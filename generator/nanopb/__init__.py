@@ -1,14 +1,15 @@
-"""What nanopb makes of messages on microcontrollers: its options, and the largest encoding that they leave room for.
+"""nanopb on microcontrollers: its options, and the largest encoding of each message.
 
-nanopb (https://jpa.kapsi.fi/nanopb) compiles .proto files to C with fixed buffers. How large those are is said beside
-the .proto files: in a ``.options`` file, or in options numbered 1010 inside. The numbers here are those that nanopb's
-generator (0.4.9.1) writes as ``<Message>_size``, the size of the buffer that such a board sends from; the tests hold
-them against it. They are upper bounds for what nanopb encodes, not the tightest ones, and count no extensions.
-The names and values of the options come from the installed nanopb package; bounds in the table do without it.
+nanopb (https://jpa.kapsi.fi/nanopb) compiles .proto files to C structures with fixed buffers. The sizes of these
+buffers stand in a ``.options`` file beside the .proto file, or inside it in options with the number 1010. The sizes
+computed here equal ``<Message>_size`` of nanopb's generator (0.4.9.1), the size of the buffer that a board sends from;
+a test compares them. They are upper bounds, not the tightest ones, and do not count extensions.
 
-- `table_bounds` are those that the table gives, and `as_lines` makes options of them;
-- `read_bounds` reads the options of a schema, each with the place where it was said, if nanopb is installed;
-- `largest_size` says how many bytes a message takes at most, or which field has no bound.
+Names and values of options come from the installed nanopb package. Bounds in the table do not need it.
+
+- `table_bounds` returns the bounds of the table, and `as_lines` converts them to options.
+- `read_bounds` reads the options of a schema with their places. It needs an installed nanopb.
+- `largest_size` returns the largest encoding of a message, or the field that has no bound.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The largest size of a field in its message, or the reason why it has none."""
+"""The largest size of a field, or the reason why it has none."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
-_NEGATIVE = 10  # bytes of a negative number as a varint, of whatever type
+_NEGATIVE = 10  # int32, int64 and enums extend a negative number to 64 bits: ten bytes of seven bits (encoding guide)
 _FIXED = {
     "int32": _NEGATIVE,
     "int64": _NEGATIVE,
@@ -26,41 +26,41 @@ _BITS = {"uint32": 32, "sint32": 32, "uint64": 64, "sint64": 64}
 
 @dataclass(frozen=True, slots=True)
 class BoundedField:
-    """A field that nanopb does not leave out, with the options that hold for it."""
+    """A field that nanopb generates, with its options."""
 
     field: ProtoField
     given: FieldBounds
     in_union: bool
-    """Whether it shares its place with the other members of its oneof."""
+    """True if the field shares a C union with the other members of its oneof."""
 
     @property
     def type(self) -> str:
-        """The type that nanopb takes it for."""
+        """The field's type for nanopb."""
         return self.given.type_override or self.field.type
 
     @property
     def inner(self) -> str:
-        """Full name of the message in it; empty for none."""
+        """Full name of the field's message; empty for other types."""
         return self.field.type_name if self.type == "message" else ""
 
     @property
     def repeated(self) -> bool:
-        """Whether nanopb takes it for repeated."""
+        """True if the field is repeated for nanopb."""
         return (self.given.label_override or self.field.label) == "repeated"
 
     @property
     def capacity(self) -> int | None:
-        """The bytes that C has for a string or for `bytes`, the zero byte of a string among them."""
+        """The size of the C array for a string or for `bytes`; a string's zero byte counts."""
         if self.field.type == "string" and self.given.max_length is not None:
             return self.given.max_length + 1
         return self.given.max_size
 
     def size(self, schema: Schema, known: Mapping[str, int]) -> int:
-        """Its largest size; ``known`` has those of messages."""
+        """Return the field's largest encoding in bytes, with its tag; ``known`` has the sizes of messages."""
         one = varint_size(self.field.number << 3) + self._value_size(schema, known)
         if not self.repeated or self.in_union:
             return one
-        # nanopb counts a tag for each element, packed or not. Packed is never longer, except for a single one.
+        # nanopb counts a tag for each element, packed or not. Packed is never longer, except with a single element.
         count = self.given.max_count or 0
         return one * count + (1 if count == 1 else 0)
 
@@ -73,14 +73,16 @@ class BoundedField:
             numbers = [value.number for value in schema.enums[self.field.type_name].values]
             return _NEGATIVE if min(numbers) < 0 else varint_size(max(numbers))
         length = known[self.inner] if self.inner else (self.capacity or 0)
-        # The zero byte of a string is not sent, though nanopb counts it in the length that it leaves room for.
+        # nanopb computes a string's length prefix with the zero byte, although the zero byte is not sent.
         return varint_size(length) + length - (1 if self.type == "string" else 0)
 
     def gap(self, schema: Schema, bounds: Bounds) -> str:
-        """Say why the field has no largest size, be there a message in it or not; empty where it has one.
+        """Return the reason why the field has no largest size; empty if it has one.
 
-        nanopb refuses a file for some of these; for most it leaves a field to functions that the user writes, and then
-        nobody knows how much those encode.
+        The field's own message is not checked.
+
+        For some reasons nanopb rejects the file. For most, it leaves the field to callback functions of the user, whose
+        output has an unknown size.
         """
         return next(self._gaps(schema, bounds), "")
 
@@ -100,15 +102,15 @@ class BoundedField:
         if self.type == "group":
             yield "a group, which nanopb does not support"
         if self.type == "message" and self.inner not in schema.messages:
-            yield "type_override names a message, and it has none"
+            yield "type_override says message, but the field has no message type"
         if self.type == "enum" and self.field.type_name not in schema.enums:
-            yield "type_override names an enum, and it has none"
+            yield "type_override says enum, but the field has no enum type"
         if self.inner and bounds.of_message(self.inner).skipped:
             yield f"nanopb leaves {self.inner} out"
 
 
 def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
-    """The fields of a message that nanopb does not leave out."""
+    """Yield the fields of a message that nanopb generates."""
     separate = bounds.of_message(message.full_name).separate
     for field in message.fields:
         given = bounds.of_field(message.full_name, field.name)
@@ -117,5 +119,5 @@ def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
 
 
 def varint_size(number: int) -> int:
-    """Bytes of a number, seven bits in each."""
+    """Return the bytes of a number as a varint, with seven bits in each byte."""
     return max(1, -(-number.bit_length() // 7))

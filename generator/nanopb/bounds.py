@@ -1,4 +1,4 @@
-"""nanopb's options in force for each message and field."""
+"""nanopb's options that apply to each message and field."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from roverlink.generator.diagnostics import Span
 
 @dataclass(frozen=True, slots=True)
 class FieldBounds:
-    """The options that hold for a field, by nanopb's names."""
+    """The options that apply to a field, by nanopb's names."""
 
     max_size: int | None = None
-    """Bytes of a `bytes` field; of a string, with the zero byte at its end."""
+    """Bytes of a `bytes` field, or of a string with its zero byte."""
     max_length: int | None = None
-    """Bytes of a string, without that; goes before ``max_size``."""
+    """Bytes of a string without its zero byte; overrides ``max_size``."""
     max_count: int | None = None
     """Elements of a repeated field."""
     fixed_length: bool = False
@@ -23,39 +23,39 @@ class FieldBounds:
     fixed_count: bool = False
     """True for a repeated field that always has ``max_count`` elements."""
     type: str = "FT_DEFAULT"
-    """How nanopb stores the field: ``FT_STATIC``, ``FT_POINTER``, ``FT_CALLBACK``..."""
+    """The storage of the field: ``FT_STATIC``, ``FT_POINTER``, ``FT_CALLBACK``..."""
     int_size: int = 0
-    """Bits of an integer; 0 for those of its type in the .proto file."""
+    """Bits of an integer; 0 for the size of its declared type."""
     type_override: str = ""
-    """The scalar's name, or ``message``..., that nanopb takes for its type; empty for the declared one."""
+    """A scalar's name, ``message`` or ``enum``, which replaces the declared type; empty for the declared type."""
     label_override: str = ""
-    """``repeated``, ``required`` or ``optional``, as for the type."""
+    """``repeated``, ``required`` or ``optional``, which replaces the declared label; empty for the declared label."""
     ignored: bool = False
-    """True for a field that nanopb leaves out, alone or with its oneof."""
-    said: Mapping[str, Span] = field(default_factory=dict, hash=False)
-    """The place of each option that is set, by its name; as exactly as that is known."""
+    """True if nanopb leaves the field out, alone or with its oneof."""
+    places: Mapping[str, Span] = field(default_factory=dict, hash=False)
+    """The place of each option, by its name, as exactly as it is known."""
 
 
 @dataclass(frozen=True, slots=True)
 class MessageBounds:
-    """The options that hold for a message."""
+    """The options that apply to a message."""
 
     skipped: bool = False
-    """True for a message that nanopb leaves out."""
+    """True if nanopb leaves the message out."""
     separate: frozenset[str] = frozenset()
-    """Its oneofs of which every member has a place of its own (``no_unions``)."""
+    """The oneofs whose members are stored separately, not in a union (``no_unions``)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """The options that hold for all messages and fields of one schema."""
+    """The options that apply to all messages and fields of a schema."""
 
     messages: Mapping[str, MessageBounds] = field(default_factory=dict)
-    """By full name."""
+    """Options by the full name of the message."""
     fields: Mapping[tuple[str, str], FieldBounds] = field(default_factory=dict)
-    """By the full name of the message and the name of the field."""
+    """Options by the full name of the message and the name of the field."""
     sizes: list[Mapping[str, int]] = field(default_factory=list, repr=False, compare=False)
-    """Cache of `message_sizes`: the size of every message that has one, as the only entry."""
+    """A cache of `message_sizes`; its only entry has the size of every message with a bound."""
 
     def of_message(self, full_name: str) -> MessageBounds:
         """Return the options of a message."""

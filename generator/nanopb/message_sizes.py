@@ -22,20 +22,20 @@ from roverlink.generator.table import Table
 
 @dataclass(frozen=True, slots=True)
 class Unbounded:
-    """Why a message has no largest size."""
+    """The reason why a message has no largest size."""
 
     path: str
-    """The first field without a bound, from the message on, with dots; empty for the message itself."""
+    """The path to the first field without a bound, with dots; empty for the message itself."""
     reason: str
     span: Span
-    """That field's; the map's for a part of a map's entry."""
+    """Place of that field; the map's place for a field of a map's entry."""
 
 
 def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> dict[str, ir.WireSize]:
-    """Return the largest encodings of each row, by name, with the bounds that the table gives.
+    """Return the largest encodings of each row, by name, with the bounds of the table.
 
-    Bounds in .options files do not count: only an installed nanopb can read all of them, and the same table must give
-    the same files everywhere.
+    Bounds in .options files are ignored: only an installed nanopb can read them, and a table has to generate the same
+    files on every machine.
     """
     bounds = Bounds(fields={(one.message, one.field): FieldBounds(**as_options(one)) for one in given})
     sizes = {}
@@ -50,16 +50,19 @@ def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> d
 
 
 def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounded:
-    """How many bytes a message, given by its full name, takes at most: nanopb's ``<Message>_size``.
+    """Return the largest encoding of a message in bytes, as nanopb's ``<Message>_size``.
 
-    ``bounds`` are those of this schema. Extensions do not count, as they do not for nanopb.
+    ``message`` is a full name, and ``bounds`` belong to this schema. Like nanopb, this does not count extensions.
     """
     sizes = _sizes(schema, bounds)
     return sizes[message] if message in sizes else _first_gap(schema, bounds, sizes, message)
 
 
 def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, payload: int) -> int:
-    """How many bytes an envelope takes at most with a payload of a size under a number, and all that is beside it."""
+    """Return the largest encoding of an envelope in bytes.
+
+    It has a payload of ``payload`` bytes with this number, and all fields beside the oneof.
+    """
     message = schema.messages.get(envelope)
     alone = {field.name for field in message.fields if not field.oneof} if message else set()
     beside = sum(size for name, size in field_sizes(schema, bounds, envelope) if name in alone) if alone else 0
@@ -67,9 +70,9 @@ def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, pa
 
 
 def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str, int]]:
-    """How many bytes each field of a message takes at most, the largest first; none of a field without a bound.
+    """Return the largest encoding of each bounded field in bytes, the largest first.
 
-    The members of a oneof are all there, though only the largest counts.
+    All members of a oneof are listed, although only the largest one counts for the message.
     """
     sizes = _sizes(schema, bounds)
     found = [
@@ -81,7 +84,7 @@ def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str,
 
 
 def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
-    """The size of every message that has one."""
+    """Return the size of every message that has a bound."""
     if not bounds.sizes:
         bounds.sizes.append(_from_the_innermost(schema, bounds))
     return bounds.sizes[0]
@@ -90,7 +93,7 @@ def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
 def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
     inner = _inner_messages(schema, bounds)
     order, sizes = TopologicalSorter(inner), dict[str, int]()
-    with contextlib.suppress(CycleError):  # the order goes on as far as it can without the messages in the cycle
+    with contextlib.suppress(CycleError):  # the sorter still returns all messages that are not behind a cycle
         order.prepare()
     while ready := order.get_ready():
         for name in ready:
@@ -101,7 +104,7 @@ def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
 
 
 def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: Mapping[str, int]) -> int:
-    """Return the largest size of a message of which every field has a bound."""
+    """Return the largest size of a message whose fields all have a bound."""
     total = 0
     largest: dict[str, int] = {}
     for field in fields_of(message, bounds):
@@ -114,7 +117,7 @@ def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: 
 
 
 def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
-    """Of every message that has no gap of its own, the messages in its fields."""
+    """Return, for every message whose own fields are bounded, the messages in its fields."""
     found: dict[str, set[str]] = {}
     for message in schema.messages.values():
         fields = list(fields_of(message, bounds))
@@ -125,28 +128,31 @@ def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
 
 
 def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> Unbounded:
-    """The way from a message without a size to the first field that is why."""
+    """Return the path from a message without a size to the field that causes it."""
     span = schema.messages[message].span
     if bounds.of_message(message).skipped:
         return Unbounded("", f"nanopb leaves {message} out", span)
-    passed: dict[str, str] = {}  # the field that the way goes on by, of each message on it
+    passed: dict[str, str] = {}  # the path: each message with the field that leads to the next one
     while message not in passed:
         field, reason = _gap_of(schema, bounds, sizes, message)
         passed[message] = field.field.name
-        if field.field.span.line:  # protoc knows no place for what it makes itself: the fields of a map's entry
+        if field.field.span.line:  # protoc gives no place to the fields of a map's entry, which it makes itself
             span = field.field.span
         if reason:
             return Unbounded(".".join(passed.values()), reason, span)
         message = field.inner
     names = [*passed]
     cycle = " > ".join([*names[names.index(message) :], message])
-    return Unbounded(".".join(passed.values()), f"a message inside itself: {cycle}", span)
+    return Unbounded(".".join(passed.values()), f"the message contains itself: {cycle}", span)
 
 
 def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
-    """The first field of a message that keeps it from having a size; why, unless it is for the message in it."""
+    """Return the first field without a largest size, with the reason.
+
+    The reason is empty if the field's message has no largest size.
+    """
     for field in fields_of(schema.messages[message], bounds):
         reason = field.gap(schema, bounds)
         if reason or (field.inner and field.inner not in sizes):
             return field, reason
-    raise AssertionError(f"{message} has a size")  # and then nobody asks
+    raise AssertionError(f"{message} has a size")  # callers check this first

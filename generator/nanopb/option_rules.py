@@ -1,4 +1,4 @@
-"""The rules of nanopb's options and of bounds in the table."""
+"""Rules about nanopb's options, and about bounds in the table."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ UNREADABLE_OPTIONS = Rule(
     "unreadable-nanopb-options",
     """An option for nanopb, in a `.options` file or in a `.proto` file, cannot be read.
 
-nanopb would stop or ignore the line, and the size of an envelope would be computed without it.
+nanopb would stop or ignore the line, and the lint would compute the size of an envelope without it.
 
 Bad::
 
@@ -30,9 +30,9 @@ Good::
 PATTERN_WITHOUT_MATCH = Rule(
     "NPB102",
     "nanopb-pattern-without-match",
-    """A line of a `.options` file matches nothing that its `.proto` file declares.
+    """A line of a `.options` file matches no declaration of its `.proto` file.
 
-The bound has no effect; the field was renamed, or the name lacks its package.
+The bound has no effect. The field was renamed, or the package is missing from the name.
 
 Bad::
 
@@ -54,9 +54,9 @@ Good::
 UNFIT_BOUND = Rule(
     "NPB103",
     "unfit-bound",
-    """A bound in the table names no field, or a field that cannot have it.
+    """A bound in the table names a field that does not exist, or that cannot have this bound.
 
-Only texts and bytes have a length, only repeated fields have a count.
+Only strings and bytes have a length. Only repeated fields have a count.
 
 Bad::
 
@@ -77,9 +77,9 @@ Good::
 BOUNDS_IN_TWO_PLACES = Rule(
     "NPB104",
     "bounds-in-two-places",
-    """The table bounds fields of a file that has a `.options` file.
+    """The table has bounds for fields of a file that has a `.options` file.
 
-nanopb reads one `.options` file for a `.proto` file, so one of the two would be ignored.
+nanopb reads one `.options` file for each `.proto` file, so it would ignore one of the two.
 
 Bad::
 
@@ -103,9 +103,9 @@ Good::
 NANOPB_MISSING = Rule(
     "NPB105",
     "nanopb-not-installed",
-    """There are options for nanopb, and the package that says what they mean is not installed.
+    """The project has options for nanopb, but the package nanopb is not installed.
 
-Without it, the largest size of a message on a microcontroller is not known.
+The package defines the options. Without it, the largest size of a message on a microcontroller is unknown.
 
 Bad::
 

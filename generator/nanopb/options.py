@@ -1,4 +1,4 @@
-"""nanopb's options as they are written: protobuf's text format in .options files, its wire format in .proto files."""
+"""The two notations of nanopb's options: protobuf's text format in .options files, its wire format in .proto files."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from google.protobuf.unknown_fields import UnknownFieldSet
 from roverlink.generator.diagnostics import nearest
 from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
 
-Values = Mapping[str, Any]  # nanopb.proto says of which type an option is
-"""Options that are set, by name; an enum's value by its name."""
+Values = Mapping[str, Any]  # nanopb.proto declares the type of each option
+"""The options that are set, by name. An enum's value is its name."""
 
 _POSITION = re.compile(r"\d+:\d+ : (?:'.*': )?(?=\w)", re.DOTALL)
 _UNKNOWN = re.compile(r'Message type "[^"]+" has no field named "(?P<name>[^"]*)"')
 
 
 class OptionsError(ValueError):
-    """Options that cannot be read."""
+    """Raised for options that cannot be read."""
 
     def __init__(self, message: str, help: str = "", column: int = 0) -> None:
         super().__init__(message)
         self.help = help
         self.column = column
-        """Position in the text, from 1; 0 where that is not known."""
+        """Position in the text, from 1; 0 if it is unknown."""
 
 
 def parse_options(text: str) -> Values:
-    """Parse the options in a line of a .options file, behind its pattern. Raises `OptionsError`."""
+    """Parse the options behind the pattern in a line of a .options file. Raises `OptionsError`."""
     options = vocabulary().options()
     try:
         text_format.Merge(text, options)
@@ -60,16 +60,16 @@ class Decoded:
     values: Values
     deprecated: bool = False
     faults: tuple[str, ...] = ()
-    """The options that cannot be read, which are not among ``values``."""
+    """The options that cannot be read; they are missing from ``values``."""
 
 
 def decode_options(host: str, serialized: bytes) -> Decoded:
     """Decode the serialized options of one of `vocabulary.HOSTS`."""
     words = vocabulary()
     try:
-        carrier: Any = words.hosts[host].FromString(serialized)  # a class that is made at run time
+        carrier: Any = words.hosts[host].FromString(serialized)  # the class is made at run time
     except DecodeError:
-        return Decoded({}, faults=("the options are no protobuf message",))
+        return Decoded({}, faults=("the options are not a protobuf message",))
     options = carrier.Extensions[words.extensions[host]]
     values = _values(options)
     negative = _negative(values)
@@ -79,23 +79,23 @@ def decode_options(host: str, serialized: bytes) -> Decoded:
 
 
 def _unknown(carrier: Message, options: Message) -> Iterator[str]:
-    """Describe options, and values of options, that are newer than the installed nanopb, or broken."""
+    """Yield a text for each option or value that the installed nanopb does not know."""
     if any(number == EXTENSION for number, _ in _unknown_fields(carrier)):
-        yield "nanopb's options are no message"
+        yield "nanopb's options are not a message"
     for number, value in _unknown_fields(options):
         known = options.DESCRIPTOR.fields_by_number.get(number)
-        yield f"{known.name} cannot be {value!r}" if known else f"nanopb's option number {number} is not known"
+        yield f"{known.name} cannot be {value!r}" if known else f"the installed nanopb has no option number {number}"
 
 
 def _unknown_fields(message: Message) -> Iterator[tuple[int, object]]:
-    """Yield numbers and values that the message's type does not declare, or declares with another type."""
+    """Yield numbers and values of fields that the message's type lacks, or declares with another type."""
     fields = UnknownFieldSet(message)
     for index in range(len(fields)):
         yield fields[index].field_number, fields[index].data
 
 
 def _negative(values: Values) -> list[str]:
-    """Return the names of options with a negative value: every number of nanopb's counts something."""
+    """Return the names of options with a negative value. All numbers of nanopb are sizes or counts."""
     return [name for name, value in values.items() if isinstance(value, int) and value < 0]
 
 

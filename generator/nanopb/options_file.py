@@ -1,6 +1,6 @@
-"""The .options file beside a .proto file: lines of a pattern, and of options for all that it matches.
+"""The .options file beside a .proto file: each line has a pattern, and the options of all matching names.
 
-Text from ``//`` or ``#`` to the end of a line is a comment, wherever it stands, and so is ``/* ... */`` within a line.
+``//`` and ``#`` start a comment anywhere in a line. ``/* ... */`` is a comment within one line.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ _LINE_COMMENT = re.compile(r"(//|#).*")
 
 @dataclass(frozen=True, slots=True)
 class OptionsLine:
-    """Options for what a pattern matches."""
+    """A line: the options of all names that match a pattern."""
 
     pattern: str
     matches: Callable[[str], object]
-    """Whether a full name is one that it is for."""
+    """A function that returns a true value if a full name matches."""
     values: Values
     span: Span
 
 
 def options_file_of(proto: str) -> str:
-    """The path of the .options file of a .proto file; both from the root of the .proto files."""
+    """Return the path of a .proto file's .options file; both are relative to the root of the .proto files."""
     return PurePosixPath(proto).with_suffix(".options").as_posix()
 
 
 def read_options_file(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> list[OptionsLine]:
-    """Its lines; none if there is no such file."""
+    """Read the lines; none if there is no such file."""
     place = shown(shown_root, name)
     try:
         text = (root / name).read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def read_options_file(root: Path, name: str, shown_root: str, findings: list[Dia
         reason = error.strerror if isinstance(error, OSError) else f"it is not UTF-8: {error.reason}"
         findings.append(UNREADABLE_OPTIONS.at(Span(place), f"the file cannot be read: {reason}"))
         return []
-    # Not splitlines(): to nanopb, a line ends where it does to a text file, not at every separator of Unicode's.
+    # nanopb reads a text file. Unlike splitlines(), it does not end a line at the other separators of Unicode.
     lines = (_line(raw, Span(place, number), findings) for number, raw in enumerate(text.split("\n"), 1))
     return [line for line in lines if line]
 
@@ -70,6 +70,6 @@ def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
 
 
 def _place(error: OptionsError, raw: str, options: str, otherwise: Span) -> Span:
-    """Where in a line an error is, unless a comment in between hides that."""
+    """Return the place of an error in a line; ``otherwise`` if comments make the column unknown."""
     start = raw.rfind(options)
     return Span(otherwise.file, otherwise.line, start + error.column) if error.column and start >= 0 else otherwise

@@ -1,8 +1,11 @@
-"""nanopb's options of a schema, from all the places where they can stand, each where it holds.
+"""nanopb's options of a schema: collects them from all places, and applies nanopb's order of precedence.
 
-What is said of a file holds for its messages, and what is said of a message for its fields and oneofs; not for the
-messages inside, nor does a oneof hand its options on. At each of these levels, a line of the .options file goes before
-what comes from above, a later line before an earlier one, and options inside the .proto file before them all.
+A message inherits the options of its file; fields and oneofs inherit those of their message. Nested messages do not
+inherit from the outer message, nor members from their oneof. At each of these levels the last one wins:
+
+- inherited options,
+- lines of the .options file, in their order,
+- options inside the .proto file.
 """
 
 from __future__ import annotations
@@ -20,8 +23,8 @@ from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of
 from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
 from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
 
-_Options = Mapping[str, tuple[Any, Span]]  # nanopb.proto says of which type an option is
-"""Options that hold somewhere, by name, each with the place where it was said."""
+_Options = Mapping[str, tuple[Any, Span]]  # nanopb.proto declares the type of each option
+"""The options that apply to a declaration, by name, each with its place."""
 
 
 def read_bounds(
@@ -31,19 +34,18 @@ def read_bounds(
     findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
 ) -> Bounds | None:
-    """Read nanopb's options that hold for the messages and fields of a schema.
+    """Read the options of nanopb that apply to the messages and fields of a schema.
 
-    ``root`` is the folder of its .proto files, and ``shown_root`` how findings call it; ``of_table`` are the lines that
-    the table has for them, by file. A line of a .options file that cannot be read, or matches nothing, becomes a
-    finding, as does an option in a .proto file that cannot be read. Where there are options, and nanopb is not
-    installed, that is the only finding, and the result is None.
+    ``root`` is the folder of the .proto files, ``shown_root`` its name in diagnostics, and ``of_table`` the lines that
+    the table adds, by file. Reports options that cannot be read, and lines of a .options file that match nothing. If
+    there are options but nanopb is not installed, reports only that, and returns None.
     """
     place = _place_of_options(schema, root, shown_root)
     if place is not None:
         try:
             vocabulary()
         except ModuleNotFoundError:
-            told = "the sizes of messages depend on options of nanopb, and nanopb is not installed"
+            told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
             findings.append(NANOPB_MISSING.at(place, told, "install it: pip install 'roverlink[nanopb]'"))
             return None
     messages: dict[str, MessageBounds] = {}
@@ -60,14 +62,14 @@ def read_bounds(
         readers[extension.file].read_extension(extension)
     for file, reader in readers.items():
         for line in reader.unused():
-            told = f"nothing in {file} has a name that matches {line.pattern}"
-            help = "a name is that of a message, then the field's, package included: pkg.Message.field"
+            told = f"no name in {file} matches {line.pattern}"
+            help = "write the full name, with the package: pkg.Message.field"
             findings.append(PATTERN_WITHOUT_MATCH.at(line.span, told, help))
     return Bounds(messages, fields)
 
 
 def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:
-    """Return the first place with options of nanopb; None where only the table has any."""
+    """Return the first place with options of nanopb; None if only the table has bounds."""
     for file in schema.files:
         if (root / options_file_of(file)).exists():
             return Span(shown(shown_root, options_file_of(file)))
@@ -78,7 +80,7 @@ def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | Non
 
 
 class _FileReader:
-    """Reads the options of one file and of all that it declares."""
+    """Reads the options of one file and of all its declarations."""
 
     def __init__(
         self,
@@ -89,7 +91,7 @@ class _FileReader:
         findings: list[Diagnostic],
         decodes: bool,
     ) -> None:
-        """Read the file's own options; with ``decodes`` false, no options inside .proto files are nanopb's."""
+        """Read the file's own options. With ``decodes`` false, options inside .proto files are ignored."""
         self._lines, self._findings, self._decodes = lines, findings, decodes
         self._used: set[int] = set()
         package, span = schema.packages[file], Span(shown_file)
@@ -103,17 +105,17 @@ class _FileReader:
         return [line for index, line in enumerate(self._lines) if index not in self._used]
 
     def read_enum(self, enum: ProtoEnum) -> None:
-        """Match the lines with an enum, of which no option changes a size."""
+        """Mark the lines that match an enum as used. No option of an enum changes a size."""
         decoded = self._decoded("Enum", enum.options, enum.span)
         self._in_force(self._of_file, self._name(enum.full_name), decoded, enum.span)
 
     def read_extension(self, extension: ProtoExtension) -> None:
-        """Match the lines with a field of another message, which counts in no size."""
+        """Mark the lines that match an extension as used. Sizes do not count extensions."""
         scope = f"{extension.scope}." if extension.scope else self._package
         self._field(self._of_file, self._name(f"{scope}{extension.field.name}"), extension.field)
 
     def _name(self, full_name: str) -> str:
-        """Return the name that patterns are matched with."""
+        """Return the name that patterns match. It depends on nanopb's option ``mangle_names``."""
         inner = full_name.removeprefix(self._package)
         return inner.rpartition(".")[2] if self._flat else self._prefix + inner
 
@@ -123,11 +125,11 @@ class _FileReader:
         messages: dict[str, MessageBounds],
         fields: dict[tuple[str, str], FieldBounds],
     ) -> None:
-        """Add what holds for a message and its fields."""
+        """Add the options that apply to a message and its fields."""
         name = self._name(message.full_name)
         inside = self._decoded("Message", message.options, message.span)
         options = self._in_force(self._of_file, name, inside, message.span)
-        # To nanopb, the options inside a message are those inside its oneofs as well, and go before lines for a oneof.
+        # nanopb applies the options inside a message to its oneofs too. They override a line for a oneof.
         oneofs = {one: self._in_force(options, f"{name}.{one}", inside, message.span) for one in message.oneofs}
         for part in _further_parts(message):
             self._in_force(options, f"{name}.{part}", inside, message.span)
@@ -141,7 +143,7 @@ class _FileReader:
             fields[message.full_name, field.name] = _field_bounds(of_field, bool(left_out))
 
     def _field(self, inherited: _Options, name: str, field: ProtoField) -> tuple[_Options, bool]:
-        """Return what holds for a field, and whether it is deprecated."""
+        """Return the options that apply to a field, and True if the field is deprecated."""
         span = field.at("options")
         decoded = self._decoded("Field", field.options, span)
         return self._in_force(inherited, name, decoded, span), decoded.deprecated
@@ -152,7 +154,7 @@ class _FileReader:
         return decoded
 
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:
-        """Return inherited options, overridden by the lines for a name and by the options inside the .proto file."""
+        """Return the inherited options, overridden by lines that match a name, then by options in the .proto file."""
         options = dict(inherited)
         for index, line in enumerate(self._lines):
             if line.matches(name):
@@ -162,7 +164,7 @@ class _FileReader:
 
 
 def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
-    """Return what nanopb puts before names in place of their package, and whether it takes only their last parts."""
+    """Return the prefix that replaces the package in names, and True if only the last part of a name counts."""
     mangling = _value(of_file, "mangle_names")
     used = "" if mangling == "M_STRIP_PACKAGE" else _value(of_file, "package") or package
     if mangling == "M_PACKAGE_INITIALS":
@@ -171,21 +173,21 @@ def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
 
 
 def _further_parts(message: ProtoMessage) -> Iterator[str]:
-    """Yield what else nanopb takes for a part of a message, besides its fields and oneofs."""
+    """Yield the other parts that nanopb sees in a message, besides fields and declared oneofs."""
     if message.extendable:
-        yield "extensions"  # the place in C for what other files add
+        yield "extensions"  # the C member that holds the extensions of other files
     for field in message.fields:
         if field.declared_optional:
-            yield f"_{field.name}"  # the oneof that protoc makes for `optional` in proto3
+            yield f"_{field.name}"  # protoc's synthetic oneof for `optional` in proto3
 
 
 def _value(options: _Options, name: str) -> Any:
-    """Return an option's value; None where it is not set."""
+    """Return an option's value; None if it is not set."""
     return options[name][0] if name in options else None
 
 
 def _field_bounds(options: _Options, left_out: bool) -> FieldBounds:
-    """Return the bounds of a field; ``left_out`` where nanopb leaves it out for another reason than its type."""
+    """Return the bounds of a field. ``left_out`` is true if nanopb leaves it out for a reason other than its type."""
     values = {name: value for name, (value, _) in options.items()}
     bits = values.get("int_size", "").removeprefix("IS_")
     return FieldBounds(
@@ -199,5 +201,5 @@ def _field_bounds(options: _Options, left_out: bool) -> FieldBounds:
         type_override=values.get("type_override", "").removeprefix("TYPE_").lower(),
         label_override=values.get("label_override", "").removeprefix("LABEL_").lower(),
         ignored=left_out or values.get("type") == "FT_IGNORE",
-        said={name: span for name, (_, span) in options.items()},
+        places={name: span for name, (_, span) in options.items()},
     )

@@ -1,4 +1,4 @@
-"""The bounds that the table gives: how long a text may be, and how many values a field may have."""
+"""The bounds in the table: the largest length of a string, and the largest count of a repeated field."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _HAVE_A_LENGTH = ("string", "bytes")
 
 @dataclass(frozen=True, slots=True)
 class TableBound:
-    """A bound, with the place in the table where it is said."""
+    """A bound, with its place in the table."""
 
     bound: ir.FieldBound
     span: Span
 
 
 def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> list[TableBound]:
-    """The bounds that rows give, by message and field; what does not fit the field is added to the findings.
+    """Return the bounds of all rows, and report those that do not fit their field.
 
-    ``root`` is the folder of the .proto files: a file that has a .options file beside it has its bounds there.
+    ``root`` is the folder of the .proto files. A file with a .options file beside it must have its bounds there.
     """
     found: dict[tuple[str, str], TableBound] = {}
     for row in (row for row in table.rows if row.proto in schema.messages):
@@ -42,21 +42,24 @@ def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagno
             key = (one.bound.message, one.bound.field)
             before = found.setdefault(key, one)
             if before.bound != one.bound:
-                message = f"{'.'.join(key)} has another bound in another row"
-                findings.append(UNFIT_BOUND.at(span, message, "give both the same", [(before.span, "there")]))
+                message = f"{'.'.join(key)} has a different bound in another row"
+                findings.append(UNFIT_BOUND.at(span, message, "write the same bound in both", [(before.span, "there")]))
     _report_files(list(found.values()), root, table.proto.root, findings)
     return list(found.values())
 
 
 def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBound:
-    """The bound of the field that a path leads to. Raises `LookupError`, with a message and a cure, where none fits."""
+    """Return the bound of the field at a path.
+
+    Raises `LookupError`, with a message and a help text, if it does not fit.
+    """
     message, field = _field(row, path.split("."), schema)
     if bound.length is not None and field.type not in _HAVE_A_LENGTH:
-        raise LookupError(f"{path} is no text and no bytes, so it has no length")
+        raise LookupError(f"{path} is not a string and not bytes, so it has no length")
     if bound.count is not None and not field.repeated:
         raise LookupError(f"{path} is not repeated, so it has no count")
     if bound.length is None and bound.count is None:
-        raise LookupError(f"{path} is given no bound", "write `length`, `count`, or both")
+        raise LookupError(f"{path} has an empty bound", "write `length`, `count`, or both")
     return ir.FieldBound(message.file, message.full_name, field.name, field.type == "bytes", bound.length, bound.count)
 
 
@@ -66,7 +69,7 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
     for name in outer:
         field = _named(message, name)
         if field.type_name not in schema.messages:
-            raise LookupError(f"{name} is no message, so that no field in it can be named")
+            raise LookupError(f"{name} is not a message, so it has no fields")
         message = schema.messages[field.type_name]
     return message, _named(message, last)
 
@@ -79,23 +82,23 @@ def _named(message: ProtoMessage, name: str) -> ProtoField:
 
 
 def _report_files(bounds: list[TableBound], root: Path, shown_root: str, findings: list[Diagnostic]) -> None:
-    """Nanopb reads one .options file for each .proto file, so bounds of one file must stand in one place."""
+    """Report bounds for a file that has a .options file: nanopb reads only one .options file for each .proto file."""
     for one in bounds:
         beside = options_file_of(one.bound.file)
         if (root / beside).is_file():
-            message = f"{one.bound.message}.{one.bound.field} is bounded here, and {shown(shown_root, beside)} is there"
-            help = "nanopb reads one .options file for a .proto file: say all bounds in one of the two places"
+            message = f"{one.bound.message}.{one.bound.field} has a bound here, but {shown(shown_root, beside)} exists"
+            help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
             findings.append(BOUNDS_IN_TWO_PLACES.at(one.span, message, help))
 
 
 def as_options(bound: ir.FieldBound) -> Values:
-    """What nanopb calls a bound."""
+    """Return a bound as options of nanopb."""
     options = {"max_size" if bound.is_bytes else "max_length": bound.length, "max_count": bound.count}
     return {name: value for name, value in options.items() if value is not None}
 
 
 def as_lines(bounds: list[TableBound]) -> Mapping[str, list[OptionsLine]]:
-    """The bounds as lines of the .options file of each .proto file."""
+    """Return the bounds as lines of each .proto file's .options file."""
     lines: dict[str, list[OptionsLine]] = {}
     for one in bounds:
         name = f"{one.bound.message}.{one.bound.field}"

@@ -1,4 +1,4 @@
-"""The options of nanopb: names, types and values, as the installed nanopb package declares them in its nanopb.proto."""
+"""The vocabulary of nanopb's options: names, types and values, from nanopb.proto in the installed package."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from google.protobuf.unknown_fields import UnknownFieldSet
 from roverlink.generator.protos.protoc import compile_descriptors
 
 EXTENSION = 1010
-"""The field number of nanopb's options in the options of files, messages, enums and fields."""
+"""The field number of nanopb's options in `FileOptions`, `MessageOptions`, `EnumOptions` and `FieldOptions`."""
 
 HOSTS = ("File", "Message", "Enum", "Field")
-"""What can have options in a .proto file, as descriptor.proto names the messages of their options."""
+"""The declarations that may have options, as descriptor.proto names them."""
 
-_FILE = Path("generator", "proto", "nanopb.proto")  # below the package
+_FILE = Path("generator", "proto", "nanopb.proto")  # relative to the package
 
 
 class Vocabulary(NamedTuple):
-    """Message types that read options, from a pool of their own: a project may have another nanopb.proto."""
+    """Message types for reading options. Their descriptor pool is separate: a project may have another nanopb.proto."""
 
     options: type[Message]
-    """nanopb's options alone, as a line of a .options file has them."""
+    """The message of nanopb's options, which a line of a .options file sets."""
     hosts: Mapping[str, type[Message]]
-    """The options of a file, message, enum or field, by `HOSTS`."""
+    """The messages of all options of a declaration, by `HOSTS`."""
     extensions: Mapping[str, object]
-    """The extension with nanopb's options in each of them."""
+    """The extension that holds nanopb's options, by `HOSTS`."""
 
 
 @cache
 def vocabulary() -> Vocabulary:
-    """Load the vocabulary. Raises `ModuleNotFoundError` where nanopb is not installed."""
+    """Load the vocabulary. Raises `ModuleNotFoundError` if nanopb is not installed."""
     package = find_spec("nanopb")
     folders = (package.submodule_search_locations if package else None) or ()
     root = next((Path(folder) / _FILE.parent for folder in folders if (Path(folder) / _FILE).is_file()), None)
@@ -57,7 +57,7 @@ def vocabulary() -> Vocabulary:
 
 
 def has_options(serialized: bytes) -> bool:
-    """Return whether serialized options of a file, message, enum or field have options of nanopb, or are broken."""
+    """Return True if serialized options contain options of nanopb, or are broken."""
     try:
         fields = UnknownFieldSet(Empty.FromString(serialized))
     except DecodeError:

@@ -1,1 +1,1 @@
-"""The .proto files: one model of what they declare, and the two readers that fill it."""
+"""The model of .proto files, and the two readers that fill it: protoc's descriptors and the tolerant parser."""

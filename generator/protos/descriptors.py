@@ -1,4 +1,4 @@
-"""Descriptors, as protoc writes them, to our own words."""
+"""Protoc's descriptors, read into the schema."""
 
 from __future__ import annotations
 
@@ -27,13 +27,14 @@ from roverlink.generator.protos.source_locations import Path, Places
 
 _SCALARS = {number: name.removeprefix("TYPE_").lower() for name, number in FieldDescriptorProto.Type.items()}
 
+# Field numbers in descriptor.proto. A path of a SourceCodeInfo.Location is made of them, and of indices.
 _FILE_MESSAGE, _FILE_ENUM, _FILE_EXTENSION = 4, 5, 7
 _MESSAGE_FIELD, _MESSAGE_NESTED, _MESSAGE_ENUM, _MESSAGE_EXTENSION = 2, 3, 4, 6
 _ENUM_VALUE = 2
 
 
 def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
-    """The schema in a descriptor set; ``shown_root`` is how findings call the folder of its files."""
+    """Return the schema of a descriptor set; ``shown_root`` is the folder's name in diagnostics."""
     readers = [_FileReader(file, shown_root) for file in compiled.file]
     return Schema(
         files=tuple(file.name for file in compiled.file),
@@ -48,7 +49,7 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
 
 
 class _FileReader:
-    """Reads one file's descriptors, and what else is known of them."""
+    """Reads the descriptors of one file, with places and comments."""
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._file = file
@@ -66,7 +67,10 @@ class _FileReader:
     def _message(
         self, message: DescriptorProto, prefix: str, path: Path, inherited: Features, place: Span | None = None
     ) -> None:
-        """Read a message; ``place`` is where it stands if nobody wrote it, which is a map's entry."""
+        """Read a message.
+
+        ``place`` is the map field's place if the message is a map's entry, which has no place of its own.
+        """
         full_name, features = prefix + message.name, overridden(inherited, message.options.features)
         declared = self._itself(message, full_name, path, features, place)
         self.messages.append(declared)
@@ -81,7 +85,7 @@ class _FileReader:
     def _itself(
         self, message: DescriptorProto, full_name: str, path: Path, features: Features, place: Span | None
     ) -> ProtoMessage:
-        """A message without what is declared inside, but for its fields."""
+        """Return a message with its fields, but without nested types."""
         real_oneofs = {field.oneof_index for field in message.field if _in_oneof(field)}
         return ProtoMessage(
             span=place or self._places.span(path),
@@ -136,7 +140,9 @@ class _FileReader:
         )
 
     def _enum(self, enum: EnumDescriptorProto, prefix: str, path: Path) -> None:
-        reserved = tuple((range.start, range.end) for range in enum.reserved_range)  # here, both ends are included
+        reserved = tuple(
+            (range.start, range.end) for range in enum.reserved_range
+        )  # EnumReservedRange includes its end; ReservedRange of messages does not
         self.enums.append(
             ProtoEnum(
                 span=self._places.span(path),
@@ -163,7 +169,10 @@ class _FileReader:
 
 
 def _in_oneof(field: FieldDescriptorProto) -> bool:
-    """Whether it stands in a oneof that somebody wrote; `optional` of proto3 makes one that nobody did."""
+    """Return True if the field is in a declared oneof.
+
+    protoc makes a synthetic oneof for each `optional` field of proto3 (descriptor.proto, `proto3_optional`).
+    """
     return field.HasField("oneof_index") and not field.proto3_optional
 
 
@@ -175,7 +184,10 @@ def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, feat
 
 
 def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:
-    """Whether it holds messages that could be framed as groups are; maps and what they hold never are."""
+    """Return True if the field's messages may have the group encoding.
+
+    Maps, and the fields of their entries, never have it.
+    """
     of_map = any(
         nested.options.map_entry and field.type_name.endswith(f".{message.name}.{nested.name}")
         for nested in message.nested_type
@@ -184,5 +196,5 @@ def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> 
 
 
 def _facets(**given: str | bool) -> dict[str, str]:
-    """What is set, as text."""
+    """Return the settings that are not empty, as text."""
     return {name: "true" if value is True else str(value) for name, value in given.items() if value}

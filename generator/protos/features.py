@@ -1,7 +1,7 @@
-"""Features of protobuf's editions that change bytes: what the fields of a file or message do unless they say otherwise.
+"""Features of protobuf's editions that change the encoding: field presence and message encoding.
 
-The defaults of proto2, proto3 and the editions are those of descriptor.proto (`FeatureSet`, `edition_defaults`); proto2
-and proto3 behave as editions with other defaults.
+A file, message or oneof passes its features on to what it declares; each declaration may override them. The defaults
+come from descriptor.proto (`FeatureSet`, `edition_defaults`). Proto2 and proto3 are editions with other defaults.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _LABEL_OF_PRESENCE = {"EXPLICIT": "optional", "LEGACY_REQUIRED": "required"}
 
 
 def features_of_file(file: FileDescriptorProto) -> Features:
-    """What holds in a file."""
+    """Return the features of a file."""
     return overridden(_PROTO3 if file.syntax == "proto3" else _EDITIONS, file.options.features)
 
 
 def syntax_of_file(file: FileDescriptorProto) -> Syntax:
-    """How a file is written."""
+    """Return the syntax of a file, with the defaults of its edition."""
     if file.syntax != "editions":
         return Syntax(file.syntax or "proto2")
     features = features_of_file(file)
@@ -39,7 +39,7 @@ def syntax_of_file(file: FileDescriptorProto) -> Syntax:
 
 
 def overridden(inherited: Features, own: FeatureSet) -> Features:
-    """What holds where something sets features of its own."""
+    """Return the inherited features, replaced by those that a declaration sets itself."""
     given = {
         field.name: field.enum_type.values_by_number[value].name for field, value in own.ListFields() if field.enum_type
     }
@@ -47,7 +47,7 @@ def overridden(inherited: Features, own: FeatureSet) -> Features:
 
 
 def label_of(field: FieldDescriptorProto, features: Features) -> str:
-    """``repeated``, ``required``, ``optional`` where absence can be told from zero, or nothing."""
+    """Return ``repeated``, ``required``, ``optional`` (presence is tracked), or nothing (no presence)."""
     if label := _LABELS.get(field.label):
         return label
     always = field.proto3_optional or field.HasField("oneof_index")

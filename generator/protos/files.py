@@ -1,7 +1,7 @@
-"""Which .proto file declares which message and imports which files, without compiling any.
+"""An index of declarations: the files that declare each message, found without protoc.
 
-Only the import closure of what the table names is compiled, so a file that does not compile, and that nobody needs,
-does no harm.
+Only the files that the table needs, and their imports, are compiled. So a file that does not compile does no harm if
+nothing needs it.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from roverlink.generator.diagnostics import Diagnostic, Span, shown
 from roverlink.generator.protos.parser import File, parse
 from roverlink.generator.protos.proto_rules import UNREADABLE_PROTO
 
-_LARGEST = 4 * 1024 * 1024  # bytes; the largest that people write have a few hundred thousand
+_LARGEST = 4 * 1024 * 1024  # bytes; the largest .proto files that people write have a few hundred thousand
 
 
 @dataclass(frozen=True, slots=True)
 class DeclarationIndex:
-    """Which files, relative to the root, declare a message of a name."""
+    """The files that declare each message. Paths are relative to the root."""
 
     files: dict[str, list[str]]
     excluded: dict[str, list[str]]
-    """Of the files that never take part in a build."""
+    """The same for files under `proto.exclude`."""
 
 
 def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> DeclarationIndex:
-    """Return the index of what files declare; ``exclude`` are those that never take part in a build."""
+    """Return the index of the messages that files declare; ``exclude`` are the files that are never compiled."""
     left_out = {str(PurePosixPath(path)) for path in exclude}
     index = DeclarationIndex({}, {})
     for path, file in files.items():
@@ -41,9 +41,11 @@ def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> Dec
 
 
 def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list[str]:
-    """The .proto files below a folder, relative to it, links followed; hidden files are an editor's.
+    """Return the .proto files below a folder, relative to it.
 
-    A folder that cannot be listed, a link that leads back to where it is, and a name that is no text, is a finding.
+    Links are followed; hidden files are ignored, as editors make them.
+
+    Reports a folder that cannot be listed, a link that leads back to a folder above it, and a name that is not UTF-8.
     """
 
     def unreadable(error: OSError) -> None:
@@ -62,13 +64,13 @@ def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list
             if real in above[folder]:
                 folders.remove(name)
                 span = Span(shown(shown_root, (here / name).as_posix()))
-                message = "is a link to a folder that it stands in; what is behind it was not looked at"
+                message = "is a link to a folder that contains it; the link was not followed"
                 findings.append(UNREADABLE_PROTO.at(span, message, "remove the link"))
     return [name for name in sorted(found) if _is_text(name, shown_root, findings)]
 
 
 def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
-    """Whether a file's name can be said: protoc, JSON and terminals take UTF-8 alone."""
+    """Return True if a file's name is UTF-8, which protoc and JSON need; report it otherwise."""
     readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
     if readable != name:
         span = Span(shown(shown_root, readable))
@@ -77,9 +79,9 @@ def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
 
 
 def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict[str, File]:
-    """Return what the .proto files below a folder declare, as far as it can be read; any that has no text is a finding.
+    """Parse the .proto files below a folder; report the files that cannot be read.
 
-    ``shown_root`` is how findings call the folder.
+    ``shown_root`` is the folder's name in diagnostics.
     """
     texts = {name: read_proto(root, name, shown_root, findings) for name in proto_files(root, shown_root, findings)}
     return {name: declarations(text) for name, text in texts.items() if text is not None}
@@ -87,23 +89,23 @@ def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict
 
 @lru_cache(maxsize=1024)
 def declarations(text: str) -> File:
-    """Parse the text of a file; what a run reads several times, it parses once."""
+    """Parse the text of a file. Results are cached, as a run reads some files several times."""
     return parse(text)
 
 
 def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> str | None:
-    """The text of a .proto file; None, with a finding, where it has none that anybody wrote."""
+    """Return the text of a .proto file; None, with a diagnostic, if it cannot be read."""
     path, span = root / name, Span(shown(shown_root, name))
     data = b""
     try:
         about = path.stat()
-        if not stat.S_ISREG(about.st_mode):  # to read a pipe or a device might take for ever
-            fault = "is no file"
+        if not stat.S_ISREG(about.st_mode):  # reading a pipe or a device might never end
+            fault = "is not a regular file"
         elif about.st_size > _LARGEST:
-            fault = f"has {about.st_size} bytes; files of more than {_LARGEST} are not looked at"
+            fault = f"has {about.st_size} bytes; files of more than {_LARGEST} bytes are not read"
         else:
             data = path.read_bytes()
-            fault = "is binary, not the text of a .proto file" if b"\0" in data else ""
+            fault = "is a binary file, not the text of a .proto file" if b"\0" in data else ""
     except OSError as error:
         fault = f"cannot be read: {error.strerror}"
     if fault:

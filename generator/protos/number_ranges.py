@@ -1,4 +1,4 @@
-"""Ranges of numbers, both ends included."""
+"""Ranges of field numbers or enum numbers. Both ends are included."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _LARGEST = (LARGEST_FIELD_NUMBER, LARGEST_ENUM_NUMBER)
 
 
 def covers(ranges: Iterable[Range], number: int) -> bool:
-    """Whether a number is in one of the ranges."""
+    """Return True if a number is in one of the ranges."""
     return any(first <= number <= last for first, last in ranges)
 
 
 def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
-    """The parts of a range that are in none of the others."""
+    """Yield the parts of a range that no other range covers."""
     start, end = wanted
     for first, last in sorted(ranges):
         if last < start:
@@ -32,7 +32,7 @@ def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
 
 
 def spelled(ranges: Iterable[Range]) -> str:
-    """Ranges as a .proto file has them."""
+    """Return ranges as a .proto file writes them: ``4, 8 to max``."""
     return ", ".join(_spelled(*one) for one in ranges)
 
 

@@ -30,8 +30,8 @@ UNREADABLE_PROTO = Rule(
     "unreadable-proto",
     """A `.proto` file or a folder cannot be read.
 
-It is binary, larger than any source file, not accessible, or not a regular file but a pipe, a device or a link in
-circles. A file that is skipped in silence could hold a number that is in use.
+The file is binary, too large, not accessible, or not a regular file: a pipe, a device, or a link to a folder above it.
+The lint must not skip it in silence, because it could declare a number that is in use.
 
 Bad::
 
@@ -49,7 +49,7 @@ UNKNOWN_PROTO = Rule(
     "unknown-proto-message",
     """No file below `proto.root` declares the message of a row.
 
-The name is misspelt, lacks its package, or its file is not there.
+The name is misspelt, the package is missing from the name, or the file does not exist.
 
 Bad::
 
@@ -72,7 +72,7 @@ EXCLUDED_PROTO = Rule(
     "excluded-proto-message",
     """A message is declared only in a file that `proto.exclude` leaves out.
 
-Excluded files are not compiled, so that nothing is known of the message.
+Excluded files are not compiled, so the fields of the message are unknown.
 
 Bad::
 
@@ -95,7 +95,7 @@ AMBIGUOUS_PROTO = Rule(
     "ambiguous-proto-message",
     """Several files declare the message of a row.
 
-The wrong one of the two might be compiled. Exclude all but one, or give one of the messages another name.
+The wrong declaration might be compiled. Exclude all files but one, or rename one of the messages.
 
 Bad::
 
@@ -155,7 +155,7 @@ NO_ENVELOPE = Rule(
     "no-envelope-file",
     """The envelope belongs to another repository (`owner: proto`), and its file is missing.
 
-The members of the envelope are on the wire, so their numbers must not be invented. With `owner: mapping`, `generate`
+The numbers of the envelope are used on the wire, so `generate` must not invent them. With `owner: mapping`, `generate`
 writes the file.
 
 Bad::
@@ -173,7 +173,7 @@ PAYLOAD_IN_ENVELOPE_FILE = Rule(
     "payload-in-envelope-file",
     """A payload is the envelope itself, or is declared in the envelope's file, which `generate` writes.
 
-`generate` replaces the whole file with the envelope; the payload's declaration would be lost.
+`generate` replaces the whole file, so the payload's declaration would be lost.
 
 Bad::
 

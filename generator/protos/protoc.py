@@ -1,4 +1,4 @@
-"""protoc, which comes with grpcio-tools: run over the files that are needed, its errors as findings."""
+"""A runner of protoc (from grpcio-tools), which turns protoc's errors into diagnostics."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.schema import Schema
 
-# As `python -m grpc_tools.protoc` does, which would first take three times as long to load what this has no use for.
+# The same as `python -m grpc_tools.protoc`, which takes three times as long to start: it loads modules not needed here.
 _RUN = """
 import os, sys
 from grpc_tools import _protoc_compiler
@@ -32,18 +32,18 @@ _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 @dataclass(frozen=True, slots=True)
 class Compilation:
-    """What protoc made of the files that the table needs, and of those that they import."""
+    """The result of protoc for the files that the table needs, and for their imports."""
 
     schema: Schema
     modules: Mapping[str, str]
-    """Text of each module that protoc generated (pb2 and its stub), by path."""
+    """The text of each generated module (pb2 and its stub), by path."""
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
-    """Run protoc over files and what they import.
+    """Compile files and their imports.
 
-    ``overlay`` holds files that are not on disk yet, or not as they will be; ``shown_root`` is how findings call the
-    root. Raises `DiagnosticsError` with protoc's own messages.
+    ``overlay`` holds the text of files that replace those on disk. ``shown_root`` is the root's name in diagnostics.
+    Raises `DiagnosticsError` with protoc's own messages.
     """
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         over, out, result = Path(folder, "overlay"), Path(folder, "out"), Path(folder, "set")
@@ -54,7 +54,7 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target.write_text(text, encoding="utf-8")
         folders = [over, root] if overlay else [root]
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
-        # protoc generates modules for the files it is given, not for what they import.
+        # protoc generates modules for the files in its arguments only, not for their imports.
         _protoc(folders, _with_imports(files, folders), options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         modules = {
@@ -64,10 +64,10 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
 
 
 def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
-    """The files and all that they import, but for those that come with protobuf, and those that do not exist."""
+    """Return the files and all their imports, except protobuf's own files and files that do not exist."""
     waiting = list(files)
     known = dict.fromkeys(waiting)
-    for file in waiting:  # which grows
+    for file in waiting:  # the list grows during the loop
         path = _found(file, folders)
         for name in _declarations(path).imported if path else ():
             if name not in known and not name.startswith("google/protobuf/") and _found(name, folders):
@@ -85,7 +85,7 @@ def _found(file: str, folders: Sequence[Path]) -> Path | None:
 
 
 def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
-    """What the files of a tree declare that do compile; a finding for each error in one that does not."""
+    """Compile the files of a tree that compile. Returns their schema, and a diagnostic for each error in the others."""
     findings: list[Diagnostic] = []
     left = list(files)
     while left:
@@ -103,7 +103,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
-    """Compile files to descriptors, imports included. Raises `DiagnosticsError` with protoc's messages."""
+    """Compile files and their imports to descriptors. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         result = Path(folder, "set")
         _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
@@ -115,7 +115,7 @@ def _protoc(
 ) -> None:
     includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
     command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
-    # In a folder of its own, lest a module of the user's be taken for one of Python's.
+    # `python -c` imports from the current folder first. In an empty folder, no module of the user hides a standard one.
     done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
     if done.returncode:
         said = done.stderr.decode("utf-8", errors="replace")
@@ -129,7 +129,7 @@ _NOT_FOUND = "File not found."
 
 
 class _Error(NamedTuple):
-    """One line of protoc's."""
+    """A line of protoc's output."""
 
     file: str
     line: int
@@ -138,13 +138,15 @@ class _Error(NamedTuple):
 
 
 def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Diagnostic]:
-    """What protoc says, but for what only follows from something else that it says."""
+    """Return protoc's errors, without those that only follow from another one."""
     errors = list(_errors(output, folders))
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, folders)
-    imports: dict[str, list[Span]] = {}  # where the broken imports of each file are reported
-    importers: dict[str, list[Span]] = {}  # the places of each, by what protoc says, which names the missing file
+    imports: dict[str, list[Span]] = {}  # by file: the places where its broken imports are reported
+    importers: dict[str, list[Span]] = (
+        {}
+    )  # by protoc's message, which names the missing file: the places of its imports
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):
@@ -156,13 +158,15 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
                     continue  # one missing file is one error
             places.setdefault(span, []).append(error.text)
     if not places:
-        return [DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'without a message'}")]
+        return [
+            DOES_NOT_COMPILE.at(Span(shown_root or "."), f"protoc failed: {output.strip() or 'it printed no message'}")
+        ]
     return [
         DOES_NOT_COMPILE.at(
             span,
             first,
             " ".join(rest),
-            [(other, "imported here as well") for other in importers.get(first, ())[1:]],
+            [(other, "also imported here") for other in importers.get(first, ())[1:]],
             rests_on=imports.get(span.file, ()) if _UNDEFINED.fullmatch(first) else (),
         )
         for span, (first, *rest) in places.items()
@@ -172,14 +176,14 @@ def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> l
 def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:
     for match in filter(None, map(_PROTOC_MESSAGE.fullmatch, output.splitlines())):
         file = match["file"]
-        for folder in folders:  # protoc names a file by where it found it
+        for folder in folders:  # protoc prints the path with the folder of its -I option
             file = file.removeprefix(f"{folder}/")
         if not match["text"].startswith("warning:"):
             yield _Error(file, int(match["line"] or 0), int(match["column"] or 0), match["text"])
 
 
 def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
-    """The last names of what files declare that did not compile."""
+    """Return the short names of the types in files that do not compile."""
     names: set[str] = set()
     for path in (folder / file for file in files for folder in folders):
         if path.is_file():
@@ -189,9 +193,9 @@ def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
 
 
 def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing_names: Set[str]) -> bool:
-    """Whether an error would not be there but for another one."""
+    """Return True if another error causes this one."""
     if error.text == _NOT_FOUND:
-        return error.file in imported  # the import that asks for it is a better place
+        return error.file in imported  # the import statement is a better place for the error
     if match := _BROKEN_IMPORT.fullmatch(error.text):
         return match["file"] in broken
     match = _UNDEFINED.fullmatch(error.text)

@@ -1,4 +1,4 @@
-"""What .proto files declare once they are compiled: messages, fields and enums, with their comments and places."""
+"""The schema: the messages, fields and enums of .proto files, with comments and places."""
 
 from __future__ import annotations
 
@@ -12,84 +12,90 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Span
 
 Ranges = tuple[tuple[int, int], ...]
-"""Ranges of numbers, both ends included."""
+"""Ranges of numbers. Both ends are included."""
 
 
 class Fact(NamedTuple):
-    """What a field or an enum value says about its number. Equal facts, wherever they stand, mean the same."""
+    """The meaning of a number: the declaration of a field or an enum value without its place.
+
+    Equal facts mean the same.
+    """
 
     number: int
     name: str
     type: str
-    """As `ProtoField.wire_type`; empty for an enum value."""
+    """The same as `ProtoField.wire_type`; empty for an enum value."""
     label: str = ""
     oneof: str = ""
     claimed: bool = False
-    """Whether it is commented out."""
+    """True if the declaration is commented out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:
-    """Something that a .proto file declares. What a reader of the model does not know keeps its default."""
+    """A declaration in a .proto file. A reader leaves the default for everything that it cannot know."""
 
     span: Span
     places: Mapping[str, Span] = field(default_factory=dict, repr=False, hash=False)
-    """Where its parts stand: ``name``, ``number``, ``type``, ``label``; a reserved range as ``reserved 3 to 5``."""
+    """The places of its parts: ``name``, ``number``, ``type``, ``label``; ``reserved 3 to 5`` for a reserved range."""
     comment: str = field(default="", repr=False)
     options: bytes = field(default=b"", repr=False)
-    """Its options, serialized; custom ones among them."""
+    """The serialized options, with custom options."""
 
     def at(self, part: str) -> Span:
-        """Where a part stands; the whole declaration's place where that is not known."""
+        """Return the place of a part, or of the whole declaration if the part's place is unknown."""
         return self.places.get(part, self.span)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoField(Declared):
-    """A field of a message, or of a oneof in it."""
+    """A field of a message, in a oneof or not."""
 
     number: int
     name: str
     type: str
-    """The scalar's name; or ``message``, ``enum``, ``group``."""
+    """The scalar's name, or ``message``, ``enum``, ``group``."""
     type_name: str = ""
     """Full name of the message or enum; empty for a scalar."""
     label: str = ""
-    """``repeated``, ``required``; ``optional`` where it tells *absent* from *zero*; else empty."""
+    """``repeated``, ``required``, or ``optional`` (absent differs from zero). Empty otherwise."""
     declared_optional: bool = False
-    """Whether `optional` was written in a proto3 file."""
+    """True if a proto3 file declares the field ``optional``."""
     oneof: str = ""
-    """The oneof it stands in; empty for none."""
+    """The oneof that contains the field; empty for none."""
     json_name: str = ""
-    """Its name in JSON; empty where that is not known."""
+    """The name in JSON; empty if it is unknown."""
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """What else changes how its bytes are read: ``default``; ``delimited`` if it is framed as a group is."""
+    """Other settings that change decoding: ``default``; ``delimited`` for the encoding of groups."""
 
     @property
     def repeated(self) -> bool:
-        """Whether it holds any number of values; a map does too."""
+        """True for a field with any number of values, which includes maps."""
         return self.label == "repeated"
 
     @property
     def optional(self) -> bool:
-        """Whether it tells *absent* from *zero*; of a message field, only where it was declared ``optional``."""
+        """True if absent differs from zero; for a message field, only if it is declared ``optional``."""
         holds_message = self.type in ("message", "group")
         return self.declared_optional or (self.label == "optional" and not holds_message and not self.oneof)
 
     def on_the_wire(self) -> ir.WireField:
-        """What of it is visible in bytes; that a message or a oneof's member may be absent goes without saying."""
+        """Return the part of the declaration that matters on the wire, as it stands in the ledger.
+
+        Message fields and members of a oneof always have presence, so their label is left out.
+        """
         plain = self.label == "optional" and (self.type in ("message", "group") or self.oneof)
         label = "" if plain else self.label
         return ir.WireField(self.number, self.name, self.wire_type, label, self.oneof, commented(self))
 
     @property
     def fact(self) -> Fact:
-        """What it says about its number."""
+        """The meaning that the field gives to its number."""
         return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
 
     @property
     def wire_type(self) -> str:
-        """The type as a .proto file spells it."""
+        """The type as a .proto file writes it."""
         return self.type_name or self.type
 
 
@@ -101,28 +107,28 @@ class ProtoMessage(Declared):
     file: str = ""
     fields: tuple[ProtoField, ...]
     oneofs: tuple[str, ...] = ()
-    """The declared ones, in their order."""
+    """The declared oneofs, in their order. A synthetic oneof of `optional` is not among them."""
     map_entry: bool = False
     extension_ranges: Ranges = ()
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """Options that change its bytes: ``message_set_wire_format``."""
+    """Options that change the encoding: ``message_set_wire_format``."""
     claims: tuple[ProtoField, ...] = ()
-    """Fields that somebody commented out: their numbers were in use, or will be. The descriptors have none."""
+    """Fields that are commented out: their numbers were in use, or will be. Only the tolerant parser finds them."""
 
     @property
     def name(self) -> str:
-        """Its name without what it stands in."""
+        """The name without package and enclosing messages."""
         return self.full_name.rpartition(".")[2]
 
     @property
     def extendable(self) -> bool:
-        """Whether other files may add fields to it."""
+        """True if other files may add extensions."""
         return bool(self.extension_ranges)
 
     def on_the_wire(self) -> ir.WireMessage:
-        """What of it is visible in bytes."""
+        """Return the part of the declaration that matters on the wire."""
         fields = sorted(self.fields, key=lambda field: field.number)
         return ir.WireMessage(
             self.full_name,
@@ -143,11 +149,11 @@ class ProtoEnumValue(Declared):
 
     @property
     def fact(self) -> Fact:
-        """What it says about its number."""
+        """The meaning that the value gives to its number."""
         return Fact(self.number, self.name, "")
 
     def on_the_wire(self) -> ir.WireValue:
-        """What of it is visible in bytes, with its name."""
+        """Return number, name and comment."""
         return ir.WireValue(self.number, self.name, commented(self))
 
 
@@ -161,15 +167,15 @@ class ProtoEnum(Declared):
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     claims: tuple[ProtoEnumValue, ...] = ()
-    """Values that somebody commented out. The descriptors have none."""
+    """Values that are commented out. Only the tolerant parser finds them."""
 
     @property
     def name(self) -> str:
-        """Its name without what it stands in."""
+        """The name without package and enclosing messages."""
         return self.full_name.rpartition(".")[2]
 
     def on_the_wire(self) -> ir.WireEnum:
-        """What of it is visible in bytes."""
+        """Return the part of the declaration that matters on the wire."""
         return ir.WireEnum(
             self.full_name,
             tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
@@ -181,45 +187,45 @@ class ProtoEnum(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ProtoExtension:
-    """A field that a file adds to a message of another."""
+    """An extension: a field that a file adds to a message."""
 
     extendee: str
-    """Full name of the message."""
+    """Full name of the extended message."""
     scope: str
-    """Full name of the message that it is declared in; empty for none."""
+    """Full name of the message that contains the declaration; empty for none."""
     field: ProtoField
     file: str = ""
-    """The file that adds it."""
+    """The file that declares the extension."""
 
 
 @dataclass(frozen=True, slots=True)
 class Syntax:
-    """How a file is written, and what an edition's file says for all of its fields."""
+    """The syntax of a file; an edition includes the file's features."""
 
     name: str
-    """``proto2``, ``proto3``, or an edition, which is a year; empty where that is not known."""
+    """The syntax's name: proto2, proto3, or an edition such as 2023; empty if unknown."""
     presence: str = ""
-    """An edition's feature `field_presence`."""
+    """The feature `field_presence` of an edition."""
     encoding: str = ""
-    """An edition's feature `message_encoding`."""
+    """The feature `message_encoding` of an edition."""
 
     @property
     def is_edition(self) -> bool:
-        """Whether it has features that can be set."""
+        """True for an edition, which has features."""
         return self.name.isdigit()
 
     @property
     def statement(self) -> str:
-        """The line in which a file says it."""
+        """The statement that declares the syntax in a file."""
         return f'edition = "{self.name}";' if self.is_edition else f'syntax = "{self.name}";'
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """What some files declare, and all that they import."""
+    """The declarations of some files and of all their imports."""
 
     files: tuple[str, ...]
-    """Each after those that it imports."""
+    """The files, each one after its imports."""
     messages: Mapping[str, ProtoMessage]
     enums: Mapping[str, ProtoEnum]
     extensions: tuple[ProtoExtension, ...] = ()
@@ -229,12 +235,12 @@ class Schema:
     """The package of each file; empty for one without."""
     syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
     descriptors: FileDescriptorSet = field(default_factory=FileDescriptorSet, repr=False, compare=False)
-    """What the schema was read from, for other programs; empty for a schema of the ledger."""
+    """The descriptors behind the schema, for other programs; empty for the ledger's schema."""
     uncompiled: tuple[str, ...] = ()
-    """The files that should be part of the schema and do not compile."""
+    """The files that belong to the schema, but do not compile."""
 
     def descriptors_without_comments(self) -> bytes:
-        """Return the descriptors, serialized, without the comments and places that protoc keeps in them."""
+        """Return the serialized descriptors, without comments and places."""
         bare = FileDescriptorSet()
         for file in self.descriptors.file:
             copy = bare.file.add()
@@ -243,11 +249,11 @@ class Schema:
         return bare.SerializeToString(deterministic=True)
 
     def syntax_of(self, file: str) -> Syntax:
-        """How a file is written, as far as that is known."""
+        """Return the syntax of a file; an empty one if it is unknown."""
         return self.syntaxes.get(file, Syntax(""))
 
     def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
-        """The messages and the enums that can travel inside messages, those themselves included."""
+        """Return the names of messages and enums that ``roots`` contain at any depth, with the roots themselves."""
         messages: set[str] = set()
         enums: set[str] = set()
         waiting = [*roots]
@@ -265,7 +271,7 @@ _MARK = "Deprecated."
 
 
 def commented(declared: Declared) -> str:
-    """Return the comment of what a .proto file declares, with a mark where it is deprecated."""
+    """Return the comment of a declaration, with the mark ``Deprecated.`` if it is deprecated."""
     if not declared.options or not _is_deprecated(declared):
         return declared.comment
     return f"{declared.comment}\n\n{_MARK}" if declared.comment else _MARK
@@ -276,4 +282,4 @@ def _is_deprecated(declared: Declared) -> bool:
         return FieldOptions.FromString(declared.options).deprecated
     if isinstance(declared, ProtoEnumValue):
         return EnumValueOptions.FromString(declared.options).deprecated
-    return MessageOptions.FromString(declared.options).deprecated  # of an enum, the same field of EnumOptions
+    return MessageOptions.FromString(declared.options).deprecated  # EnumOptions has the same field number, 3

@@ -1,6 +1,7 @@
-"""Where things stand in a .proto file, and their comments, as protoc keeps them beside its descriptors.
+"""Places and comments of declarations, from the `SourceCodeInfo` that protoc writes beside its descriptors.
 
-protoc has a path for each part of a file: field numbers of descriptor.proto, and indices (`SourceCodeInfo.Location`).
+A location's path consists of field numbers of descriptor.proto and indices (`SourceCodeInfo.Location`): ``4, 0, 2, 1``
+is the second field (2, 1) of the first message (4, 0).
 """
 
 from __future__ import annotations
@@ -32,36 +33,38 @@ class Places:
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._shown = shown(shown_root, file.name)
-        # Where several have one path, the first is the whole, and the others are parts of it.
+        # Several locations may have one path: the first one is the whole declaration, the others are parts.
         locations = reversed(file.source_code_info.location)
         self._locations = {tuple(location.path): location for location in locations}
 
     def span(self, path: Path) -> Span:
-        """Where something stands; the file where that is not known."""
+        """Return the place of a declaration; the file if the place is unknown."""
         location = self._locations.get(path)
         return Span(self._shown, location.span[0] + 1, location.span[1] + 1) if location else Span(self._shown)
 
     def comment(self, path: Path) -> str:
-        """The comment before it, or else behind it."""
+        """Return the comment before a declaration, or else the one behind it."""
         location = self._locations.get(path)
         return (_clean(location.leading_comments) or _clean(location.trailing_comments)) if location else ""
 
     def of_field(self, path: Path) -> dict[str, Span]:
-        """Parts of a field."""
+        """Return the places of a field's parts."""
         return self._parts(path, _FIELD_PARTS)
 
     def of_message(self, path: Path, message: DescriptorProto) -> dict[str, Span]:
-        """Parts of a message but for its fields."""
+        """Return the places of a message's name and reserved ranges."""
         ranges = [(reserved.start, reserved.end - 1) for reserved in message.reserved_range]
         return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _MESSAGE_RESERVED), ranges)
 
     def of_enum(self, path: Path, enum: EnumDescriptorProto) -> dict[str, Span]:
-        """Parts of an enum but for its values."""
-        ranges = [(reserved.start, reserved.end) for reserved in enum.reserved_range]  # here, both ends are included
+        """Return the places of an enum's name and reserved ranges."""
+        ranges = [
+            (reserved.start, reserved.end) for reserved in enum.reserved_range
+        ]  # EnumReservedRange includes its end
         return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _ENUM_RESERVED), ranges)
 
     def of_value(self, path: Path) -> dict[str, Span]:
-        """Parts of an enum's value."""
+        """Return the places of an enum value's parts."""
         return self._parts(path, _VALUE_PARTS)
 
     def _parts(self, path: Path, parts: Mapping[str, Path]) -> dict[str, Span]:
@@ -73,6 +76,6 @@ class Places:
 
 
 def _clean(comment: str) -> str:
-    """A comment's text without the space after its slashes and without empty lines at its ends."""
+    """Return a comment's text without the space behind the slashes, and without empty lines at both ends."""
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
     return "\n".join(lines).strip("\n")

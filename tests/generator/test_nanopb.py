@@ -191,8 +191,8 @@ def test_what_is_said_of_other_files_is_for_nothing(everything: _Both) -> None:
     """A line of a .options file holds for its own .proto file, and those here say nothing else that is wrong."""
     assert [finding.render() for finding in everything.findings] == [
         "proto/importing.options:1:1: warning[NPB102] "
-        "nothing in importing.proto has a name that matches lengths.Free.a\n"
-        "  help: a name is that of a message, then the field's, package included: pkg.Message.field"
+        "no name in importing.proto matches lengths.Free.a\n"
+        "  help: write the full name, with the package: pkg.Message.field"
     ]
     assert "lengths.Free.a" in everything.headers.complaints
 
@@ -389,10 +389,10 @@ def test_random_messages_have_the_sizes_that_nanopb_says(
         ("lengths.FreeMapValue", "a.value", "a string without max_size or max_length", 122),
         ("importing.AroundFreeMember", "b.b.a", "a string without max_size or max_length", 8),
         ("storage.Pointer", "a", "its type is FT_POINTER", 11),
-        ("storage.Self", "b", "a message inside itself: storage.Self > storage.Self", 66),
+        ("storage.Self", "b", "the message contains itself: storage.Self > storage.Self", 66),
         (
             *("storage.AroundRing", "b.a.b.a"),
-            *("a message inside itself: storage.Ring2 > storage.Ring3 > storage.Ring > storage.Ring2", 91),
+            *("the message contains itself: storage.Ring2 > storage.Ring3 > storage.Ring > storage.Ring2", 91),
         ),
         ("storage.Skipped", "", "nanopb leaves storage.Skipped out", 117),
         ("storage.AroundSkipped", "a.b", "nanopb leaves storage.Skipped out", 135),
@@ -419,12 +419,12 @@ def test_the_place_where_a_bound_was_given_is_known(everything: _Both) -> None:
     """Every option of a field knows the line that it comes from, of the .options file or of the .proto file."""
     of_field = everything.bounds.of_field("levels.LinesInTurn", "bb")
     assert (of_field.max_size, of_field.max_length, of_field.max_count) == (46, 47, 2)
-    assert of_field.said == {
+    assert of_field.places == {
         "max_size": Span("proto/levels.options", 9, 1),
         "max_length": Span("proto/levels.options", 10, 1),
         "max_count": Span("proto/levels.proto"),
     }
-    here = everything.bounds.of_field("levels.OfField", "a").said["max_size"]
+    here = everything.bounds.of_field("levels.OfField", "a").places["max_size"]
     assert (here.file, here.line) == ("proto/levels.proto", 29)
 
 
@@ -541,8 +541,8 @@ def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
         "proto/a.options:2:20: error[NPB101] nanopb has no option 'max_sise'\n  help: did you mean max_size?",
         "proto/a.options:3:1: error[NPB101] max_count cannot be -1",
         "proto/a.options:5:15: error[NPB101] Couldn't parse integer: x",
-        "proto/a.options:4:2: warning[NPB102] nothing in a.proto has a name that matches p.q.M.x\n"
-        "  help: a name is that of a message, then the field's, package included: pkg.Message.field",
+        "proto/a.options:4:2: warning[NPB102] no name in a.proto matches p.q.M.x\n"
+        "  help: write the full name, with the package: pkg.Message.field",
     ]
 
 
@@ -581,7 +581,7 @@ def test_options_without_nanopb_are_one_finding(
     vocabulary.cache_clear()
     assert (bounds is None) is bool(expected)
     assert [finding.render() for finding in findings] == [
-        f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, and nanopb is not installed\n"
+        f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, but nanopb is not installed\n"
         "  help: install it: pip install 'roverlink[nanopb]'"
         for place in [expected]
         if place
@@ -613,9 +613,9 @@ def host(tmp_path_factory: pytest.TempPathFactory) -> Schema:
         (b"\x18\x01", None, ""),  # deprecated, and nothing of nanopb's
         (b"\x92\x3f\x02\x08\x05", 5, ""),
         (b"\x92\x3f\x02\x08\x05\x18\x01\x92\x3f\x02\x08\x06", 6, ""),  # in two parts
-        (b"\x92\x3f\x02\x08", None, "the options are no protobuf message"),
-        (b"\x90\x3f\x05", None, "nanopb's options are no message"),
-        (b"\x92\x3f\x05\x08\x05\x98\x06\x07", 5, "nanopb's option number 99 is not known"),
+        (b"\x92\x3f\x02\x08", None, "the options are not a protobuf message"),
+        (b"\x90\x3f\x05", None, "nanopb's options are not a message"),
+        (b"\x92\x3f\x05\x08\x05\x98\x06\x07", 5, "the installed nanopb has no option number 99"),
         (b"\x92\x3f\x04\x08\x05\x18\x4d", 5, "type cannot be 77"),
         (b"\x92\x3f\x05\x08\x05\x0a\x01x", 5, "max_size cannot be b'x'"),
         (b"\x92\x3f\x0b\x08" + b"\xff" * 9 + b"\x01", None, "max_size cannot be -1"),

@@ -293,10 +293,10 @@ def test_the_next_free_number(tmp_path: Path) -> None:
     context = Context(TABLE, after, Ledger(), {"a.proto": parse(text)}, changes=(SchemaChange(before, after),))
     [finding] = found(context)
     assert finding.help == (
-        "put back `int32 speed = 1;`; or give it a new number, 8 is free: `string speed = 8; reserved 1;`"
+        "put back `int32 speed = 1;`; or give it the free number 8: `string speed = 8; reserved 1;`"
     )
     [finding] = found(dataclasses.replace(context, ledger=_ledger(tmp_path, "message A", "8 gone int32 gone")))
-    assert "12 is free" in finding.help
+    assert "free number 12:" in finding.help
 
 
 # --- severities ---

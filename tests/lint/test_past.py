@@ -151,7 +151,7 @@ def test_states_with_errors_are_read_and_said_to_be_doubtful(repository: Reposit
     repository.commit("Mend it", {_FILE: _envelope("Imu imu = 1;", "Gps gps = 2;")})
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
-    assert ["read from files with errors" in one["message"] for one in _found(out)] == [True]
+    assert ["files have syntax errors" in one["message"] for one in _found(out)] == [True]
 
 
 def test_what_a_terminal_would_obey_is_not_repeated(repository: RepositoryBuilder, run: Run) -> None:
@@ -190,7 +190,7 @@ def test_a_shallow_clone_says_how_deep_it_could_look(repository: RepositoryBuild
     code, out, _ = run("lint", "--history", tmp_path / "shallow", *_TREE, "--format", "json")
     assert code == 1
     assert [(one["id"], one["severity"]) for one in _found(out)] == [("STA106", "warning")]
-    assert "its history goes back 1 commits, and no further" in out
+    assert "its history goes back only 1 commits" in out
     assert "git fetch --unshallow" in out
 
 
@@ -212,7 +212,7 @@ def test_a_tree_whose_protos_are_gone_still_has_a_history(repository: Repository
     repository.commit("Away with it", dict.fromkeys((_FILE, *_PAYLOADS)))
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
-    assert [(one["number"], "today there is no PBEnvelope" in one["message"]) for one in _found(out)] == [(2, True)]
+    assert [(one["number"], "today PBEnvelope does not exist" in one["message"]) for one in _found(out)] == [(2, True)]
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     (found,) = _found(out)
     assert (found["id"], found["number"]) == ("HIS104", 3)
     assert "Imu spare on imu and Wind wind on wind" in found["message"]
-    assert found["help"] == "keep it for one of them; the next number that no branch has is 4"
+    assert found["help"] == "keep it for one of them, and give the other 4, which no branch has"
     assert run("lint", root, *_TREE)[0] == 0
 
 
@@ -351,9 +351,9 @@ def test_consumers_of_which_nothing_is_known(
     ("text", "said"),
     [
         ("rover 0123456789abcdef\n", "rover is pinned to 0123456789abcdef, which this repository does not have"),
-        ("one two three four\n", "no `name commit`: 'one two three four'"),
-        ("# nothing\n", "no pin was found"),
-        ("rover \0\n", "is binary, and no list of pins"),
+        ("one two three four\n", "is not `name commit`: 'one two three four'"),
+        ("# nothing\n", "contains no pin"),
+        ("rover \0\n", "is a binary file, not a list of pins"),
         ("rover empty\n", "rover is pinned to empty, which has no message PBEnvelope"),
     ],
 )
@@ -380,8 +380,8 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     assert (code, out) == (0, "7\n")
     lines = err.splitlines()
     assert [line.split()[0] for line in lines] == ["3", "4", "5", "6"]
-    assert "stood for wind (Wind) until" in lines[0]
-    assert "stood for other (Imu), which side has" in lines[1]
+    assert "was wind (Wind) until" in lines[0]
+    assert "is other (Imu) on side" in lines[1]
     assert "comment" in lines[2]
     assert "is reserved in" in lines[3]
 
@@ -487,7 +487,7 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     table.write_text(table.read_text().replace("\nretired:", f"{row}\nretired:"))
     code, _, err = run("generate")
     assert code == 1
-    assert "error[ENV110] field 30 stood for SensorBoardPHInfo and for SensorBoardGPSInfo in the past" in err
+    assert "error[ENV110] field 30 is burned: it meant SensorBoardPHInfo and SensorBoardGPSInfo in the past" in err
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     context = Context(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
     assert _said(context, "ENV102", "ENV103") == [
         "mapping.yaml:8:14 field 2 was published for gps (Gps), not for Wind",
-        "mapping.lock:6:3 field 3 was published as heat (Heat) and is gone from mapping.yaml",
+        "mapping.lock:6:3 field 3 was published as heat (Heat), but is missing in mapping.yaml",
     ]
 
 
@@ -159,7 +159,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     old = _published((1, "imu", "Imu"), (2, "wind", "Wind"), topic="old")
     older = (*old, *_published((1, "imu", "Imu"), topic="older"), *_published((1, "imu", "Imu")))
     said = _said(Context(table, None, Ledger(old), earlier_entries=older), "TAB107")
-    assert said == ["mapping.yaml:7:47 imu goes over the topic imu; it was published on old and on older"]
+    assert said == ["mapping.yaml:7:47 imu has the topic imu; it was published on old and on older"]
 
 
 # --- numbers ------------------------------------------------------------------------------------------------------
@@ -315,7 +315,7 @@ def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contra
     row = f"  - {{number: 1, name: imu, proto: {proto}, topic: imu, direction: {direction}}}\n"
     said = _said(Context(_table(tmp_path, row), None, Ledger()), "TAB105")
     column = row.index(direction) + 1
-    message = f"imu goes {direction}, but {proto} is called as the messages of board"
+    message = f"imu has direction {direction}, but {proto} has the prefix of board"
     assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
 
 
@@ -333,12 +333,12 @@ def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("setting", "text"),
     [
-        ("XYZ101: {severity: hint", "there is no rule XYZ101 that a table could lower"),
-        ("CNV101: {severity: hint", "there is no rule CNV101 that a table could lower"),
+        ("XYZ101: {severity: hint", "the lint has no rule 'XYZ101'"),
+        ("CNV101: {severity: hint", "the lint has no rule 'CNV101'"),
         ("ENV101: {severity: warning", ""),
-        ("TAB107: {severity: warning", "TAB107 (topic-changed) is a warning anyway; warning is no lower"),
+        ("TAB107: {severity: warning", "TAB107 (topic-changed) has severity warning; warning is not lower"),
         ("TAB107: {severity: hint", ""),
-        ("TAB106: {severity: warning", "TAB106 (number-skipped) is a hint anyway; warning is no lower"),
+        ("TAB106: {severity: warning", "TAB106 (number-skipped) has severity hint; warning is not lower"),
         ('TAB106: {severity: "off"', ""),
     ],
 )
@@ -355,7 +355,7 @@ def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(module, "_rules", lambda: known)
     table = _table(tmp_path, _IMU, 'lint:\n  LED101: {severity: "off", reason: agreed}\n')
     (finding,) = module.check(Context(table, None, Ledger()))
-    assert finding.message == "LED101 (unreadable-ledger) is fatal, which cannot be lowered"
+    assert finding.message == "LED101 (unreadable-ledger) is fatal, and cannot be lowered"
 
 
 # --- sizes --------------------------------------------------------------------------------------------------------
@@ -393,7 +393,7 @@ def test_the_largest_envelope_is_exact(tmp_path: Path, length: int, outside: str
     bounds = {"text": FieldBounds(max_length=length), "more": FieldBounds(max_count=2)}
     said = _said(_sized(tmp_path, _TO_BASE, bounds, outside), "FIX102")
     assert [message.split(",")[0] for message in said] == (
-        [f"mapping.yaml:7:36 note makes an envelope of up to {too_large} bytes"] if too_large else []
+        [f"mapping.yaml:7:36 an envelope with note has up to {too_large} bytes"] if too_large else []
     )
 
 
@@ -406,24 +406,24 @@ def test_the_largest_envelope_is_exact(tmp_path: Path, length: int, outside: str
         (
             {"text": FieldBounds(max_length=10)},
             {"text": FieldBounds(max_length=9)},
-            "text takes 9 bytes at most now; it took 10 before",
+            "text accepts at most 9 bytes now; it accepted 10 before",
         ),
         (
             {"more": FieldBounds(max_count=3)},
             {"more": FieldBounds(max_count=2)},
-            "more takes 2 values at most now; it took 3 before",
+            "more accepts at most 2 values now; it accepted 3 before",
         ),
         (
             {"more": FieldBounds(max_count=3)},
             {"more": FieldBounds(max_count=3, fixed_count=True)},
-            "more takes exactly 3 values now; it took up to 3 before",
+            "more accepts exactly 3 values now; it accepted up to 3 before",
         ),
         (
             {"more": FieldBounds(max_count=2, fixed_count=True)},
             {"more": FieldBounds(max_count=3, fixed_count=True)},
-            "more takes exactly 3 values now; it took 2 before",
+            "more accepts exactly 3 values now; it accepted 2 before",
         ),
-        ({}, {"count": FieldBounds(int_size=16)}, "count takes 16 bits now; it took 32 before"),
+        ({}, {"count": FieldBounds(int_size=16)}, "count accepts 16 bits now; it accepted 32 before"),
         ({"count": FieldBounds(int_size=8)}, {"count": FieldBounds(int_size=16)}, ""),
     ],
 )

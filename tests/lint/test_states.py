@@ -177,7 +177,7 @@ def test_no_such_state(tree: Path, lint: Lint) -> None:
     """What is no folder, no file and no ref is said, with exit code 2."""
     code, out, err = lint("protos", "--against", "mian", *_TREE)
     assert (code, err) == (2, "")
-    assert "fatal[STA101] 'mian' is no folder, no file, and no git ref" in out
+    assert "fatal[STA101] 'mian' is not a folder, a file, or a git ref" in out
 
 
 def test_the_rest_is_looked_at_without_the_other_state(tree: Path, lint: Lint) -> None:
@@ -205,10 +205,10 @@ def test_an_option_is_no_ref(tree: Path, lint: Lint) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "said"), [(b"", "is a descriptor set without any file"), (b"\xff\xff\xff", "is no descriptor set")]
+    ("data", "said"), [(b"", "is a descriptor set without any file"), (b"\xff\xff\xff", "is not a descriptor set")]
 )
 def test_no_descriptor_set(tree: Path, lint: Lint, data: bytes, said: str) -> None:
-    """A file that is no descriptor set, or an empty one, is no state: nothing passes in silence."""
+    """A file that is not a descriptor set, or an empty one, is no state: nothing passes in silence."""
     Path("old.binpb").write_bytes(data)
     code, out, _ = lint("protos", "--against", "old.binpb", *_TREE)
     assert code == 2
@@ -219,9 +219,9 @@ def test_a_folder_without_protos(tree: Path, lint: Lint) -> None:
     """A folder with nothing to look at is no clean state, be it this one or the other."""
     Path("empty").mkdir()
     code, out, _ = lint("protos", "--against", "empty", *_TREE)
-    assert (code, "empty: fatal[STA102] holds no .proto file" in out) == (2, True)
+    assert (code, "empty: fatal[STA102] contains no .proto file" in out) == (2, True)
     code, _, err = lint("empty", *_TREE)
-    assert (code, "fatal[STA103] holds no .proto file" in err) == (2, True)
+    assert (code, "fatal[STA103] contains no .proto file" in err) == (2, True)
 
 
 def test_a_folder_that_is_not_there(lint: Lint, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -252,7 +252,7 @@ def test_an_envelope_that_does_not_compile(tree: Path, lint: Lint) -> None:
     ("named", "said"),
     [
         (("--envelope", "no.proto", "--message", "Envelope"), "Envelope is declared in envelope.proto, not in no"),
-        (("--envelope", "envelope.proto"), "which of its messages is the envelope was not said"),
+        (("--envelope", "envelope.proto"), "the envelope's message is not named"),
         (("--message", "Envelop"), "no message Envelop is declared in a file that compiles"),
     ],
 )
@@ -275,7 +275,7 @@ def test_an_envelope_named_without_its_package(tree: Path, lint: Lint) -> None:
     (tree / "other.proto").write_text('syntax = "proto3";\n\npackage other;\n\nmessage Envelope {}\n')
     code, _, err = lint("protos", *_TREE)
     assert code == 2
-    assert "help: say --message rover.Envelope or --message other.Envelope" in err
+    assert "help: use --message rover.Envelope or --message other.Envelope" in err
 
 
 def test_a_name_that_went_along_is_not_to_be_reserved(tree: Path, lint: Lint) -> None:
@@ -334,8 +334,8 @@ def test_binary_and_enormous_files(tree: Path, lint: Lint) -> None:
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)
     (tree / "enormous.proto").write_text("// " + "x" * 5_000_000)
     expected = {
-        "binary.proto": "is binary, not the text of a .proto file",
-        "enormous.proto": "has 5000003 bytes; files of more than 4194304 are not looked at",
+        "binary.proto": "is a binary file, not the text of a .proto file",
+        "enormous.proto": "has 5000003 bytes; files of more than 4194304 bytes are not read",
     }
     code, out, _ = lint("protos", *_TREE, "--format", "json")
     assert (code, {finding["path"]: finding["message"] for finding in _found(out)}) == (2, expected)
@@ -358,10 +358,10 @@ def test_what_is_no_file(tree: Path, lint: Lint) -> None:
     assert code == 2
     assert [(found["id"], found["path"], found["message"][:14]) for found in _found(out)] == [
         ("PRO102", "dangling.proto", "cannot be read"),
-        ("PRO102", "device.proto", "is no file"),
-        ("WIR102", "imu.proto", "accel_y = 2 is"),
+        ("PRO102", "device.proto", "is not a regul"),
+        ("WIR102", "imu.proto", "accel_y = 2 wa"),
         ("PRO102", "l\\xe4tin.proto", "has a name tha"),
-        ("PRO102", "pipe.proto", "is no file"),
+        ("PRO102", "pipe.proto", "is not a regul"),
     ]
 
 

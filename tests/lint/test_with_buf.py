@@ -133,7 +133,7 @@ def test_text_has_both_and_no_fault_twice(lint: Lint) -> None:
     assert lint() == (
         1,
         """\
-after/imu.proto:5:1: error[WIR102] spare = 4 is gone from rover.Imu, and its number is not reserved
+after/imu.proto:5:1: error[WIR102] spare = 4 was deleted from rover.Imu, and its number is not reserved
 5 | message Imu {
   | ^
   before/imu.proto:9:3: it was `float spare = 4;` here
@@ -143,26 +143,26 @@ after/imu.proto:6:22: warning[FIELD_SAME_JSON_NAME] Field "1" with name "heading
 "json_name" from "heading" to "yaw".
 6 |   int32 heading = 1 [json_name = "yaw"];
   |                      ^
-  help: https://buf.build/docs/breaking/rules/#field_same_json_name says what that breaks
+  help: see https://buf.build/docs/breaking/rules/#field_same_json_name
 
 after/imu.proto:7:3: warning[FIELD_SAME_TYPE] Field "2" with name "turns" on message "Imu" changed type from "int32" \
 to "int64".
 7 |   int64 turns = 2;
   |   ^
-  help: https://buf.build/docs/breaking/rules/#field_same_type says what that breaks
+  help: see https://buf.build/docs/breaking/rules/#field_same_type
 
-after/imu.proto:8:3: error[WIR101] speed = 3 was float and is string now: what the one side sends, the other skips as \
-unknown
+after/imu.proto:8:3: error[WIR101] speed = 3 was float and is string now: a receiver of the other version skips the \
+value as unknown
 8 |   string speed = 3;
   |   ^
   before/imu.proto:8:3: it was `float speed = 3;` here
-  help: put back `float speed = 3;`; or give it a new number, 5 is free: `string speed = 5; reserved 3;`
+  help: put back `float speed = 3;`; or give it the free number 5: `string speed = 5; reserved 3;`
 
 after/imu.proto:13:18: warning[ENUM_VALUE_SAME_NAME] Enum value "1" on enum "Mode" changed name from "MODE_DRIVE" to \
 "MODE_DRIVING".
 13 |   MODE_DRIVING = 1;
    |                  ^
-  help: https://buf.build/docs/breaking/rules/#enum_value_same_name says what that breaks
+  help: see https://buf.build/docs/breaking/rules/#enum_value_same_name
 
 2 errors, 3 warnings
 """,
@@ -187,7 +187,7 @@ def test_json_has_what_scripts_ask_for(lint: Lint) -> None:
             "line": 7,
             "column": 3,
             "message": 'Field "2" with name "turns" on message "Imu" changed type from "int32" to "int64".',
-            "help": "https://buf.build/docs/breaking/rules/#field_same_type says what that breaks",
+            "help": "see https://buf.build/docs/breaking/rules/#field_same_type",
             "history": [],
             "also": [],
         },
@@ -355,7 +355,7 @@ def test_a_setting_that_does_not_lower(project: Lint) -> None:
     """Buf's findings are warnings anyway."""
     _, out, _ = project(behind="lint:\n  FIELD_SAME_TYPE: {severity: warning, reason: agreed}\n")
     [finding] = [finding for finding in json.loads(out) if finding["id"] == "TAB108"]
-    assert finding["message"] == "FIELD_SAME_TYPE (buf-breaking) is a warning anyway; warning is no lower"
+    assert finding["message"] == "FIELD_SAME_TYPE (buf-breaking) has severity warning; warning is not lower"
 
 
 @needs_buf
@@ -383,7 +383,8 @@ def test_buf_is_not_installed(lint: Lint, other_bin: Path, format: str) -> None:
     assert lint("--format", format) == (
         2,
         "",
-        "--with-buf: fatal[BUF101] there is no buf beside this Python interpreter or on the PATH; nothing was linted\n"
+        "--with-buf: fatal[BUF101] buf is not installed beside this Python interpreter or on the PATH; "
+        "nothing was linted\n"
         f"  help: {other_bin}/python -m pip install buf-bin\n\n",
     )
 

@@ -1,7 +1,7 @@
-"""What became of a schema: its parts before and after, paired, and what a difference between them breaks.
+"""Comparison of two schemas: pairs the old and new parts, and tells which differences break decoding.
 
-Messages and enums are paired by their full names, wherever they stand; fields and values by their numbers; extensions
-by the message that they extend and their number. That is how bytes find them.
+Messages and enums are paired by full name in any file, fields and values by number, and extensions by the extended
+message and number. Bytes identify them in the same way.
 """
 
 from roverlink.generator.lint.comparison.pairing import (

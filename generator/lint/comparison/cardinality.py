@@ -1,8 +1,8 @@
-"""Cardinality: the number of values a field holds, and if bytes are misread when that changes.
+"""Cardinality: the number of values of a field, and changes of it that break decoding.
 
-After protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"): singular and repeated are
-not safe to exchange, since a packed list of numbers is no number, and of several values only one survives. A map is a
-repeated message on the wire.
+The rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"). A change
+between singular and repeated is not safe: a packed list of numbers is not a number, and only one of several values
+survives. A map is a repeated message on the wire.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _ON_THE_WIRE = {IMPLICIT: EXPLICIT, MAP: REPEATED}
 
 
 def cardinality(field: ProtoField, schema: Schema, extension: bool = False) -> str:
-    """One of the five."""
+    """Return a field's cardinality: one of the five constants."""
     if field.repeated:
         return MAP if is_map(field, schema) else REPEATED
     if field.label == "required":
@@ -27,13 +27,16 @@ def cardinality(field: ProtoField, schema: Schema, extension: bool = False) -> s
 
 
 def is_map(field: ProtoField, schema: Schema) -> bool:
-    """Whether it was written as ``map<...>``."""
+    """Return True if the field is declared as ``map<...>``."""
     entry = schema.messages.get(field.type_name)
     return field.repeated and entry is not None and is_map_entry(entry)
 
 
 def is_map_entry(message: ProtoMessage) -> bool:
-    """Whether a message is what a map repeats; of the ledger's, which have no file, its form has to say so."""
+    """Return True if a message is the entry of a map.
+
+    The ledger does not say so, but the fields do: `key` and `value`.
+    """
     if message.file:
         return message.map_entry
     form = [(1, "key"), (2, "value")]
@@ -41,23 +44,23 @@ def is_map_entry(message: ProtoMessage) -> bool:
 
 
 def broken_by_cardinality(old: str, new: str) -> bool:
-    """Tell whether bytes are misread with one cardinality in place of another."""
+    """Return True if bytes are misread with one cardinality in place of another."""
     return _ON_THE_WIRE.get(old, old) != _ON_THE_WIRE.get(new, new)
 
 
 def only_required(old: str, new: str) -> bool:
-    """Whether it holds one value on both sides, without which a message is refused on one of them."""
+    """Return True if both are singular, and at least one is `required`."""
     return REQUIRED in (old, new) and {old, new} <= {REQUIRED, IMPLICIT, EXPLICIT}
 
 
 def shown(cardinality: str) -> str:
-    """A cardinality where it does not matter whether absence can be told from zero."""
+    """Return the name of a cardinality, without presence."""
     return "singular" if cardinality in (IMPLICIT, EXPLICIT) else cardinality
 
 
 def cardinalities(pair: FieldPair) -> tuple[str, str]:
-    """Those of a field before and after."""
+    """Return the old and the new cardinality of a field."""
     if pair.in_map_entry:
-        return EXPLICIT, EXPLICIT  # a key and a value are what they are
+        return EXPLICIT, EXPLICIT  # keys and values of a map are always single values
     old = cardinality(pair.old, pair.change.before, pair.extension)
     return old, cardinality(pair.new, pair.change.after, pair.extension)

@@ -1,7 +1,7 @@
-"""What a field is read as where it is absent.
+"""Default values: the value that a receiver reads for an absent field.
 
-Without a default of its own, that is zero, empty or false; of an enum, its first value. The default never travels: each
-side has the one that it was compiled with.
+Without a declared default it is zero, empty or false; for an enum it is the first value. The default is never sent:
+each side uses the one that it was compiled with.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Value = float | int | str | bytes
 
 
 def default(field: ProtoField, schema: Schema) -> Value:
-    """A singular field's value where it is absent."""
+    """Return the value of an absent singular field."""
     text = field.facets.get("default", "")
     if field.type == "enum":
         return _number(field, text, schema)
@@ -33,7 +33,7 @@ def default(field: ProtoField, schema: Schema) -> Value:
 
 
 def shown(field: ProtoField, schema: Schema) -> str:
-    """What a field is where it is absent, as a .proto file has it."""
+    """Return the value of an absent field as a .proto file writes it."""
     text = field.facets.get("default", "")
     if field.type == "enum" and not text:
         enum = schema.enums.get(field.type_name)
@@ -46,7 +46,7 @@ def shown(field: ProtoField, schema: Schema) -> str:
 
 
 def default_changed(pair: FieldPair) -> bool:
-    """Whether an absent field is read as something else than before."""
+    """Return True if an absent field is read as another value than before."""
     if pair.change.of_ledger or not (_may_have_default(pair.old) and _may_have_default(pair.new)):
         return False
     old, new = default(pair.old, pair.change.before), default(pair.new, pair.change.after)
@@ -70,12 +70,12 @@ def _number(field: ProtoField, name: str, schema: Schema) -> int:
 
 
 def _encoded(value: Value) -> bytes | None:
-    """The bytes of a string; None for a number."""
+    """Return the bytes of a string or of bytes; None for a number."""
     return value.encode() if isinstance(value, str) else value if isinstance(value, bytes) else None
 
 
 def _as_float32(value: float) -> float:
-    """The nearest number that 32 bits hold."""
+    """Return the nearest 32-bit floating point number."""
     try:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
     except OverflowError:

@@ -1,4 +1,4 @@
-"""What became of the names of an enum's numbers."""
+"""Renames of enum values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.protos.schema import ProtoEnumValue
 
 
 def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
-    """The numbers of which a name is gone: with those names, and with the values that they have now."""
+    """Yield the numbers that lost a name, with the lost names and the values that have the number now."""
     for pair in enums(change):
         after = values_by_number(pair.new)
         for number, before in values_by_number(pair.old).items():
@@ -21,13 +21,13 @@ def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[
 
 
 def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """The value before, of another number, whose name the number has now."""
+    """Return the old value of another number whose name this number has now."""
     names = {value.name for value in pair.new.values if value.number == number}
     return next((value for value in pair.old.values if value.name in names and value.number != number), None)
 
 
 def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """The value now, of another number, whose name the number had, if it kept none of the names that it had."""
+    """Return the new value of another number whose name this number had, if it kept none of its old names."""
     names = {value.name for value in pair.old.values if value.number == number}
     if any(value.name in names and value.number == number for value in pair.new.values):
         return None
@@ -35,5 +35,5 @@ def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
 
 
 def stands_for_another(pair: EnumPair, number: int) -> bool:
-    """Whether a number and another one are taken for each other, and not only called something else."""
+    """Return True if a number swapped its meaning with another one. A mere rename does not count."""
     return bool(moved_here(pair, number) or moved_away(pair, number))

@@ -1,7 +1,7 @@
-"""What a new name says about a field whose number stayed.
+"""Renames of fields whose number stayed.
 
-The name never travels as bytes; but whoever gives a number to something else mostly renames the field, and the bytes
-of an old sender are then read as something that they are not.
+Names are not sent. But a new name often shows that the number now has a new meaning, and then bytes of an old sender
+are misread.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum"})
 
 
 class Rename(Enum):
-    """What became of a field's name."""
+    """The kind of a rename."""
 
-    NONE = "the same thing, perhaps in other words"
-    UNIT = "the same thing in another unit, scale or reference"
-    MEANING = "another thing"
-    RETYPED = "another thing, as its type says already"
+    NONE = "the same meaning"
+    UNIT = "the same quantity in another unit, scale or reference"
+    MEANING = "another meaning"
+    RETYPED = "another meaning, with an incompatible type"
 
 
 def rename(pair: FieldPair) -> Rename:
-    """What the new name says."""
+    """Return the kind of a field's rename."""
     if pair.old.name == pair.new.name or pair.in_map_entry:
         return Rename.NONE
     if broken_by_type(pair):
@@ -39,12 +39,12 @@ def rename(pair: FieldPair) -> Rename:
 
 
 def measures(pair: FieldPair) -> tuple[Measure, Measure]:
-    """What the names before and after say about how the value is to be read."""
+    """Return unit, scale and reference in the old and the new name."""
     return measure(words(pair.old.name)), measure(words(pair.new.name))
 
 
 def names_another_field(pair: FieldPair) -> bool:
-    """Whether the new name was that of another number, as after fields were swapped."""
+    """Return True if the new name belonged to another number before, as after a swap."""
     fields = pair.messages.old.fields if pair.messages else ()
     return any(field.name == pair.new.name and field.number != pair.new.number for field in fields)
 

@@ -1,8 +1,8 @@
 """Compatibility of a field's old and new type: tells if bytes are misread.
 
-Of scalars, protobuf's own guide is the source (protobuf.dev/programming-guides/proto3, "Updating A Message Type").
-Messages and enums of other names are looked into: where what the one
-writes is what the other reads, only names have changed.
+For scalars, the rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type").
+Messages and enums with different names are compared by content: if each side reads the other's bytes correctly, only
+the name has changed.
 """
 
 from __future__ import annotations
@@ -27,35 +27,35 @@ _SAME_BYTES = (
 
 
 def kind(declared: ProtoField) -> str:
-    """The scalar's name, ``message``, ``enum``; or ``group``, for all messages that are framed as groups are."""
+    """Return the scalar's name, ``message``, ``enum``, or ``group`` for all messages with the encoding of groups."""
     return "group" if declared.facets.get("delimited") else declared.type
 
 
 def broken_by_kind(old: str, new: str) -> bool:
-    """Tell whether bytes are misread with one scalar in place of another, or an enum in place of an integer."""
-    # A string's bytes are bytes; not all bytes are a string's.
+    """Return True if bytes are misread with one scalar in place of another, or an enum in place of an integer."""
+    # A reader of bytes accepts any string. A reader of a string rejects bytes that are not UTF-8.
     return old != new and (old, new) != ("string", "bytes") and not any({old, new} <= group for group in _SAME_BYTES)
 
 
 def broken_by_type(pair: FieldPair) -> bool:
-    """Tell whether bytes are misread because a field has the type that it has now."""
+    """Return True if the new type of a field misreads bytes of the old type."""
     return _Comparison(pair.change).types(pair.old, pair.new)
 
 
 @dataclass(slots=True)
 class _Comparison:
-    """Compares types, and those that are inside them; each result tells whether bytes are misread."""
+    """Compares types, with the types inside them. Each result is True if bytes are misread."""
 
     change: SchemaChange
     assumed: set[tuple[str, str]] = field(default_factory=set)
-    """Messages that are being compared: inside of each other, they count as alike."""
+    """Pairs of messages that are being compared. Inside each other they count as equal, which ends the recursion."""
 
     def types(self, old: ProtoField, new: ProtoField) -> bool:
         old_kind, new_kind = kind(old), kind(new)
         if self.change.of_ledger and {old_kind, new_kind} == {"message", "group"}:
-            old_kind = new_kind  # the ledger does not tell them apart
+            old_kind = new_kind  # the ledger does not distinguish them
         if old_kind == new.type_name:
-            return False  # the ledger knows the name, and may have lost in a merge what it stands for
+            return False  # the ledger has the type's name, but a merge may have lost its fields
         if old_kind != new_kind:
             return broken_by_kind(old_kind, new_kind)
         if old.type_name == new.type_name:
@@ -65,7 +65,7 @@ class _Comparison:
         return self._messages(old.type_name, new.type_name)
 
     def _enums(self, old: str, new: str) -> bool:
-        """Every number has to stand for what it stood for."""
+        """Compare enums: every number must keep its name."""
         before, after = self.change.before.enums.get(old), self.change.after.enums.get(new)
         if before is None or after is None:
             return True
@@ -84,7 +84,7 @@ class _Comparison:
         return broken
 
     def _contents(self, before: ProtoMessage, after: ProtoMessage) -> Iterator[bool]:
-        """Judge each field; all of them have to be there, and none may be needed that was not."""
+        """Compare the fields: each old one must still exist and be compatible, and new ones must not be required."""
         fields = {one.number: one for one in after.fields}
         for old in before.fields:
             new = fields.pop(old.number, None)

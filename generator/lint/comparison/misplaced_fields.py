@@ -1,4 +1,4 @@
-"""The fields that are to have another number."""
+"""Misplaced fields: those that need another number."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import ProtoField
 
 
 def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
-    """The fields whose numbers belong to something else."""
+    """Yield the fields whose numbers belong to another field or were reserved."""
     freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
     pairs = {one.new.number: one for one in fields_of_messages(pair)}
     for field in sorted(pair.new.fields, key=lambda field: field.number):
@@ -35,7 +35,7 @@ def _is_another(pair: FieldPair) -> bool:
 
 
 def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
-    """The key and the value of a map."""
+    """Yield the pairs of a map's key and value."""
     change = pair.change
     old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
     if old and new and new.map_entry and old.full_name == new.full_name:

@@ -1,8 +1,8 @@
 """Compatibility of a field's old and new oneof: tells if bytes are misread.
 
-A receiver that sees two members of a oneof keeps the last and drops the other. So what counts on the wire is with which
-fields a field shares a oneof, among those that both sides know (protobuf.dev/programming-guides/proto3, "Updating A
-Message Type" and "Backwards-compatibility issues" of oneofs). The oneof's name never travels.
+A receiver that reads two members of a oneof keeps the last one and drops the other. So the other members of a field's
+oneof matter, as far as both sides know them (protobuf.dev/programming-guides/proto3, "Updating A Message Type" and
+"Backwards-compatibility issues" of oneofs). The oneof's name is not sent.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
 
 def broken_by_oneof(pair: FieldPair) -> bool:
-    """Tell whether bytes are misread because a field is in the oneof that it is in now, or in none."""
+    """Return True if bytes are misread because the field joined or left a oneof."""
     if pair.messages is None or pair.old.oneof == pair.new.oneof:
         return False
     old, new = pair.messages.old, pair.messages.new
@@ -21,14 +21,14 @@ def broken_by_oneof(pair: FieldPair) -> bool:
 
 
 def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
-    """The numbers of the other fields in a field's oneof."""
+    """Return the numbers of the other fields in a field's oneof."""
     if not field.oneof:
         return set()
     return {one.number for one in message.fields if one.oneof == field.oneof} - {field.number}
 
 
 def moved_text(pair: FieldPair) -> str:
-    """From where to where a field moved."""
+    """Describe how a field moved."""
     what = f"{pair.new.name} = {pair.new.number}"
     if not pair.old.oneof:
         return f"{what} is in the oneof {pair.new.oneof} now"
@@ -38,7 +38,7 @@ def moved_text(pair: FieldPair) -> str:
 
 
 def moved_back(pair: FieldPair) -> str:
-    """How to undo that."""
+    """Describe how to undo the move."""
     if pair.old.oneof:
         return f"put it back into `oneof {pair.old.oneof}`"
     return f"take it out of the oneof {pair.new.oneof}"

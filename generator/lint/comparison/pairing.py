@@ -1,4 +1,4 @@
-"""The parts of a schema before and after, in pairs."""
+"""Pairs of old and new parts of a schema."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MessagePair:
 
     @property
     def syntax(self) -> Syntax:
-        """How it is to be written now."""
+        """The syntax of the new file."""
         return self.change.after.syntax_of(self.new.file)
 
 
@@ -42,61 +42,64 @@ class EnumPair:
 
     @property
     def syntax(self) -> Syntax:
-        """How it is to be written now."""
+        """The syntax of the new file."""
         return self.change.after.syntax_of(self.new.file)
 
 
 @dataclass(frozen=True, slots=True)
 class FieldPair:
-    """A field before and after; or an extension, which is a field of another file's message."""
+    """A field or an extension before and after."""
 
     change: SchemaChange
     owner: str
-    """Full name of the message that it is a field of."""
+    """Full name of the message that has the field."""
     old: ProtoField
     new: ProtoField
     messages: MessagePair | None
-    """The messages that it is declared in; None for an extension."""
+    """The messages that declare the field; None for an extension."""
     files: tuple[str, str]
-    """Where it was and is declared."""
+    """The old and the new file."""
 
     @property
     def old_syntax(self) -> Syntax:
-        """How it was written."""
+        """The syntax of the old file."""
         return self.change.before.syntax_of(self.files[0])
 
     @property
     def syntax(self) -> Syntax:
-        """How it is to be written now."""
+        """The syntax of the new file."""
         return self.change.after.syntax_of(self.files[1])
 
     @property
     def extension(self) -> bool:
-        """Whether another file added it to the message."""
+        """True for an extension, which another file may add to the message."""
         return self.messages is None
 
     @property
     def in_map_entry(self) -> bool:
-        """Whether it is the key or the value of a map."""
+        """True for the key or the value of a map."""
         return self.messages is not None and self.messages.new.map_entry
 
 
 def messages(change: SchemaChange) -> Iterator[MessagePair]:
-    """The messages that are there on both sides."""
+    """Yield the messages that exist on both sides."""
     for name, new in change.after.messages.items():
         if name in change.before.messages:
             yield MessagePair(change, change.before.messages[name], new)
 
 
 def enums(change: SchemaChange) -> Iterator[EnumPair]:
-    """The enums that are there on both sides."""
+    """Yield the enums that exist on both sides."""
     for name, new in change.after.enums.items():
         if name in change.before.enums:
             yield EnumPair(change, change.before.enums[name], new)
 
 
 def fields(change: SchemaChange) -> Iterator[FieldPair]:
-    """The fields and the extensions that are there on both sides; what is in a map, if the map's number is the same."""
+    """Yield the fields and extensions that exist on both sides.
+
+    The key and the value of a map are only compared if the map has the same number.
+    """
     for pair in messages(change):
         for one in fields_of_messages(pair):
             by_hand = written(one)
@@ -110,7 +113,7 @@ def fields(change: SchemaChange) -> Iterator[FieldPair]:
 
 
 def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
-    """The fields of a message that are there on both sides."""
+    """Yield the fields of a message that exist on both sides."""
     before = {field.number: field for field in pair.old.fields}
     files = pair.old.file, pair.new.file
     for field in pair.new.fields:
@@ -119,7 +122,7 @@ def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
 
 
 class Written(NamedTuple):
-    """A field before and after as somebody wrote it, and its message: of a map's key or value, the map."""
+    """A field before and after as written in the file, with its message. For a map's key or value, this is the map."""
 
     owner: str
     old: ProtoField
@@ -127,7 +130,7 @@ class Written(NamedTuple):
 
 
 def written(pair: FieldPair) -> Written:
-    """What somebody wrote of a field."""
+    """Return the declaration in the file: for the key or value of a map, this is the map's."""
     if pair.in_map_entry:
         owner = pair.owner.rpartition(".")[0]
         old, new = (
@@ -143,19 +146,19 @@ def _map_of(message: ProtoMessage | None, entry: str) -> ProtoField | None:
 
 
 def extensions_by_number(schema: Schema) -> dict[tuple[str, int], ProtoExtension]:
-    """The extensions by the message that they extend and their number there."""
+    """Return the extensions by extended message and number."""
     return {(extension.extendee, extension.field.number): extension for extension in schema.extensions}
 
 
 def gone_fields(change: SchemaChange) -> Iterator[tuple[MessagePair, ProtoField]]:
-    """The fields whose numbers no field of their message has any more."""
+    """Yield the old fields whose numbers are unused now."""
     for pair in messages(change):
         left = {field.number for field in pair.new.fields}
         yield from ((pair, field) for field in pair.old.fields if field.number not in left)
 
 
 def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...]]]:
-    """The numbers that no value of their enum has any more, with the names that they had."""
+    """Yield the old numbers of enums that are unused now, with their names."""
     for pair in enums(change):
         left = values_by_number(pair.new)
         for number, values in values_by_number(pair.old).items():
@@ -164,7 +167,7 @@ def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str
 
 
 def values_by_number(enum: ProtoEnum) -> dict[int, list[ProtoEnumValue]]:
-    """The values of an enum by their numbers, of which each may have several names."""
+    """Return the values of an enum by number. With ``allow_alias``, a number has several names."""
     values: dict[int, list[ProtoEnumValue]] = {}
     for value in enum.values:
         values.setdefault(value.number, []).append(value)

@@ -1,4 +1,4 @@
-"""A schema before and after, and findings about several of them."""
+"""A change: a schema before and after."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from roverlink.generator.protos.schema import Schema
 
 @dataclass(frozen=True, slots=True)
 class SchemaChange:
-    """The protos as they were, and as they are."""
+    """The old and the new schema."""
 
     before: Schema
     after: Schema
     of_ledger: bool = False
-    """True if the earlier state is the ledger, which has only names, numbers and types of what can travel."""
+    """True if the old schema is the ledger's, which has only names, numbers and types."""
     bounds_before: Bounds | None = None
-    """nanopb's bounds as they were; None where they are not known."""
+    """nanopb's bounds before; None if unknown."""
 
     def earlier(self, span: Span, text: str) -> list[tuple[Span, str]]:
-        """Return the place where something stood; none for the ledger, which no one writes by hand."""
+        """Return a related place in the old state; none for the ledger, which nobody edits."""
         return [] if self.of_ledger else [(span, text)]
 
 
 def each_once(
     changes: Iterable[SchemaChange], compare: Callable[[SchemaChange], Iterable[Diagnostic]]
 ) -> Iterator[Diagnostic]:
-    """Compare with each earlier state; of a finding against several, yield only that of the richest.
+    """Compare with each earlier state, and report a fault only once if several states show it.
 
-    The ledger knows least, so what it has in common with another state is said with that one's places.
+    The ledger comes last, because it has no places in .proto files.
     """
     seen = set()
     for change in sorted(changes, key=lambda change: change.of_ledger):

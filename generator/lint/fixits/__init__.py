@@ -1,1 +1,1 @@
-"""Fix-its: declarations as a .proto file has them, and what to write so that nothing breaks."""
+"""Fix-its: declarations as a .proto file writes them, and edits that keep old bytes readable."""

@@ -1,4 +1,4 @@
-"""Declarations as a .proto file has them, for messages that say what stood somewhere and what is to be written."""
+"""Declarations as a .proto file writes them, for messages that quote old and new ones."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICI
 
 
 def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None) -> str:
-    """A field as it is declared in a message, in a file of a syntax, with the number that is given."""
+    """Return a field's declaration in a message, for the syntax of its file and an optional new number."""
     is_group = field.type == "group" and not syntax.is_edition
     name = field.type_name.rpartition(".")[2] if is_group else field.name
     type = "group" if is_group else type_of(field, schema, owner)
@@ -26,7 +26,7 @@ def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, n
 
 
 def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
-    """A field of a message as it was declared."""
+    """Return the old declaration of a field."""
     before = pair.change.before
     return declaration(field, before, pair.old.full_name, before.syntax_of(pair.old.file))
 
@@ -58,7 +58,7 @@ def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]
 
 
 def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
-    """A field's type as its message names it."""
+    """Return a field's type as its message writes it."""
     entry = schema.messages.get(field.type_name)
     if entry is not None and is_map(field, schema):
         key, value = sorted(entry.fields, key=lambda one: one.number)
@@ -67,17 +67,17 @@ def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
 
 
 def type_place(field: ProtoField) -> Span:
-    """Where a field's type stands."""
+    """Return the place of a field's type."""
     return field.places.get("type") or field.at("type_name")
 
 
 def value_place(enum: ProtoEnum, number: int) -> Span:
-    """Where the first value of a number stands."""
+    """Return the place of the first value with a number."""
     return next((value.span for value in enum.values if value.number == number), enum.span)
 
 
 def retyping(pair: FieldPair) -> str:
-    """That a field has another type, and what happens to values between two sides of which each has one of them."""
+    """Describe a change of type, and its effect on values that are sent between the two versions."""
     old, new = pair.old, pair.new
     old_type = type_text(old, pair.change.before, pair.owner)
     new_type = type_text(new, pair.change.after, pair.owner)
@@ -92,14 +92,14 @@ def retyping(pair: FieldPair) -> str:
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
-    """A field's type in a sentence."""
+    """Return a field's type for a sentence."""
     if kind(field) == "group":
         return f"{field.type_name}, delimited as a group"
     return type_of(field, schema, "" if field.type_name and not is_map(field, schema) else owner)
 
 
 def from_within(owner: str, full_name: str) -> str:
-    """A full name as it is mostly written inside a message: without what both have in front."""
+    """Return a full name without the part that it shares with the enclosing message."""
     scope = owner
     while scope:
         if full_name.startswith(f"{scope}."):
@@ -119,9 +119,9 @@ _WIRE_TYPES = {
 
 def _misreading(old: str, new: str) -> str:
     if _WIRE_TYPES.get(old) != _WIRE_TYPES.get(new):
-        return "what the one side sends, the other skips as unknown"
+        return "a receiver of the other version skips the value as unknown"
     if "message" in (old, new) or old == new == "enum":
-        return "what the one side sends, the other reads with other meanings"
+        return "a receiver of the other version reads it with another meaning"
     if new == "string":
-        return "a receiver refuses the whole message where the bytes are not UTF-8"
-    return "what the one side sends, the other reads as other values"
+        return "a receiver rejects the whole message if the bytes are not UTF-8"
+    return "a receiver of the other version reads another value"

@@ -1,4 +1,4 @@
-"""What to write instead."""
+"""Help texts: put back the old declaration, or reserve its number."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessag
 
 
 def was(pair: FieldPair) -> str:
-    """How a field was declared."""
+    """Return a field's old declaration."""
     owner, old, _ = written(pair)
     return declaration(old, pair.change.before, owner, pair.old_syntax)
 
 
 def back(pair: FieldPair) -> str:
-    """How to undo what became of a field."""
+    """Describe how to undo the change of a field."""
     owner, old, _ = written(pair)
     declared = declaration(old, pair.change.before, owner, pair.syntax)
     return f"put back `{declared}`{_with_type(pair.change, old, kind(pair.new) == 'group')}"
 
 
 def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = False) -> str:
-    """What else has to be done so that a field can have its type again; a map and a group declare it themselves."""
+    """Describe changes of other types that a field's old type needs. A map and a group declare their own type."""
     now = change.after.messages.get(old.type_name)
     if old.type == "group" or is_map(old, change.before):
         in_the_way = now is not None and not now.map_entry and not declares_type
@@ -37,7 +37,7 @@ def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = Fals
 
 
 def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:
-    """The statements that reserve numbers and names, without what is reserved already, and names that are in use."""
+    """Return statements that reserve numbers and names. Reserved numbers and names in use are left out."""
     left = [part for one in numbers for part in missing(one, new.reserved)]
     free = [name for name in names if name not in new.reserved_names and name not in names_in_use(new)]
     of_numbers = f"reserved {spelled(left)};" if left else ""
@@ -45,18 +45,18 @@ def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Ran
 
 
 def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
-    """The statement that reserves names; in an edition, they are no strings."""
+    """Return the statement that reserves names. In an edition, names are identifiers without quotes."""
     quote = "" if syntax.is_edition else '"'
     return f"reserved {', '.join(f'{quote}{name}{quote}' for name in names)};"
 
 
 def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
-    """The names of a message's fields or of an enum's values, with their numbers."""
+    """Return the names of a message's fields or an enum's values, with their numbers."""
     return {one.name: one.number for one in (new.fields if isinstance(new, ProtoMessage) else new.values)}
 
 
 def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
-    """What to write where a field was."""
+    """Return the help text for a deleted field."""
     put = put_back(pair, field)
     if field.label == "required":
         return put
@@ -64,18 +64,18 @@ def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
 
 
 def put_back(pair: MessagePair, field: ProtoField) -> str:
-    """How to put back a field that is gone."""
+    """Describe how to put back a deleted field."""
     declared = declaration(field, pair.change.before, pair.old.full_name, pair.syntax)
     return f"put back `{declared}`{_with_type(pair.change, field)}{_in_place_of(pair.new, field.number, [field.name])}"
 
 
 def value_back_or_reserve(pair: EnumPair, number: int, names: Sequence[str]) -> str:
-    """What to write where an enum's value was."""
+    """Return the help text for a deleted enum value."""
     return _or_reserve(pair, put_values_back(pair, number, names), number, names)
 
 
 def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
-    """How to put back values that are gone, with the option that this takes."""
+    """Describe how to put back deleted enum values. Values with a shared number need ``allow_alias``."""
     numbers = [value.number for value in pair.new.values]
     shared, allowed = len(names) + numbers.count(number) > 1, len(set(numbers)) < len(numbers)
     option = "option allow_alias = true; " if shared and not allowed else ""
@@ -83,7 +83,7 @@ def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
 
 
 def values(names: Iterable[str], number: int) -> str:
-    """An enum's values as they are declared."""
+    """Return the declarations of an enum's values."""
     return " ".join(f"{name} = {number};" for name in names)
 
 
@@ -95,9 +95,9 @@ def _or_reserve(pair: MessagePair | EnumPair, put: str, number: int, names: Sequ
 
 
 def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str]) -> str:
-    """What has to go where something is put back: what has its name now, or what reserves it."""
+    """Describe the declarations or reservations that a restored declaration replaces."""
     used = names_in_use(new)
     moved = [f"{name} = {used[name]}" for name in names if name in used]
     held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]
-    found = moved + [f"what reserves {' and '.join(held)}"] * bool(held)
+    found = moved + [f"`reserved` of {' and '.join(held)}"] * bool(held)
     return f" in place of {', and '.join(found)}" if found else ""

@@ -1,8 +1,8 @@
-"""What .proto files said about numbers, in all of a repository's history.
+"""The history of numbers in .proto files, from all commits of a repository.
 
-Tools that compare two states do not see a number that was deleted in one commit and given to something else three
-commits later. Here, all states are read: of all branches, and of both sides of every merge; also those that do not
-compile, for the boards they were flashed to did not ask.
+A comparison of two states cannot find a number that one commit deleted, and that a later commit gave to something else.
+So this package reads all states: of all branches, and of both sides of every merge. It also reads states that do not
+compile, because a board may run firmware from such a commit.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""A cache of what the blobs of a repository say about numbers, kept between runs in the user's cache folder.
+"""A cache of the numbers in blobs of a repository, kept between runs in the user's cache folder.
 
-The id of a blob stands for its text, so an entry is right as long as the code that read it is the same. Each repository
-has one file: a checksum, then JSON. The checksum covers the code, too: what another version of the program wrote, what
-is cut short and what was damaged is read again. The files can be deleted at any time.
+The id of a blob is the checksum of its text, so an entry stays right as long as the code that made it is the same. Each
+repository has one file: a checksum, then JSON. The checksum covers the code too. So entries of another version of the
+program, and files that were cut short or damaged, are read again. The files can be deleted at any time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from roverlink.generator.protos import parser, schema
 from roverlink.generator.protos.schema import Fact
 from roverlink.generator.user_cache import cache_folder
 
-_LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a million
+_LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields take half a megabyte
 
 
 class BlobCache:
@@ -34,7 +34,7 @@ class BlobCache:
         self._file = cache_folder() / "history" / f"{name}.json"
 
     def load(self) -> dict[str, NumberedTypes]:
-        """Return what is known, by the ids of blobs; nothing where the cache cannot be read or is not ours."""
+        """Return the known types by blob id; empty if the cache cannot be read or is from another version."""
         try:
             said, _, body = self._file.read_bytes().partition(b"\n")
             os.utime(self._file)
@@ -43,7 +43,7 @@ class BlobCache:
         return dict(_decoded(body)) if said == _checksum(body) else {}
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
-        """Replace the cache; where that is not possible, there is none."""
+        """Replace the cache. If it cannot be written, the next run reads the history again."""
         body = _encoded(known)
         if len(body) > _LARGEST:
             return
@@ -62,7 +62,7 @@ class BlobCache:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove the files that were used least lately until the rest is small enough."""
+    """Remove the files that were unused for the longest time, until the rest is small enough."""
     about = {path: path.stat() for path in folder.iterdir()}
     size = 0
     for path in sorted(about, key=lambda path: about[path].st_mtime, reverse=True):
@@ -87,7 +87,7 @@ def _version() -> bytes:
 
 
 def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
-    """Return the cache as JSON: each distinct fact once, and where in which blob it stands."""
+    """Return the cache as JSON. Each distinct fact is stored once; blobs refer to it by index."""
     index: dict[Fact, int] = {}
     blobs = {
         blob: [

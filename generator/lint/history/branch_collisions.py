@@ -1,4 +1,4 @@
-"""What each branch says today, and where branches gave one number to different things."""
+"""Collisions of branches: numbers that open branches give to different payloads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (
 
 
 def branches(refs: Sequence[Ref]) -> dict[str, str]:
-    """The commits of the branches, here and on remotes; and that of HEAD where it is on none of them."""
+    """Return the commits of local and remote branches, and of HEAD if it is not on a branch."""
     return {
         ref.name: ref.commit
         for ref in refs
@@ -26,7 +26,7 @@ def branches(refs: Sequence[Ref]) -> dict[str, str]:
 
 
 def default_branch(refs: Sequence[Ref]) -> str | None:
-    """Return the full name of the branch that others are merged into, as git calls it; None where there is none."""
+    """Return the full ref of the branch that others are merged into; None if there is none."""
     names = branches(refs)
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
     told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
@@ -34,21 +34,21 @@ def default_branch(refs: Sequence[Ref]) -> str | None:
 
 
 def branch_name(ref: str) -> str:
-    """Return a branch's name as people say it, that of a remote's with the remote."""
+    """Return a branch's short name; the name of a remote branch keeps the remote."""
     return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
 
 
 class Branches:
-    """The branches of a repository, of one message."""
+    """The branches of a repository, for one message."""
 
     def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
         self._record, self._owners, self._nodes = record, owners, nodes
 
     def collisions(self, default: str | None) -> list[Collision]:
-        """Numbers that branches have given to different things since they parted.
+        """Return the numbers that branches have given to different payloads since they diverged.
 
-        A branch that the default one has taken in is not open any more. What one branch has as well here as on a
-        remote, and what one has that another was built upon, is one line of work.
+        A branch that is merged into the default branch does not count. The local and the remote copy of a branch count
+        as one, and so do a branch and another one that was built upon it.
         """
         graph = self._record.graph
         trunk = self._nodes.get(default, 0) if default else 0
@@ -66,11 +66,11 @@ class Branches:
         ]
 
     def _between(self, one: int, other: int) -> Iterator[tuple[int, Fact, Fact]]:
-        """The numbers that two tips have given to different things since they parted."""
+        """Yield the numbers that two branches have given to different payloads since they diverged."""
         graph = self._record.graph
         known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
         ours, theirs = self._facts(one) - known, self._facts(other) - known
-        old = {fact.number for fact in known}  # of those, one payload may have been renamed on both sides
+        old = {fact.number for fact in known}  # both sides may have renamed a payload that existed before
         for fact in sorted(ours - theirs):
             for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
                 new = fact.number not in old and fact.name != rival.name
@@ -92,12 +92,12 @@ class Branches:
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
     def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
-        """The lifetimes by which a fact is alive at a tip, the latest first."""
+        """Yield the lifetimes of a fact that still last at a branch, the latest first."""
         for owner in self._owners:
             lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 
 def _short(ref: str) -> str:
-    """A branch's name without whether it is here or on a remote."""
+    """Return a branch's name without its remote."""
     return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

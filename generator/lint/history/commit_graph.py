@@ -1,4 +1,4 @@
-"""Which commit descends from which; commits that change nothing that is looked at are those that they come from."""
+"""The graph of commits. A commit that changes no .proto file shares the node of its parent."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from roverlink.generator.lint.history.commits import Revision
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A commit that changes a .proto file, or brings lines of history together that had changed some."""
+    """A commit that changes a .proto file, or a merge of branches that changed some."""
 
     index: int
-    """Parents have smaller ones."""
+    """The node's number; larger than those of its parents."""
     parents: tuple[int, ...]
-    """The first one is what `Revision.edits` are seen from."""
+    """The parents. `Revision.edits` are changes against the first one."""
     revision: Revision
 
 
 class Graph:
-    """The nodes of history. The node `BEGINNING` is none of them: it is the empty tree that every line begins with."""
+    """The nodes of history. `BEGINNING` is not a commit: it is the empty tree before the first commit."""
 
     BEGINNING = 0
 
@@ -28,7 +28,7 @@ class Graph:
         self.nodes: list[Node] = []
         self._node_of: dict[str, int] = {}
         self._ancestors = [1]
-        """Of each node, itself included, as bits: one test for a pair is then as good as free."""
+        """The ancestors of each node and the node itself, as the bits of an integer: `precedes` is one shift."""
         for revision in revisions:
             self._node_of[revision.commit.id] = self._add(revision)
 
@@ -39,15 +39,15 @@ class Graph:
         return self.nodes[index - 1]
 
     def node_of(self, commit: str) -> int:
-        """The node that a commit is or comes from without a change; `BEGINNING` where there is none."""
+        """Return the node of a commit; `BEGINNING` if nothing was declared yet."""
         return self._node_of.get(commit, self.BEGINNING)
 
     def precedes(self, one: int, other: int) -> bool:
-        """Whether a node is an ancestor of another, or is that."""
+        """Return True if a node is an ancestor of another, or the same one."""
         return bool(self._ancestors[other] >> one & 1)
 
     def merge_bases(self, one: int, other: int) -> list[int]:
-        """The latest of the common ancestors."""
+        """Return the latest common ancestors of two nodes, as `git merge-base --all` does."""
         common = self._ancestors[one] & self._ancestors[other]
         bases = []
         while common:
@@ -70,7 +70,7 @@ class Graph:
 
 
 def depth(revisions: Collection[Revision], tips: Iterable[str]) -> int:
-    """How many commits one can go back at most, by the shortest way from the nearest tip: that of a shallow clone."""
+    """Return how many commits the history goes back: the largest distance of a commit from its nearest branch."""
     parents = {revision.commit.id: revision.parents for revision in revisions}
     level = {tip for tip in tips if tip in parents}
     seen, steps = set(level), 0

@@ -1,6 +1,6 @@
-"""A repository with its whole past, read in a few runs of git (2.31 or later), whatever its size.
+"""A repository with its whole past, read in a few runs of git (2.31 or later).
 
-Nothing is checked out. Where blobs were left out of a clone, git fetches those that are asked for.
+Nothing is checked out. In a partial clone (``--filter``), git fetches the missing blobs when they are asked for.
 """
 
 from __future__ import annotations
@@ -15,34 +15,36 @@ from roverlink.generator.git import Commit, GitError, Repository, commit_of, env
 _FIELDS = ("%H", "%P", "%ct", "%at", "%s")
 _LOG = (
     *("-c", "log.showRoot=true", "-c", "log.showSignature=false"),
-    # All of the commits, also those that change no .proto file, since they tie the others together.
+    # --sparse keeps commits that change no .proto file: without them, the graph would fall apart.
     *("log", "--exclude=refs/stash", "--all", "--date-order", "--full-history", "--sparse", "--no-follow"),
-    # What a merge changes is asked against its first parent; what its other parents have is known from their own past.
+    # Compare a merge with its first parent only. The commits of its other parents are listed themselves.
     *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--relative", "-z", "--no-color"),
     *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}", "--", "*.proto"),
 )
-_BATCH = 256  # ids that git is asked for at once; they fit into a pipe with room to spare
-_LARGEST = 4_194_304  # bytes of a file that somebody may have written
+_BATCH = (
+    256  # ids per request: 256 * 41 bytes fit into the pipe (64 KiB on Linux), so git and this process never both wait
+)
+_LARGEST = 4_194_304  # bytes; the largest .proto files that people write have a few hundred thousand
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """What a commit did to one file, seen from its first parent."""
+    """The change of one file in a commit, against its first parent."""
 
     path: str
     old: str | None
-    """The blob that was there; None if there was none."""
+    """The blob before the commit; None if the file did not exist."""
     new: str | None
 
 
 @dataclass(frozen=True, slots=True)
 class Revision:
-    """A commit with its place in history."""
+    """A commit with its parents and changes."""
 
     commit: Commit
     parents: tuple[str, ...]
     time: int
-    """When it was committed, in seconds."""
+    """Time of the commit (not of the author), in seconds since 1970."""
     edits: tuple[Edit, ...]
 
 
@@ -51,17 +53,17 @@ class Ref:
     """A name for a commit."""
 
     name: str
-    """In full: ``refs/heads/main``."""
+    """The full name, such as ``refs/heads/main``."""
     commit: str
     target: str
-    """The ref that it stands for; empty if it stands for itself."""
+    """The target of a symbolic ref; empty for other refs."""
 
 
 class PastRepository(Repository):
-    """A folder within a git repository, with its past."""
+    """A folder in a git repository, with its history."""
 
     def revisions(self) -> list[Revision]:
-        """All commits that any ref leads to, parents before children, else by time; a stash is nobody's history."""
+        """Return all commits of all refs except stashes, parents before children, otherwise by time."""
         words = self._run(*_LOG).split("\0")
         found, at = [], 0
         while at + len(_FIELDS) <= len(words):
@@ -76,26 +78,26 @@ class PastRepository(Repository):
         return found[::-1]
 
     def refs(self) -> list[Ref]:
-        """The refs that lead to commits, sorted; HEAD among them where it is on no branch."""
+        """Return the refs of commits, sorted; with HEAD if it is not on a branch."""
         said = self._run("for-each-ref", "--format=%(refname)%00%(objectname)%00%(*objectname)%00%(symref)")
         fields = [line.split("\0") for line in said.splitlines()]
         refs = [Ref(name, peeled or id, target) for name, id, peeled, target in fields]
         try:
             head = self.resolve("HEAD")
         except GitError:
-            return refs  # nothing is committed on the current branch
+            return refs  # the current branch has no commit
         branches = {ref.commit for ref in refs if ref.name.startswith(("refs/heads/", "refs/remotes/"))}
         return refs if head in branches else [Ref("HEAD", head, ""), *refs]
 
     def boundary(self) -> frozenset[str]:
-        """The commits at which a shallow clone ends; empty for a full one."""
+        """Return the commits at which a shallow clone ends; none for a full clone."""
         if self._run("rev-parse", "--is-shallow-repository").strip() != "true":
             return frozenset()
         file = self.folder / self._run("rev-parse", "--git-path", "shallow").strip()
         return frozenset(file.read_text(encoding="ascii").split())
 
     def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
-        """The contents of blobs, in their order; None for one that is not there, or is too large to be looked at."""
+        """Yield the content of blobs in their order; None for a missing or too large one."""
         if not ids:
             return
         command = ["git", "-C", str(self.folder), "cat-file", "--batch"]
@@ -136,5 +138,5 @@ def _edit(what: str, path: str) -> Edit:
 
 
 def _is_file(mode: str) -> bool:
-    """Whether a mode is that of a regular file, and neither of nothing, of a link, nor of a submodule."""
+    """Return True for the mode of a regular file; links, submodules and deleted files have other modes."""
     return mode.startswith("100")

@@ -1,12 +1,12 @@
-"""One walk over history, parents before children: what each message says at each commit, and since when.
+"""One walk over history, parents before children: the facts of each message at each commit, and since when.
 
-Where something came and went is a question of one line of history, so each line carries what is alive on it, as
-lifetimes. The rules for commits with several parents:
+A fact may come and go several times, and differently on each line of history. So the walk carries, along each line, the
+lifetimes that last there. Rules for a merge:
 
-- a fact comes with a merge only if no parent had it; otherwise it goes on as what it was in those that had it;
-- a fact goes with a merge only if the merge itself drops it. Where a parent that lacks it had known it once, somebody
-  on that line took it away before, and the merge only carries that over: there, that lifetime has `faded`;
-- so does a merge by which it goes on as two lifetimes, since it had come on each side for itself. They go together.
+- A fact begins at the merge only if no parent has it. Otherwise its lifetimes in the parents continue.
+- A fact ends at the merge only if the merge itself deletes it. If a parent without the fact had it before, a commit on
+  that line deleted it, and the merge only takes over the deletion: its lifetimes in the other parents have `faded`.
+- If a fact began separately on both sides, the merge continues both lifetimes. They end together.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from roverlink.generator.lint.history.numbered_types import NumberedType, Number
 from roverlink.generator.protos.schema import Fact
 
 Declared = Mapping[str, NumberedType]
-"""The declarations of one message or enum in one state, by file: mostly one."""
+"""The declarations of one message or enum in one state, by file. Usually there is one."""
 Lifetimes = frozenset[int]
-"""Indices of the lifetimes that a fact is alive by: one, unless it came on several lines that were merged."""
+"""Indices of the lifetimes of a fact: one, unless it began on several lines that were merged."""
 Alive = Mapping[Fact, Lifetimes]
 
 _NOTHING: Alive = {}
@@ -29,7 +29,7 @@ _NOTHING: Alive = {}
 
 @dataclass(slots=True)
 class Lifetime:
-    """From one coming of a fact to all its goings."""
+    """The time of a fact from its beginning to all its ends on different lines of history."""
 
     fact: Fact
     came: int
@@ -37,34 +37,34 @@ class Lifetime:
     line: int
     went: list[int] = field(default_factory=list)
     faded: list[int] = field(default_factory=list)
-    """Merges that carried over that it had gone."""
+    """Merges that took over the deletion from another line."""
 
 
 @dataclass(slots=True)
 class State:
-    """What all messages and enums are at one commit. What is in the two mappings is shared, and never changed."""
+    """All messages and enums at one commit. The inner mappings are shared, and never changed."""
 
     declared: dict[str, Declared] = field(default_factory=dict)
     alive: dict[str, Alive] = field(default_factory=dict)
 
     def copy(self) -> State:
-        """A state that can be changed."""
+        """Return a state that may be changed."""
         return State(dict(self.declared), dict(self.alive))
 
 
 @dataclass(slots=True)
 class Lineage:
-    """What the walk finds."""
+    """The result of the walk."""
 
     lifetimes: dict[str, list[Lifetime]] = field(default_factory=dict)
-    """Of each message and enum."""
+    """The lifetimes of each message and enum."""
     changes: dict[str, dict[int, Declared]] = field(default_factory=dict)
-    """What each of them became at the nodes at which it is not what it is at their first parent."""
+    """The declarations at each node where they differ from the first parent."""
     tips: dict[int, State] = field(default_factory=dict)
 
 
 def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
-    """Walk over all nodes. Of the ``tips``, the states are kept."""
+    """Walk over all commits of the graph, parents first; keep the states of ``tips`` for later queries."""
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
         walk.visit(node)
@@ -77,7 +77,7 @@ class _Sweep:
         self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
-        """How often each state is still to be built upon; the last one to do so need not copy it."""
+        """How many nodes still need each state. The last one changes it in place, without a copy."""
         for index in tips:
             self._needed[index] += 1
         for node in graph.nodes:
@@ -88,7 +88,7 @@ class _Sweep:
             self.lineage.tips[Graph.BEGINNING] = State()
 
     def visit(self, node: Node) -> None:
-        """Find out what comes and goes at a node whose parents were visited."""
+        """Find the facts that begin and end at a node. Its parents have been visited."""
         others = [self._release(parent) for parent in node.parents[1:]]
         alive_there = [state.alive for state in others]
         state = self._take(node.parents[0])
@@ -109,7 +109,7 @@ class _Sweep:
             del self._states[node.index]
 
     def _take(self, index: int) -> State:
-        """A parent's state, to be changed."""
+        """Return a parent's state, which may be changed."""
         state = self._release(index)
         return state.copy() if index in self._states else state
 
@@ -121,7 +121,7 @@ class _Sweep:
         return state
 
     def _edit(self, node: Node, state: State) -> set[str]:
-        """Put what a node's files declare into a state; the messages and enums of which that changes any fact."""
+        """Apply a node's files to a state; return the messages and enums whose facts changed."""
         before: dict[str, Declared] = {}
         for edit in node.revision.edits:
             old = self._types_of(edit.old) if edit.old else {}
@@ -141,7 +141,7 @@ class _Sweep:
         return changed
 
     def _settle(self, node: Node, owner: str, befores: list[Alive], declared: Declared) -> Alive:
-        """What is alive of a message at a node, after what was at its parents."""
+        """Return the lifetimes of a message's facts at a node, from those at its parents."""
         lifetimes = self.lineage.lifetimes.setdefault(owner, [])
         after: dict[Fact, Lifetimes] = {}
         for path, declaration in declared.items():
@@ -158,7 +158,7 @@ class _Sweep:
         return after
 
     def _end(self, node: Node, fact: Fact, befores: list[Alive], lifetimes: list[Lifetime]) -> None:
-        """A fact is not there any more: note for its lifetimes whether it is this node that takes it away."""
+        """End the lifetimes of a fact: as ``went`` if this node deletes it, as ``faded`` if another line did."""
         lacking = [parent for parent, before in zip(node.parents, befores) if fact not in before]
         for lifetime in lifetimes:
             known = any(self._graph.precedes(lifetime.came, parent) for parent in lacking)
@@ -168,7 +168,7 @@ class _Sweep:
 
 
 def _same(one: Declared, other: Declared) -> bool:
-    """Whether two states say the same of all numbers, in the same files, on whichever lines."""
+    """Return True if two states have the same facts in the same files. Lines may differ."""
     return one.keys() == other.keys() and all(
         declaration.facts.keys() == other[path].facts.keys() and declaration.broken == other[path].broken
         for path, declaration in one.items()

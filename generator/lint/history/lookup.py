@@ -1,4 +1,4 @@
-"""What was found of the past, and questions about one message or enum at one node of it."""
+"""Lookups in the history: one message or enum at one node."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Record:
-    """The past, by names and nodes."""
+    """The history, by names and nodes."""
 
     def __init__(self, graph: Graph, lineage: Lineage) -> None:
         self.graph, self.lineage = graph, lineage
@@ -31,9 +31,10 @@ class Record:
     # --- names ------------------------------------------------------------------------------------------------------
 
     def owners(self, name: str) -> list[str]:
-        """The messages and enums that are meant by a name, full or not: one, or one that changed its package.
+        """Return the full names that a name means: one, or several if the package changed.
 
-        A name of several that stood beside each other is that of the one with no package, if any, and else of all.
+        If several messages of that name existed at the same time, the one without a package is meant. If all have a
+        package, all are meant.
         """
         found = self.of_simple_name(name)
         if name not in found:
@@ -41,14 +42,15 @@ class Record:
         return [name, *(other for other in found if other != name and not self._beside(name, other))]
 
     def _beside(self, one: str, other: str) -> bool:
-        """Whether two messages were ever declared in one state."""
+        """Return True if two messages were declared in the same state."""
         nodes = {*self.lineage.changes[one], *self.lineage.changes[other]}
         return any(self.declared(one, node) and self.declared(other, node) for node in nodes)
 
     def resolve(self, type: str, owner: str, node: int) -> str | None:
-        """Full name of the message or enum that a message means by a type; None for none that is declared there.
+        """Return the full name of a field's type at a node; None if it is not declared there.
 
-        Where none is found by protobuf's rules, the package may be what does not compile: the last part decides then.
+        If protobuf's rules find nothing, the package statement may be unreadable: then the last part of the name
+        decides.
         """
         if not type or type in SCALARS or type.startswith("map<"):
             return None
@@ -63,18 +65,18 @@ class Record:
         return next((other for other in self.of_simple_name(type) if self.declared(other, node)), None)
 
     def of_simple_name(self, name: str) -> Sequence[str]:
-        """The messages and enums that share the last part of a name, whichever package they were in."""
+        """Return the messages and enums with the same last part of the name, in any package."""
         return self._by_simple_name.get(name.rpartition(".")[2], ())
 
     # --- states -----------------------------------------------------------------------------------------------------
 
     def declared(self, owner: str, node: int) -> Declared:
-        """What a message or enum is at a node, by file; empty where there is none."""
+        """Return the declarations of a message or enum at a node, by file; empty if there is none."""
         changes = self.lineage.changes.get(owner)
         return changes.get(self._last_change(owner, node), {}) if changes else {}
 
     def _last_change(self, owner: str, node: int) -> int:
-        """The node from which a message is what it is at another one."""
+        """Return the node at which the message got its state at ``node``."""
         if owner not in self._last_changes:
             changes, last = self.lineage.changes[owner], [Graph.BEGINNING]
             for each in self.graph.nodes:
@@ -83,7 +85,7 @@ class Record:
         return self._last_changes[owner][node]
 
     def content(self, owner: str | None, node: int) -> Content | None:
-        """What a message or enum is at a node; None where it is not known."""
+        """Return the content of a message or enum at a node; None if it is unknown."""
         if owner is None or not self.declared(owner, node):
             return None
         key = owner, self._last_change(owner, node)
@@ -100,10 +102,10 @@ class Record:
         return Content(owner, commit, tuple(sorted(facts)), path, first.line, broken, first.enum)
 
     def content_of_type(self, type: str, owner: str, node: int) -> Content | None:
-        """What a message means by a type at a node.
+        """Return the content of a field's type at a node.
 
-        Where that is not declared, whoever renamed a message may have changed its users in a commit of its own: then
-        it is what was declared last before, or else first behind.
+        If the type is not declared there, its declaration was perhaps renamed in a commit before or after: then this
+        returns the last content before the node, or the first one after it.
         """
         if name := self.resolve(type, owner, node):
             return self.content(name, node)
@@ -119,22 +121,22 @@ class Record:
         return replace(content, there=False) if content else None
 
     def has(self, owner: str, fact: Fact, node: int) -> bool:
-        """Whether a message says something at a node."""
+        """Return True if a message has a fact at a node."""
         return any(fact in declaration.facts for declaration in self.declared(owner, node).values())
 
     def before(self, owner: str, fact: Fact, node: int) -> int:
-        """The parent of a node at which a message still said what it does not any more."""
+        """Return the parent at which the message still had the fact that a node deletes."""
         parents = self.graph[node].parents
         return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
 
     # --- facts ------------------------------------------------------------------------------------------------------
 
     def lifetimes(self, owner: str) -> Iterator[tuple[int, Lifetime]]:
-        """The lifetimes of all facts of a message, with their indices."""
+        """Yield the lifetimes of all facts of a message, with their indices."""
         return enumerate(self.lineage.lifetimes.get(owner, []))
 
     def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
-        """How sound the states are from which each fact was read."""
+        """Return the confidence of each fact, from the files in which it was read."""
         sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
             for declared in self.lineage.changes.get(owner, {}).values():

@@ -1,4 +1,4 @@
-"""Messages and enums in one state of a .proto file, by their numbers."""
+"""The messages and enums of one state of a .proto file, by number."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ class NumberedType:
     """A message or an enum in one state of a file."""
 
     facts: dict[Fact, int]
-    """What it says about its numbers, with the first line that says so."""
+    """The facts of the type, each with its first line."""
     line: int
     broken: bool
-    """Whether the file has lines that cannot be read."""
+    """True if the file has lines that cannot be read."""
     enum: bool
 
 
 NumberedTypes = dict[str, NumberedType]
-"""The types of one state of a file by their full names."""
+"""The messages and enums in one state of a file, by full name."""
 
 
 def numbered_types(file: File) -> NumberedTypes:
-    """Return what a parsed file says about numbers; of a type that it declares twice, both declarations in one."""
+    """Return the facts of a parsed file. Two declarations of one type are combined."""
     found: NumberedTypes = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
     for type in sorted(types, key=lambda one: one.span.line):

@@ -1,4 +1,4 @@
-"""The history of a repository's .proto files, and what can be asked of it."""
+"""The history of a repository's .proto files, with queries."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _SOME = 64  # states between two reports of progress
 
 
 def read_history(repository: Path, report: Callable[[int, int], None] | None = None) -> History:
-    """Read the past of all .proto files below a folder of a repository: of all refs, and of both sides of each merge.
+    """Read the history of all .proto files below a folder: all refs, and both sides of each merge.
 
-    ``report`` is told how many states of files are read, and of how many. Raises `GitError` where git says no.
+    ``report`` is called with the number of file states that were read, and their total. Raises `GitError` if git fails.
     """
     git = PastRepository(repository)
     refs, boundary, revisions = git.refs(), git.boundary(), git.revisions()
@@ -34,10 +34,10 @@ def read_history(repository: Path, report: Callable[[int, int], None] | None = N
 
 
 class History:
-    """All that the .proto files of a repository ever said about numbers.
+    """The meanings of all numbers in the history of a repository's .proto files.
 
-    Messages and enums are asked for by name, with their package or without: also for one that changed its package
-    there is one history. It is none of the file's: those may be renamed and moved.
+    Messages and enums are found by name, with or without package. One that moved to another package has one history.
+    Files do not matter: they may be renamed and moved.
     """
 
     def __init__(
@@ -55,31 +55,31 @@ class History:
         self._record = Record(graph, lineage)
         self._traced = cache(self._find_traced)
         self.reuses = cache(self._find_reuses)
-        """The numbers of a message or enum, by name, that had more than one meaning: each pair of its uses.
+        """The numbers of a message or enum that had more than one meaning, as pairs of usages.
 
-        Mere renames are among them.
+        Includes mere renames.
         """
         self.commits = len(revisions)
-        """How many commits there are."""
+        """The number of commits."""
         self.shallow = shallow
-        """Whether this is a part of the history only: what came before is not known."""
+        """True if the clone is shallow, so that earlier commits are unknown."""
         self.depth = depth(revisions, [ref.commit for ref in refs])
-        """How many commits it goes back."""
+        """The depth of the history in commits."""
         self.unread = tuple(sorted(_paths(revisions, unread)))
-        """Files of which some state was not looked at: it is not there, too large, or binary."""
+        """Files with a state that was not read: it is missing, too large, or binary."""
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Full names of all messages that there ever were."""
+        """Full names of all messages that ever existed."""
         return tuple(sorted(name for name, enum in self._kinds() if not enum))
 
     @property
     def enums(self) -> tuple[str, ...]:
-        """Full names of all enums that there ever were."""
+        """Full names of all enums that ever existed."""
         return tuple(sorted(name for name, enum in self._kinds() if enum))
 
     def names(self, name: str) -> tuple[str, ...]:
-        """The full names that a message or enum has had: several where it changed its package."""
+        """Return the full names that a message or enum had: several if its package changed."""
         return tuple(self._record.owners(name))
 
     def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
@@ -87,11 +87,11 @@ class History:
         return _by_number(traced.usage for traced in self._traced(name, False))
 
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
-        """Return every number of fields or values that were ever commented out, with the usages in those comments."""
+        """Return every number of a declaration that was ever commented out, with its usages."""
         return _by_number(traced.usage for traced in self._traced(name, True))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
-        """Return the numbers of a message that branches have given to different things, since they left each other."""
+        """Return the numbers of a message that branches have given to different payloads since they diverged."""
         found = Branches(self._record, self._record.owners(name), self._nodes)
         return tuple(found.collisions(default_branch(self._refs)))
 
@@ -117,7 +117,7 @@ def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
 def _types(
     git: PastRepository, revisions: Sequence[Revision], report: Callable[[int, int], None]
 ) -> tuple[dict[str, NumberedTypes], frozenset[str]]:
-    """Return what each state of each file declares, by blobs; and the blobs that could not be looked at."""
+    """Return the types in each state of each file, by blob; and the blobs that could not be read."""
     blobs = list(dict.fromkeys(edit.new for revision in revisions for edit in revision.edits if edit.new))
     blob_cache = BlobCache(git.folder)
     known = blob_cache.load()
@@ -141,5 +141,5 @@ def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:
 
 
 def _nobody(done: int, total: int) -> None:
-    """Tell nobody."""
+    """Ignore the progress."""
     del done, total

@@ -1,4 +1,4 @@
-"""Numbers of one message or enum that had more than one meaning."""
+"""Reuses: numbers of one message or enum that had more than one meaning."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from roverlink.generator.lint.history.usages import TracedUsage
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
 
-_MOST = 16  # uses of one number that each further one is compared with: the latest
+_MOST = 16  # each usage of a number is compared with this many usages before it
 
 
 class Reuses:
@@ -36,7 +36,7 @@ class Reuses:
         self._values = ValueNames(self._owner, [one.usage.name for one in traced])
 
     def all(self) -> Iterator[Reuse]:
-        """All of them, by number."""
+        """Yield all reuses, sorted by number."""
         for _, group in groupby(self._traced, key=lambda one: one.usage.number):
             uses = list(group)
             if len(uses) > 1:
@@ -47,7 +47,7 @@ class Reuses:
     # --- usages that differ -----------------------------------------------------------------------------------------
 
     def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
-        """What differs between the uses of a number; what became another by mere renames, step by step, does not."""
+        """Return the differences between the usages of a number. A chain of mere renames is one meaning."""
         meaning = list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
         for one, other in combinations(range(len(uses)), 2):
@@ -62,7 +62,7 @@ class Reuses:
         return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
-        """What the later use makes of the earlier one's number; None where that is the same."""
+        """Return the reuse between two usages; None if the meaning is the same."""
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
         if not (old.type or new.type):
@@ -78,7 +78,7 @@ class Reuses:
         return self._reuse(self._by_content(earlier, later, before, after, contents), earlier, later, *contents)
 
     def _scalar_or_not(self, old: Fact, new: Fact, contents: tuple[Content | None, Content | None]) -> Kind | None:
-        """A scalar in the place of a message or enum, or the other way round: an enum is an integer to the wire."""
+        """Return the kind of a change between a scalar and another type. On the wire, an enum is an integer."""
         content = contents[0] or contents[1]
         enum = content is not None and content.enum
         kinds = [fact.type if fact.type in SCALARS else "enum" if enum else "message" for fact in (old, new)]
@@ -92,13 +92,13 @@ class Reuses:
         after: int,
         contents: tuple[Content | None, Content | None],
     ) -> Kind | None:
-        """A message or an enum in the place of another one."""
+        """Return the kind of a change from a message or enum to another one, by their content."""
         old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
         if one and other and one.enum != other.enum:
             return Kind.RETYPED
         if old.type == new.type or (one and other and one.type == other.type):
-            same_payload = bool(old.oneof and new.oneof)  # a oneof's member is what its type is
+            same_payload = bool(old.oneof and new.oneof)  # the meaning of a oneof's member is its type
             return (Kind.RENAMED if old.name != new.name else None) if same_payload else _by_name(old, new)
         if "map<" in (old.type[:4], new.type[:4]) or "group" in (old.type, new.type):
             return Kind.RETYPED
@@ -114,10 +114,10 @@ class Reuses:
         after: int,
         contents: tuple[Content | None, Content | None],
     ) -> bool:
-        """Whether one type is the other under a new name.
+        """Return True if one type is the other under a new name.
 
-        Two types that stood beside each other are two, however alike, unless the member kept its name. A number that
-        lay idle in between, or a message that is too small to tell, need a name that speaks of the same thing.
+        Two types that were declared at the same time are different, even if they are alike, unless the field kept its
+        name. If the number was unused in between, or a message is too small to compare, the names must share a word.
         """
         old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
@@ -133,7 +133,7 @@ class Reuses:
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
     def _within(self, use: TracedUsage) -> Iterator[Reuse]:
-        """Where what the type of a member stands for was replaced, and the name was kept."""
+        """Yield states of a field's type in which the content was replaced, although the name stayed."""
         versions: list[tuple[int, Content]] = []
         for node in self._relations.nodes_of_content(use):
             new = self._content(use, node)
@@ -151,7 +151,7 @@ class Reuses:
         return self._record.content_of_type(use.usage.type, use.stretches[0].owner, node)
 
     def _surviving(self, old: Content, new: Content) -> int:
-        """How many of the old fields are left: a question that each further use of a number asks again."""
+        """Return how many old fields still exist. Cached, because each further usage of a number asks again."""
         key = (old.type, old.commit.id, new.type, new.commit.id)
         if key not in self._survivors:
             self._survivors[key] = survivors(old, new)
@@ -186,7 +186,7 @@ def _by_name(old: Fact, new: Fact) -> Kind | None:
 
 
 def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
-    """How far a use is to be trusted, for which it counts what is known of its type."""
+    """Return the confidence of a usage, with the content of its type."""
     type = use.usage.type
     sound = content is not None and content.there and not content.broken
     known = sound or not type or type in SCALARS or type.startswith("map<")

@@ -1,4 +1,4 @@
-"""Whether two fields, two enum values, or the contents of two messages are the same thing."""
+"""Comparisons of meaning: fields, enum values, and the contents of messages."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from roverlink.generator.lint.names.name_words import share_a_word, words
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
 
-_FEWEST = 3  # of so few fields that each may have changed by itself
-_TELLING = 2  # of a single field, half of all messages consist
+_FEWEST = 3  # with fewer fields, each one may have changed on its own
+_TELLING = 2  # half of all messages have a single field, so that one proves nothing
 _ENUM_LIKE = frozenset({"int32", "int64", "uint32", "uint64"})
 
 
 def same_field(old: Fact, new: Fact) -> bool:
-    """Whether a number stands for the same: bytes of the one can be read as the other, and the names speak of one."""
+    """Return True if two fields have the same meaning: compatible bytes, and names that share a word."""
     if (old.label == "repeated") != (new.label == "repeated"):
         return False
     return _types_agree(old, new) and alike(old.name, new.name)
@@ -25,12 +25,12 @@ def same_field(old: Fact, new: Fact) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def alike(old: str, new: str) -> bool:
-    """Whether two names speak of the same thing. A history asks that of the same names over and over."""
+    """Return True if two names share a word. Cached, because a history compares the same names many times."""
     return old == new or share_a_word([old], [new])
 
 
 def _types_agree(old: Fact, new: Fact) -> bool:
-    """Whether types are one as far as they can be told from what is written."""
+    """Return True if two types agree, as far as their names tell."""
     scalars = [fact.type in SCALARS for fact in (old, new)]
     if all(scalars):
         return not broken_by_kind(old.type, new.type)
@@ -40,20 +40,23 @@ def _types_agree(old: Fact, new: Fact) -> bool:
 
 
 def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
-    """Whether type and name of two uses are of different payloads; or, of what is no message, of different names."""
+    """Return True if two usages, each as type and name, are different payloads.
+
+    For scalars and enum values, which have no message type, different names are enough.
+    """
     types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
-    if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one may be written with its package
+    if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one of the two may include the package
         return True
     return (not one[0] or one[0] in SCALARS) and one[1] != other[1]
 
 
 def simple(type: str) -> str:
-    """A type's name without its package."""
+    """Return a type's name without its package."""
     return type.rpartition(".")[2]
 
 
 def survivors(old: Content, new: Content) -> int:
-    """How many fields or values of an old content are in a new one."""
+    """Return how many fields or values of an old content still exist in a new one."""
     after: dict[int, list[Fact]] = {}
     for fact in new.facts:
         after.setdefault(fact.number, []).append(fact)
@@ -65,24 +68,24 @@ def _survives(old: Fact, new: Fact) -> bool:
 
 
 def nearly_the_same(old: Content, new: Content, left: int) -> bool:
-    """Whether the fields that are left are two thirds, seen from the one that has fewer."""
+    """Return True if at least two thirds of the fields are left, counted in the smaller content."""
     return left * 3 >= 2 * min(len(old.facts), len(new.facts))
 
 
 def is_telling(old: Content, new: Content) -> bool:
-    """Whether there is enough in both for them not to be alike by chance."""
+    """Return True if both contents are large enough that they are not alike by chance."""
     return min(len(old.facts), len(new.facts)) >= _TELLING
 
 
 def replaced(old: Content, new: Content, left: int) -> bool:
-    """Whether fewer than a third of the old fields are left, and others are in the places of some."""
+    """Return True if fewer than a third of the old fields are left, and new fields have some of their numbers."""
     numbers = {fact.number for fact in new.facts}
     gone = [fact for fact in old.facts if fact.number not in numbers]
     return len(old.facts) >= _FEWEST and left * 3 < len(old.facts) and left + len(gone) < len(old.facts)
 
 
 class ValueNames:
-    """The names of an enum's values, less the words that say which enum they belong to."""
+    """The names of an enum's values, without the words that most of them share."""
 
     def __init__(self, owner: str, names: Collection[str]) -> None:
         of_owner = frozenset(words(simple(owner)))
@@ -94,7 +97,7 @@ class ValueNames:
         self._common = of_owner | {word for word, count in counts.items() if many > _FEWEST and count * 2 > many}
 
     def share_a_word(self, old: str, new: str) -> bool:
-        """Whether two names have a word in common that not most of the others have, too."""
+        """Return True if two names share a word that is not common to most values."""
         return alike(self._own(old), self._own(new))
 
     def _own(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""What the history of a message or an enum consists of."""
+"""The model of a number's history: usages, contents and reuses."""
 
 from __future__ import annotations
 
@@ -10,106 +10,106 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Confidence(IntEnum):
-    """How far what was read is to be trusted; the higher, the less."""
+    """The confidence in a fact; a higher value means less confidence."""
 
     CERTAIN = 0
-    """Every file that it was read from is sound."""
+    """All files that it was read from are complete."""
     LIKELY = 1
-    """Some of the files had lines that cannot be read; or what a type stands for is not in the repository."""
+    """Some of the files have unreadable lines, or the field's type is not in the repository."""
     DOUBTFUL = 2
-    """Every file that it was read from had lines that cannot be read."""
+    """All of the files have unreadable lines."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """From where something came to where it went, in one piece of the history."""
+    """The time from the commit that added a fact to the commits that deleted it."""
 
     came: Commit
     went: tuple[Commit, ...]
-    """The commits that took it away: none while it lasts, several where branches did so each for itself."""
+    """The commits that deleted it: none if it still exists, several if branches deleted it separately."""
     path: str
-    """The file in which it came, below the folder that was read."""
+    """The file in which it began, below the folder that was read."""
     line: int
 
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """One meaning that a number had, through all of history; what was taken away and put back is the same usage."""
+    """One meaning of a number in all of history. A fact that was deleted and put back is the same usage."""
 
     number: int
     type: str
-    """As written; empty for an enum value."""
+    """The type as written; empty for an enum value."""
     name: str
     label: str
     oneof: str
     intervals: tuple[Interval, ...]
-    """The earliest first."""
+    """The intervals, the earliest first."""
     live_at: tuple[str, ...]
-    """The branches, here and on remotes, that have it today."""
+    """The local and remote branches that have it today."""
     went: Commit | None
-    """Where it went last; None while some branch has it."""
+    """The commit that deleted it last; None if a branch still has it."""
     confidence: Confidence
 
     @property
     def came(self) -> Commit:
-        """Where it came first."""
+        """The commit that added it first."""
         return self.intervals[0].came
 
     @property
     def path(self) -> str:
-        """The file in which it came first."""
+        """The file in which it was added first."""
         return self.intervals[0].path
 
     @property
     def line(self) -> int:
-        """Where it stood there."""
+        """Its line in that file."""
         return self.intervals[0].line
 
     @property
     def fact(self) -> Fact:
-        """What it says."""
+        """The usage as a fact."""
         return Fact(self.number, self.name, self.type, self.label, self.oneof)
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """The fields of a message, or the values of an enum, as a commit has them."""
+    """The fields of a message, or the values of an enum, at a commit."""
 
     type: str
-    """Full name."""
+    """Full name of the message or enum."""
     commit: Commit
     facts: tuple[Fact, ...]
-    """By number."""
+    """The facts, sorted by number."""
     path: str
     line: int
     broken: bool
-    """Whether the file has lines that cannot be read, so that there may be more."""
+    """True if the file has unreadable lines, so that facts may be missing."""
     enum: bool
     there: bool = True
-    """Whether the commit that was asked about declares it; otherwise, this is of the nearest commit that does."""
+    """True if the requested commit declares it. Otherwise this is the content at the nearest commit that does."""
 
 
 class Kind(Enum):
-    """What became of a number."""
+    """The kind of change between two usages of a number."""
 
-    REUSED = "another message, with other contents"
-    REPLACED = "the same message by name, whose contents were replaced"
-    RETYPED = "another type, which reads the bytes otherwise"
-    MEANING = "another name, which has no word of the old one"
-    RENAMED = "the same thing under another name"
+    REUSED = "another message with other content"
+    REPLACED = "a message of the same name with other content"
+    RETYPED = "another type, which reads the bytes differently"
+    MEANING = "another name, which shares no word with the old one"
+    RENAMED = "the same meaning under another name"
 
 
 class Relation(Enum):
-    """How two uses of a number stand to each other in the graph of commits."""
+    """The relation of two usages in the graph of commits."""
 
-    SUCCESSION = "the later one came after the earlier one had gone, on one line of history"
-    BRANCHES = "neither knew of the other's end: they were given on different branches"
-    TOGETHER = "they stood in one state at once"
+    SUCCESSION = "the later one was added after the earlier one was deleted, on one line of history"
+    BRANCHES = "they were added on different branches"
+    TOGETHER = "one commit declares both"
 
 
 @dataclass(frozen=True, slots=True)
 class Reuse:
-    """Two uses of one number of a message or an enum."""
+    """Two usages of one number of a message or enum with different meanings."""
 
     owner: str
     """Full name of the message or enum."""
@@ -117,30 +117,30 @@ class Reuse:
     kind: Kind
     earlier: Usage
     later: Usage
-    """The same one as `earlier` where the contents were replaced under the same name."""
+    """The later usage; the same object as `earlier` if the content was replaced under the same name."""
     relation: Relation
     at_once: bool
-    """Whether there was a time, by the committers' clocks, at which both were in use, be it on different branches."""
+    """True if both were in use at the same time, by the committers' clocks, even on different branches."""
     old: Content | None
-    """What the earlier type stood for when it was used last; None where it is no message or enum, or is not known."""
+    """The last content of the earlier type; None if it is not a message or enum, or is unknown."""
     new: Content | None
-    """What the later type stood for when it came."""
+    """The first content of the later type."""
     survivors: int
-    """How many of the old fields are among the new ones."""
+    """The number of old fields that still exist in the new content."""
     confidence: Confidence
 
     @property
     def real(self) -> bool:
-        """Whether bytes of the one are read as the other; a mere rename does no harm to them."""
+        """True if bytes of one are misread as the other. A mere rename is harmless."""
         return self.kind is not Kind.RENAMED
 
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """A number that a branch has given to something since it left the default branch."""
+    """A number that a branch has assigned since it left the default branch."""
 
     refs: tuple[str, ...]
-    """The branches; several where they agree."""
+    """The branches; several if they agree."""
     type: str
     name: str
     came: Commit
@@ -150,7 +150,7 @@ class Allocation:
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """A number that branches have given to different things, none knowing of the other."""
+    """A number that separate branches have given to different payloads."""
 
     number: int
     allocations: tuple[Allocation, ...]

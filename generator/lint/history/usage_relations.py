@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Relations:
-    """Asks the graph, of one message or enum."""
+    """Queries to the graph of commits, for one message or enum."""
 
     def __init__(self, record: Record, owners: Sequence[str]) -> None:
         self._record, self._graph = record, record.graph
@@ -34,25 +34,28 @@ class Relations:
         self._together.update(frozenset(pair) for same in uses.values() for pair in combinations(same, 2))
 
     def together(self, one: Fact, other: Fact) -> bool:
-        """Whether one state says both."""
+        """Return True if one state contains both facts."""
         return frozenset((one, other)) in self._together
 
     def relation(self, earlier: TracedUsage, later: TracedUsage) -> Relation:
-        """How two uses stand to each other."""
+        """Return the relation of two usages."""
         if self.together(earlier.usage.fact, later.usage.fact):
             return Relation.TOGETHER
         return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES
 
     def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
-        """Whether one commit took the earlier use away and put the later one into its place."""
+        """Return True if one commit replaced the earlier usage by the later one."""
         return any(went == stretch.lifetime.came for _, went, stretch in self._handovers(earlier, later))
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
-        """Where the earlier use was seen last, and where the later one came; if possible, on one line of history."""
+        """Return the last node of the earlier usage and the first node of the later one.
+
+        If possible, both are on the same line of history.
+        """
         handovers = self._handovers(earlier, later)
         if handovers:
-            stretch, went, heir = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
-            return self._record.before(stretch.owner, stretch.lifetime.fact, went), heir.lifetime.came
+            stretch, went, successor = max(handovers, key=lambda each: (each[1], -each[2].lifetime.came))
+            return self._record.before(stretch.owner, stretch.lifetime.fact, went), successor.lifetime.came
         stretch = earlier.stretches[-1]
         ended = max(stretch.lifetime.went, default=None)
         last = (
@@ -61,7 +64,10 @@ class Relations:
         return last, later.stretches[0].lifetime.came
 
     def nodes_of_content(self, use: TracedUsage) -> list[int]:
-        """Where what a field's type stands for may have become another: where it changed, and where the field came."""
+        """Return the nodes at which the content of a field's type may have changed.
+
+        These are the nodes that change the type, and those at which the field began.
+        """
         nodes = set()
         for stretch in use.stretches:
             type = self._record.resolve(use.usage.type, stretch.owner, stretch.lifetime.came)
@@ -72,7 +78,7 @@ class Relations:
         return sorted(nodes)
 
     def overlap(self, one: TracedUsage, other: TracedUsage) -> bool:
-        """Whether there was a time at which both were in use somewhere."""
+        """Return True if both usages existed at the same time, on any branch."""
         return any(
             max(came, other_came) < min(went, other_went)
             for came, went in self._times(one)
@@ -80,7 +86,7 @@ class Relations:
         )
 
     def _find_times(self, use: TracedUsage) -> list[tuple[float, float]]:
-        """When each stretch came and went."""
+        """Return the start and end time of each stretch."""
         return [self._time(stretch) for stretch in use.stretches]
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
@@ -90,11 +96,14 @@ class Relations:
         return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
     def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
-        """Stretches of the earlier use, where each went, and those of the later one that came there or behind it."""
+        """Return the pairs of stretches in which the later one begins at or after the end of the earlier one.
+
+        Each pair comes with the node at which the earlier stretch ends.
+        """
         return [
-            (stretch, went, heir)
+            (stretch, went, successor)
             for stretch in earlier.stretches
             for went in stretch.lifetime.went
-            for heir in later.stretches
-            if self._graph.precedes(went, heir.lifetime.came)
+            for successor in later.stretches
+            if self._graph.precedes(went, successor.lifetime.came)
         ]

@@ -1,4 +1,4 @@
-"""Lifetimes put together into usages."""
+"""Usages, put together from lifetimes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.generator.protos.schema import Fact
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A lifetime of one message, as far as usages are concerned."""
+    """A lifetime in one message, with the branches on which it lasts."""
 
     owner: str
     lifetime: Lifetime
@@ -21,20 +21,20 @@ class Stretch:
 
     @property
     def order(self) -> tuple[int, str, int]:
-        """The earliest first."""
+        """A key that sorts the earliest stretch first."""
         return self.lifetime.came, self.lifetime.path, self.lifetime.line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TracedUsage:
-    """A usage, with the stretches that it consists of."""
+    """A usage with its stretches."""
 
     usage: Usage
     stretches: tuple[Stretch, ...]
 
 
 def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
-    """Return the usages of the numbers of a message or enum, whichever package it was in; by number, then by age."""
+    """Return the usages of a message or enum in all its packages, sorted by number and age."""
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
     for owner in owners:
@@ -51,7 +51,7 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
 
 
 def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
-    """The branches on which each lifetime lasts."""
+    """Return the branches on which each lifetime lasts."""
     found: dict[int, list[str]] = {}
     for ref, node in branches.items():
         for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():

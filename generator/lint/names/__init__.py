@@ -1,1 +1,1 @@
-"""Names of fields, messages and enum values: their words, and the units that they speak of."""
+"""Names of fields, messages and enum values: their words and units."""

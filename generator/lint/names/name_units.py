@@ -30,8 +30,14 @@ _OF_DIMENSION: dict[str, dict[str, float]] = {
     "part": {"percent": 1e-2, "pct": 1e-2, "permille": 1e-3, "ppm": 1e-6, "ratio": 1, "fraction": 1},
 }
 _WITHOUT_SIZE = {
-    "temperature": ("celsius", "degc", "kelvin", "fahrenheit", "degf"),  # their zeros differ
-    "count": ("raw", "ticks", "counts", "steps", "lsb"),  # how much one of them is, only the device knows
+    "temperature": (
+        "celsius",
+        "degc",
+        "kelvin",
+        "fahrenheit",
+        "degf",
+    ),  # their zeros differ, so that a factor cannot convert them
+    "count": ("raw", "ticks", "counts", "steps", "lsb"),  # their size depends on the device
 }
 _UNITS: dict[str, tuple[str, float | None]] = {
     **{unit: (dimension, size) for dimension, units in _OF_DIMENSION.items() for unit, size in units.items()},
@@ -44,28 +50,28 @@ _SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """What a name says about how a value is to be read."""
+    """The quantity in a name: the words, the unit, the scale and the reference."""
 
     words: tuple[str, ...]
-    """What is left of the name: what is measured."""
+    """The words without units: the measured quantity."""
     units: tuple[str, ...]
-    """The unit, and those that it is divided by."""
+    """The unit, followed by the units that it is divided by."""
     scale: int
-    """With what the value was multiplied before it was sent."""
+    """The factor by which the sender multiplies the value."""
     relative: bool
-    """Whether it is a difference to something."""
+    """True for a difference, such as `delta_position`."""
     rate: bool
-    """Whether it says `per`."""
+    """True if the name contains `per`."""
 
     @property
     def shown(self) -> str:
-        """What it says in words."""
+        """The quantity as text."""
         parts = ["relative"] * self.relative + [" per ".join(self.units)] * bool(self.units)
         return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "as it is"
 
 
 def measure(words: Sequence[str]) -> Measure:
-    """What the words of a name say; the units are the last of them, and never all."""
+    """Parse the words of a name. Units are the last words, and at least one word remains."""
     subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
     relative = len(subject) < len(words) and not _RELATIVE.isdisjoint(words)
     end = len(subject)
@@ -78,13 +84,13 @@ def measure(words: Sequence[str]) -> Measure:
 
 
 def disagree(old: Measure, new: Measure) -> bool:
-    """Whether a value is to be read differently; a unit where there was none is no news."""
+    """Return True if the value has to be read differently. A unit in only one of the names does not count."""
     units = old.units != new.units and bool((old.units and new.units) or old.rate != new.rate)
     return units or old.scale != new.scale or old.relative != new.relative
 
 
 def factor(old: Measure, new: Measure) -> float | None:
-    """How many times too large a value is that was sent as the old and is read as the new; None where unknown."""
+    """Return the factor by which a value is misread if an old sender meets a new receiver; None if unknown."""
     sizes = [_size(one) for one in (old, new)]
     if old.relative != new.relative or sizes[0] is None or sizes[1] is None or sizes[0][0] != sizes[1][0]:
         return None
@@ -92,7 +98,7 @@ def factor(old: Measure, new: Measure) -> float | None:
 
 
 def _size(of: Measure) -> tuple[tuple[str, ...], float] | None:
-    """The dimensions and the size of what counts as one."""
+    """Return the dimensions of a unit, and its size in SI units; None if a unit has no size."""
     size, dimensions = 1.0, []
     for position, unit in enumerate(of.units):
         dimension, factor = _UNITS[unit]

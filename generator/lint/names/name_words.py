@@ -1,4 +1,4 @@
-"""The words of a name, and whether two names speak of the same thing."""
+"""The words of a name, and a test if two names have the same meaning."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SHORTEST_STEM = 3
 
 
 def words(name: str) -> list[str]:
-    """The words of a name in snake or in camel case, in lower case; an underscore always ends a word."""
+    """Split a name in snake_case or CamelCase into words in lower case."""
     return [word.lower() for part in name.split("_") for word in _words_of_part(part)]
 
 
@@ -25,17 +25,17 @@ def _words_of_part(part: str) -> list[str]:
 
 
 def share_a_word(old: Iterable[str], new: Iterable[str]) -> bool:
-    """Whether names have a word in common that says what they are about; units and numbers do not, nor does `the`.
+    """Return True if two names share a meaningful word; units, numbers and words like `the` do not count.
 
-    `temp` and `temperature` are the same word, as are `label` and `labels`. What looks like a unit in the one name may
-    be what the other is about, as in `item_counts` and `counts`.
+    `temp` and `temperature` count as the same word, and so do `label` and `labels`. A unit in one name may be the
+    quantity of the other, as in `item_counts` and `counts`.
     """
     (old_subjects, old_words), (new_subjects, new_words) = _subjects(old), _subjects(new)
     return _any_same(old_subjects, new_words) or _any_same(new_subjects, old_words)
 
 
 def _subjects(names: Iterable[str]) -> tuple[set[str], set[str]]:
-    """What names are about, and all of their words."""
+    """Return the meaningful words of names, and all of their words."""
     split = [words(name) for name in names]
     found = {word for name in split for word in measure(name).words}
     telling = {word for word in found if not word.isdigit() and word not in _EMPTY}

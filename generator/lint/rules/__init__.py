@@ -1,7 +1,7 @@
-"""The rules: pure functions from the context to diagnostics. One file a rule; none knows another.
+"""The rules of the lint: pure functions from the context to diagnostics.
 
-Each module has `RULE` and `check`, and its docstring is the rule's documentation. A module that is put into this folder
-is a rule of the lint; nothing else has to know it.
+Each rule is a module with `RULE` and `check`, and its docstring is the rule's documentation. Rules do not import each
+other. A module in this folder is found without being registered anywhere.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from roverlink.generator.lint.context import Context
 
 
 class RuleModule(Protocol):
-    """What a module of this folder has."""
+    """The content of a rule's module."""
 
     RULE: Rule
 
     def check(self, context: Context) -> Iterator[Diagnostic]:
-        """What the rule finds."""
+        """Yield the rule's diagnostics."""
 
 
 @cache
 def modules() -> Mapping[str, RuleModule]:
-    """The rules by their ids."""
+    """Return the modules of the rules, by rule id."""
     names = [found.name for found in pkgutil.walk_packages(__path__, f"{__name__}.") if not found.ispkg]
     loaded = [cast(RuleModule, importlib.import_module(name)) for name in names]
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}

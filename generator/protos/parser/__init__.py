@@ -1,15 +1,15 @@
-"""What a .proto file declares, as far as it can be read: no line, however broken, hides the others.
+"""A tolerant parser of .proto files: a broken line never hides the declarations around it.
 
-protoc reads files that compile, and of those this package says the same: names, numbers, types and places.
-It is there for the other files: old states of a repository, half-edited ones, those with conflict markers. It knows no
-file but the one it is given, so a type is what is written; `resolve_type` finds its full name among those declared.
+For files that compile, this parser and protoc return the same names, numbers, types and places. The parser exists for
+the other files: old states in git, half-edited files, files with conflict markers. It reads one file at a time, so a
+type is the text in the file; `resolve_type` finds its full name among the declared ones.
 
-What it rests on:
+Rules:
 
-- a file is cut into tokens, tokens into statements, and each statement is read by itself;
-- what cannot be read is a `Problem` of the file, and reading goes on behind it;
-- braces that match are believed, however the file is indented; where some do not, its lines and indentation say more;
-- nothing is looked at more than a few times, and nothing recurs deeper than protoc lets messages nest.
+- The text is cut into tokens, the tokens into statements. Each statement is read by itself.
+- A statement that cannot be read becomes a `Problem` of the file, and reading continues behind it.
+- Matching braces decide where a block ends. If some braces have no partner, lines and indentation help to decide.
+- Time is linear in the length of the text, and blocks nest at most as deep as protoc allows.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What stands between braces: each kind of block reads its own statements, and may open a block inside."""
+"""Blocks of a .proto file. Each kind of block reads its own statements, and may open a block inside."""
 
 from __future__ import annotations
 
@@ -14,46 +14,49 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue
 
 
 class Block:
-    """A block while it is read."""
+    """A block that is being read."""
 
     def __init__(self, source: Source, opening: Statement) -> None:
         first = opening.tokens[0] if opening.tokens else source.tokens[opening.end]
         visibility = first.text in VISIBILITIES and len(opening.tokens) > 1
         self.source = source
-        self.opening = opening.tokens[1] if visibility else first  # as protoc has it
+        self.opening = opening.tokens[1] if visibility else first  # as in protoc
         self.indentation = first.column if first.first else 0
         self.unclosed = opening.end in source.tokens.unclosed
         self.depth = 0
-        """How many blocks are open in a `SkippedBlock`."""
+        """Number of blocks that are open inside a `SkippedBlock`."""
 
     @property
     def span(self) -> Span:
-        """The place of its beginning, in a file that only the caller knows."""
+        """The place of the block's first token. Its file is empty: only the caller knows the file."""
         return Span("", self.opening.line, self.opening.column)
 
     def take(self, statement: Statement) -> Block | None:
-        """Read a statement; the block that it opens, if it does."""
+        """Read a statement, and return the block that it opens; None if it opens none."""
         if statement.tokens:
             return self.read(statement)
         return self.unknown(statement) if statement.ending == "{" else None
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a statement of at least one token; the block that it opens, if it does."""
+        """Read a statement of at least one token, and return the block that it opens; None if it opens none."""
         raise NotImplementedError
 
     def unknown(self, statement: Statement) -> Block | None:
-        """A block that is not known, in which nothing will be read; none if its brace, in a line, is one too many."""
+        """Return a block whose content is skipped; None if the brace is a surplus one.
+
+        In a file with unclosed braces, a brace in the middle of a line counts as surplus.
+        """
         self.source.unreadable(statement, "a block of an unknown kind")
         tokens = self.source.tokens
         ends_line = tokens[statement.end + 1].first
         return SkippedBlock(self.source, statement) if ends_line or not tokens.unclosed else None
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Look for claims in neighbouring comments."""
+        """Collect declarations that are commented out."""
 
 
 class SkippedBlock(Block):
-    """A block in which nothing is read: a service, or something unknown. It counts the blocks that are open inside."""
+    """A block whose content is skipped: a service, or a block of an unknown kind. It counts the blocks inside."""
 
     def take(self, statement: Statement) -> Block | None:
         """Skip a statement."""
@@ -73,7 +76,7 @@ class EnumBlock(Block):
         self.claims: list[ProtoEnumValue] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a value, an option or what is reserved."""
+        """Read an enum value, an option, or a ``reserved`` statement."""
         head = statement.tokens[0].text if len(statement.tokens) > 1 and statement.tokens[1].text != "=" else ""
         if head == "option":
             read_option(self.source, statement)
@@ -84,11 +87,11 @@ class EnumBlock(Block):
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Look for enum values that are commented out."""
+        """Collect enum values that are commented out."""
         self.claims += claimed_values(self.source.text, comments)
 
     def build(self, scope: str) -> ProtoEnum:
-        """The enum, in the package or message of this name."""
+        """Return the enum; ``scope`` is the package or message that contains it."""
         return ProtoEnum(
             span=self.span,
             full_name=f"{scope}.{self.name}" if scope else self.name,
@@ -103,19 +106,19 @@ class EnumBlock(Block):
 
 
 def read_option(source: Source, statement: Statement) -> tuple[str, str]:
-    """Read ``option``: its name and its value."""
+    """Read an ``option`` statement, and return its name and its value."""
     words = Words(statement.tokens)
     words.skip()
     name, value = words.option()
     if not (name and value and statement.ending):
-        source.unreadable(statement, "an option that is not written as it should be")
+        source.unreadable(statement, "an option with wrong syntax")
     return name, value
 
 
 def read_ranges(
     source: Source, statement: Statement, ranges: list[Range], names: list[str], signed: bool = False
 ) -> None:
-    """Read ``reserved`` or ``extensions``."""
+    """Read a ``reserved`` or ``extensions`` statement into ``ranges`` and ``names``."""
     words = Words(statement.tokens)
     words.skip()
     found_ranges, found_names = words.ranges(signed)
@@ -123,9 +126,9 @@ def read_ranges(
     names += found_names
     words.skip_brackets()
     if not (words.done and words.closed and statement.ending and (found_ranges or found_names)):
-        source.unreadable(statement, "numbers or names that are not written as they should be")
+        source.unreadable(statement, "numbers or names with wrong syntax")
 
 
 def with_end(ranges: list[Range], largest: int) -> tuple[tuple[int, int], ...]:
-    """Ranges, with what ``max`` is."""
+    """Return ranges with ``max`` replaced by the largest number."""
     return tuple((start, largest if end is MAX else end) for start, end in ranges)

@@ -1,4 +1,8 @@
-"""Fields and enum values that were commented out."""
+"""Fields and enum values that are commented out.
+
+Teams often comment a field out instead of reserving its number. The number is then still in use on robots that run old
+firmware, so the lint knows such fields as claims.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +22,14 @@ _FIELD = re.compile(
     r"(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<number>[0-9]\w*)\s*[;\[]"
 )
 _VALUE = re.compile(r"(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<number>-?[0-9]\w*)\s*[;\[]")
-# What reads like a field's type in a statement that is none, or in a line of another language.
+# `option x = 1;` and `return x = 1;` look like fields. These words are not types.
 _NO_TYPES = frozenset(
     ["option", "syntax", "edition", "package", "import", "reserved", "extensions", "return", "const", "let", "var"]
 )
 
 
 def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterator[ProtoField]:
-    """The fields in neighbouring comments of a message, or of a oneof in it."""
+    """Yield the fields that are commented out in a message, or in a oneof of it."""
     for match, number, within, span in _claims(text, comments, _FIELD, oneof):
         type = " ".join(match["type"].split())
         if type not in _NO_TYPES:
@@ -33,13 +37,13 @@ def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterat
 
 
 def claimed_values(text: str, comments: Iterable[Comment]) -> Iterator[ProtoEnumValue]:
-    """The values in neighbouring comments of an enum."""
+    """Yield the values that are commented out in an enum."""
     for match, number, _, span in _claims(text, comments, _VALUE, ""):
         yield ProtoEnumValue(span=span, number=number, name=match["name"])
 
 
 _Claim = tuple[re.Match[str], int, str, Span]
-"""What a comment says, with its number, its oneof and its place."""
+"""The match of a declaration, its number, its oneof and its place."""
 
 
 def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneof: str) -> Iterator[_Claim]:
@@ -49,12 +53,12 @@ def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneo
 
 
 class _Reader:
-    """Reads comments that stand together, for a commented-out oneof or message may go over many of them."""
+    """Reads neighbouring comments together, as a commented-out oneof or message may span many of them."""
 
     def __init__(self, claim: re.Pattern[str], oneof: str) -> None:
         self._claim = claim
         self._blocks: list[str | None] = [oneof]
-        """Blocks that are commented out: the oneof that claims stand in; None where they are no claims on this one."""
+        """The blocks that are commented out: a oneof's name, or None for a block whose fields do not count."""
 
     def comment(self, text: str, comment: Comment) -> Iterator[_Claim]:
         place = Place(text, comment.start, comment.line, comment.column)
@@ -68,7 +72,7 @@ class _Reader:
             start += len(line) + 1
 
     def _line(self, line: str) -> Iterator[re.Match[str]]:
-        """What claims there are in a line; it ends where the line reads as prose."""
+        """Yield the declarations in a line of a comment. Stops where the line reads as prose."""
         offset = _end(_DECORATION, line, 0)
         while offset < len(line):
             if match := _BLOCK.match(line, offset):

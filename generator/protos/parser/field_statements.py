@@ -1,4 +1,4 @@
-"""Fields and enum values: one statement each."""
+"""Fields and enum values, each of one statement."""
 
 from __future__ import annotations
 
@@ -10,28 +10,31 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
 
 def group_name(statement: Statement) -> str:
-    """The name of the message that a group is; empty for a statement that opens none."""
+    """Return the name of the message that a group declares; empty if the statement is not a group."""
     texts = [token.text for token in statement.tokens[:3] if token.text not in LABELS]
     is_group = statement.ending == "{" and texts[:1] == ["group"] and texts[1:] and texts[1].isidentifier()
     return texts[1] if is_group else ""
 
 
 def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField | None:
-    """The field that a statement declares, if it has at least a name and a number; what it lacks else is a problem."""
+    """Return the field of a statement; None if the name or the number is missing.
+
+    Other faults are reported as problems.
+    """
     words = Words(statement.tokens)
     label = words.take(*LABELS) if words.next(1).kind is Kind.NAME or words.next(1).is_symbol(".") else ""
     key_type, value_type = words.map_types()
     type = f"map<{key_type}, {value_type}>" if value_type else words.type_name()
     name = words.name()
     if not name and "." not in type and not value_type:
-        type, name = "", type  # more is known of a field without a type than of a type without a field
+        type, name = "", type  # of `x = 1`, the one word is more useful as a name than as a type
     follows = words.next()
     if not name or not ((words.done and type) or follows.text in ("=", "[") or follows.kind is Kind.NUMBER):
-        source.unreadable(statement, "neither a field nor another declaration")
+        source.unreadable(statement, "not a declaration")
         return None
     number, complete = _numbered(words, signed=False)
     if not (complete and type and statement.ending):
-        source.unreadable(statement, "a field that is not written as it should be")
+        source.unreadable(statement, "a field with wrong syntax")
     group = type == "group"
     if group != (statement.ending == "{") and statement.ending:
         source.unreadable(statement, "a group without a body")
@@ -42,7 +45,7 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
 
 
 def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
-    """The enum value that a statement declares, if it has at least a name and a number."""
+    """Return the enum value of a statement; None if the name or the number is missing."""
     words = Words(statement.tokens)
     name = words.name()
     if not name:
@@ -50,12 +53,12 @@ def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
         return None
     number, complete = _numbered(words, signed=True)
     if not (complete and statement.ending == ";"):
-        source.unreadable(statement, "an enum value that is not written as it should be")
+        source.unreadable(statement, "an enum value with wrong syntax")
     return None if number is None else ProtoEnumValue(span=source.span(statement), name=name, number=number)
 
 
 def _numbered(words: Words, signed: bool) -> tuple[int | None, bool]:
-    """The number, and whether it and options are all that there is."""
+    """Return the number, and True if only the number and options follow the name."""
     assigned = bool(words.take("="))
     number = words.number(signed)
     words.skip_brackets()

@@ -1,4 +1,4 @@
-"""The blocks of messages, and those that stand in a message or in a file: oneofs and ``extend``."""
+"""Blocks of messages, oneofs and ``extend``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoFi
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
-    """What the blocks of a file declare."""
+    """The declarations of a file, collected from its blocks."""
 
     messages: list[ProtoMessage] = field(default_factory=list)
     enums: list[ProtoEnum] = field(default_factory=list)
@@ -26,14 +26,14 @@ class Declarations:
 
 
 class Scope(Block):
-    """A block that types are declared in: a message, or the file."""
+    """A block that may declare types: a message, or the file."""
 
     messages: list[MessageBlock]
     enums: list[EnumBlock]
     extends: list[ExtendBlock]
 
     def open(self, statement: Statement) -> Block | None:
-        """The block of a type or of an ``extend``, if this statement opens one."""
+        """Return the block of a type or an ``extend``; None if the statement opens none."""
         texts = [token.text for token in statement.tokens]
         texts = texts[1:] if texts[0] in VISIBILITIES else texts
         if texts[0] == "extend":
@@ -43,7 +43,7 @@ class Scope(Block):
         if not texts[1:] or not texts[1].isidentifier():
             return None
         if texts[2:] and texts[0] in BLOCKS:
-            self.source.unreadable(statement, "too much before an opening brace")
+            self.source.unreadable(statement, "surplus text before an opening brace")
         if texts[0] == "message":
             message = MessageBlock(self.source, statement, texts[1])
             self.messages.append(message)
@@ -55,7 +55,7 @@ class Scope(Block):
         return None
 
     def read_field(self, statement: Statement, fields: list[ProtoField], oneof: str = "") -> Block | None:
-        """Read a field; the message that it opens, if it is a group."""
+        """Read a field, and return the message that it opens if it is a group."""
         if field := read_field(self.source, statement, oneof):
             fields.append(field)
         if name := group_name(statement):
@@ -65,7 +65,7 @@ class Scope(Block):
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
 
     def collect(self, scope: str, found: Declarations, message: str = "") -> None:
-        """Add what is declared in here, in the package or message ``scope``; in no message for the file."""
+        """Add all declarations to ``found``. ``scope`` is the package or message; ``message`` is empty for the file."""
         found.enums.extend(enum.build(scope) for enum in self.enums)
         for extend in self.extends:
             found.extensions.extend(extend.build(message))
@@ -91,16 +91,18 @@ class MessageBlock(Scope):
         self.claims: list[ProtoField] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a field, an option, what is reserved, or the beginning of a block."""
+        """Read a field, an option, a ``reserved`` statement, or the beginning of a block."""
         if statement.ending == "{":
             return self._open(statement)
         head = statement.tokens[0].text
-        is_field = any(token.is_symbol("=") for token in statement.tokens[:3])  # `reserved x = 1`: a type of that name
+        is_field = any(
+            token.is_symbol("=") for token in statement.tokens[:3]
+        )  # `reserved x = 1` is a field whose type is called `reserved`
         if is_field and (head in BLOCKS or head in ("reserved", "extensions")):
-            self.source.unreadable(statement, "a keyword in the place of a type")
+            self.source.unreadable(statement, "a keyword instead of a type")
             self.read_field(statement, self.fields)
         elif head in BLOCKS:
-            self.source.unreadable(statement, "a block without its braces")
+            self.source.unreadable(statement, "a block without braces")
         elif head == "option":
             if read_option(self.source, statement) == ("message_set_wire_format", "true"):
                 self.largest = LARGEST_MESSAGE_SET_NUMBER
@@ -122,11 +124,11 @@ class MessageBlock(Scope):
         return self.unknown(statement)
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Look for fields that are commented out."""
+        """Collect fields that are commented out."""
         self.claims += claimed_fields(self.source.text, comments, oneof="")
 
     def build(self, scope: str) -> ProtoMessage:
-        """The message, in the package or message of this name."""
+        """Return the message; ``scope`` is the package or message that contains it."""
         return ProtoMessage(
             span=self.span,
             full_name=f"{scope}.{self.name}" if scope else self.name,
@@ -140,25 +142,25 @@ class MessageBlock(Scope):
 
 
 class OneofBlock(Block):
-    """The inside of a oneof, whose fields are its message's."""
+    """The inside of a oneof. Its fields belong to the message."""
 
     def __init__(self, source: Source, opening: Statement, message: MessageBlock) -> None:
         super().__init__(source, opening)
         self._name, self._message = opening.tokens[1].text, message
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a field; or an option, which is nobody's concern."""
+        """Read a field. Options of a oneof are ignored, as they do not change the encoding."""
         if statement.tokens[0].text == "option" and statement.ending != "{":
             return None
         return self._message.read_field(statement, self._message.fields, self._name)
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Look for members that are commented out."""
+        """Collect members that are commented out."""
         self._message.claims += claimed_fields(self.source.text, comments, self._name)
 
 
 class ExtendBlock(Block):
-    """The inside of an ``extend``, whose groups are messages of the scope around it."""
+    """The inside of an ``extend``. Its groups are messages of the enclosing scope."""
 
     def __init__(self, source: Source, opening: Statement, scope: Scope) -> None:
         super().__init__(source, opening)
@@ -172,5 +174,5 @@ class ExtendBlock(Block):
         return self._scope.read_field(statement, self._fields)
 
     def build(self, scope: str) -> Iterator[ProtoExtension]:
-        """The fields, in the message of this name, or in none."""
+        """Yield the extensions; ``scope`` is the message that contains the ``extend``, or empty."""
         yield from (ProtoExtension(self._extendee, scope, field) for field in self._fields)

@@ -1,6 +1,6 @@
-"""A .proto file, as far as it could be read.
+"""The result of parsing a .proto file.
 
-Lines and columns count from 1, as protoc counts: in bytes, a tab to the next 8th.
+Lines and columns count from 1. As in protoc, a column counts bytes, and a tab moves to the next multiple of 8.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoMessage
 
 LARGEST_FIELD_NUMBER = 2**29 - 1
-"""What ``max`` is in a range of fields, but for `LARGEST_MESSAGE_SET_NUMBER`."""
+"""The number that ``max`` means in a range of field numbers, except with `LARGEST_MESSAGE_SET_NUMBER`."""
 LARGEST_MESSAGE_SET_NUMBER = 2**31 - 2
-"""What ``max`` is in a message with the option ``message_set_wire_format``."""
+"""The number that ``max`` means in a message with the option ``message_set_wire_format``."""
 LARGEST_ENUM_NUMBER = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Problem:
-    """Something that could not be read, and was skipped; or that was read although it is not right."""
+    """A place with wrong syntax. The statement was skipped, or read as far as possible."""
 
     line: int
     column: int
@@ -27,42 +27,42 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Import:
-    """A file that this one needs."""
+    """An import of another file."""
 
     path: str
     kind: str
-    """``public``, ``weak``, ``option``; or empty."""
+    """``public``, ``weak``, ``option``, or empty."""
     line: int
     column: int
 
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """All that could be read of a .proto file."""
+    """The declarations that could be read from a .proto file."""
 
     syntax: str
-    """``proto2``, ``proto3``, or an edition, such as ``2023``; empty where the file does not say."""
+    """``proto2``, ``proto3``, or an edition such as ``2023``; empty if the file does not say."""
     package: str
     imports: tuple[Import, ...]
     messages: tuple[ProtoMessage, ...]
-    """All of them, each before those that stand in it. Types are as written, ``map<K, V>`` among them."""
+    """All messages, each before its nested ones. Types are as written, such as ``map<K, V>``."""
     enums: tuple[ProtoEnum, ...]
-    """All of them, those that stand in no message first."""
+    """All enums, top-level ones first."""
     extensions: tuple[ProtoExtension, ...]
-    """All of them, those inside messages too; the messages that they extend are as written."""
+    """All extensions, also those inside messages. The name of the extended message is as written."""
     problems: tuple[Problem, ...]
 
     @property
     def broken(self) -> bool:
-        """Whether anything was skipped: protoc refuses this file, and what is read of it may be less than was meant."""
+        """True if the file has a problem: protoc rejects it, and declarations may be missing here."""
         return bool(self.problems)
 
     @property
     def imported(self) -> tuple[str, ...]:
-        """The files that have to be compiled with it; of those that it imports for their options, it has no types."""
+        """The imported files that have to be compiled too. ``import option`` needs no compiled types."""
         return tuple(one.path for one in self.imports if one.kind != "option")
 
     @property
     def outermost(self) -> tuple[ProtoMessage, ...]:
-        """The messages that stand in no other."""
+        """The top-level messages."""
         return tuple(message for message in self.messages if message.full_name.rpartition(".")[0] == self.package)

@@ -1,4 +1,4 @@
-"""From text to declarations: statement after statement, with the blocks that are open on a stack."""
+"""The parser: reads one statement after another, and keeps the open blocks on a stack."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from roverlink.generator.protos.parser.source_text import Source
 from roverlink.generator.protos.parser.statements import BLOCKS, VISIBILITIES, Statement, StatementReader
 from roverlink.generator.protos.parser.tokens import Kind, Token
 
-_DEEPEST = 32  # as deep as protoc reads
+_DEEPEST = 32  # protoc's own limit of nested messages
 
 
 def parse(text: str) -> File:
-    """All that can be read of a .proto file; whatever the text is, and in a time that its length warrants."""
+    """Return all declarations that can be read; any text is accepted, and time is linear in its length."""
     return _Parser(Source(text)).run()
 
 
 class FileBlock(Scope):
-    """The file as the outermost block."""
+    """The file, as the outermost block."""
 
     def __init__(self, source: Source) -> None:
         super().__init__(source, Statement(0, -1, [source.tokens[0]], "", ()))
@@ -31,7 +31,7 @@ class FileBlock(Scope):
         self.imports: list[Import] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read what stands at the top of a file, or the beginning of a block."""
+        """Read a top-level statement."""
         tokens, source = statement.tokens, self.source
         if statement.ending == "{":
             service = tokens[0].text == "service"
@@ -41,7 +41,7 @@ class FileBlock(Scope):
         return None
 
     def _read_head(self, statement: Statement) -> bool:
-        """Read a statement without a block; whether that was possible."""
+        """Read a statement without a block; return False if its syntax is wrong."""
         words = Words(statement.tokens)
         keyword = words.skip()
         if keyword.text in ("syntax", "edition"):
@@ -59,7 +59,7 @@ class FileBlock(Scope):
         return words.done
 
     def build(self) -> File:
-        """The file."""
+        """Return the parsed file."""
         found = Declarations()
         self.collect(self.package, found)
         return File(
@@ -74,17 +74,17 @@ class FileBlock(Scope):
 
 
 class _Parser:
-    """Walks over the tokens. It alone opens and closes blocks."""
+    """Walks over the tokens. Only this class opens and closes blocks."""
 
     def __init__(self, source: Source) -> None:
         self._source, self._tokens = source, source.tokens
         self._index = 0
         self._file = FileBlock(source)
         self._open: list[Block] = []
-        """The blocks that are open, the innermost last."""
+        """The open blocks, the innermost last."""
 
     def run(self) -> File:
-        """Read all of it."""
+        """Read the whole file."""
         while (token := self._tokens[self._index]).kind is not Kind.END:
             if self._open and self._open[0].unclosed and self._tokens.declares_outermost(self._index):
                 self._abandon(0)
@@ -109,12 +109,12 @@ class _Parser:
         if opened is None:
             return
         if len(self._open) >= _DEEPEST:
-            self._source.problem(opened.opening, f"more than {_DEEPEST} blocks in each other")
+            self._source.problem(opened.opening, f"more than {_DEEPEST} nested blocks")
             opened = SkippedBlock(self._source, statement)
         self._open.append(opened)
 
     def _without_stray_start(self, statement: Statement) -> Statement:
-        """The statement, less what is left of a broken one before a block's beginning on the same line."""
+        """Return the statement without the rest of a broken one that precedes a block on the same line."""
         tokens, size = statement.tokens, len(statement.tokens)
         if statement.ending != "{" or size < 3 or tokens[-2].text not in BLOCKS or tokens[0].text in VISIBILITIES:
             return statement
@@ -122,7 +122,7 @@ class _Parser:
         return replace(statement, start=statement.end - 2, tokens=tokens[-2:])
 
     def _with_missing_brace(self, statement: Statement) -> Statement:
-        """The statement, opening a block where its brace is missing before lines that are indented as its inside."""
+        """Open a block if the brace of a declaration is missing, but the next line is indented as a block."""
         tokens, next = statement.tokens, self._tokens[statement.end]
         if statement.ending or len(tokens) < 2 or tokens[0].text not in BLOCKS or tokens[1].kind is not Kind.NAME:
             return statement
@@ -138,7 +138,7 @@ class _Parser:
         block.claim(token.comments)
         fitting = self._fitting(token)
         if not self._open or (fitting is None and self._is_surplus(token)):
-            self._source.problem(token, "a closing brace too many")
+            self._source.problem(token, "a surplus closing brace")
         elif fitting is not None and self._open[0].unclosed:
             self._abandon(fitting + 1)
             self._open.pop()
@@ -149,12 +149,15 @@ class _Parser:
         self._index += 1
 
     def _fitting(self, token: Token) -> int | None:
-        """Which open block begins as far from the left as this brace, that is alone on its line, stands."""
+        """Find the open block for a brace that starts its line: the innermost one with the same indentation.
+
+        Returns its index, or None if there is no such block.
+        """
         blocks = range(len(self._open) - 1, -1, -1) if token.first else ()
         return next((index for index in blocks if self._open[index].indentation == token.column), None)
 
     def _is_surplus(self, token: Token) -> bool:
-        """Whether there is a closing brace too many from here on, and this one is where none should be."""
+        """Return True if the file has too many closing braces from here on, and this brace is at an unusual place."""
         if self._index > self._tokens.last_unopened:
             return False
         if not token.first:
@@ -163,7 +166,7 @@ class _Parser:
         return not block.depth and token.column > block.indentation > 0
 
     def _abandon(self, size: int) -> None:
-        """Close blocks until so many are open, though no brace says so."""
+        """Close the innermost blocks, each with a problem, until ``size`` are open."""
         while len(self._open) > size:
             self._source.problem(self._innermost.opening, "a block that is not closed")
             self._open.pop()

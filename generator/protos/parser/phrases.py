@@ -1,4 +1,4 @@
-"""What the tokens of one statement say: names, numbers, strings, ranges, options; each as far as it is there."""
+"""Phrases of a statement: names, numbers, strings, ranges, options. Each is read as far as it is there."""
 
 from __future__ import annotations
 
@@ -8,18 +8,20 @@ from collections.abc import Sequence
 from roverlink.generator.protos.parser.tokens import Kind, Token
 
 _DIGITS = re.compile(r"0[xX][0-9A-Fa-f]+|0[0-7]*|[1-9][0-9]*")
-_LONGEST_NUMBER = 24  # of 64 bits in octal, with its zero; Python refuses, or takes long over, those of many thousands
+_LONGEST_NUMBER = (
+    24  # 64 bits in octal have 23 digits; Python is slow with thousands of digits, and refuses more than 4,300
+)
 _ESCAPE = re.compile(r"\\(?:([0-7]{1,3})|[xX]([0-9A-Fa-f]{1,2})|u([0-9A-Fa-f]{4})|U00([01][0-9A-Fa-f]{5})|(.?))")
 _ESCAPED = {"a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v": "\v"}
 _OPENING, _CLOSING = "[{(<", "]})>"
 
 MAX = None
-"""The end of a range that is written ``max``; what that is depends on where it stands."""
+"""The end of a range that is written ``max``. Its value depends on the kind of block."""
 Range = tuple[int, int | None]
 
 
 def number_of(text: str) -> int | None:
-    """A decimal, hexadecimal or octal number; None where it is none."""
+    """Return a decimal, hexadecimal or octal number; None if the text is not a number."""
     if len(text) > _LONGEST_NUMBER or not _DIGITS.fullmatch(text):
         return None
     if text[1:2] in ("x", "X"):
@@ -28,7 +30,7 @@ def number_of(text: str) -> int | None:
 
 
 def string_of(literal: str) -> str:
-    """What a string literal stands for, be it closed or not."""
+    """Return the value of a string literal, even if its closing quote is missing."""
     quote = literal[:1]
     inner = literal[1:-1] if len(literal) > 1 and literal.endswith(quote) else literal[1:]
     return _ESCAPE.sub(_unescape, inner) if "\\" in inner else inner
@@ -46,15 +48,15 @@ _NOTHING = Token(Kind.END, "", 0, 0, 0, False, ())
 
 
 class Words:
-    """A walk over the tokens of a statement. What is not there is empty, or None, and not taken."""
+    """A reader of a statement's tokens. A missing phrase is empty or None, and then no token is taken."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         self._tokens, self._at = tokens, 0
         self.closed = True
-        """Whether no bracket was seen that nothing closes."""
+        """False if a bracket is not closed."""
 
     def next(self, ahead: int = 0) -> Token:
-        """The next token, or the one ``ahead`` of it; behind the last one, a token without text."""
+        """Return the next token, or the one ``ahead`` of it; a token without text behind the last one."""
         try:
             return self._tokens[self._at + ahead]
         except IndexError:
@@ -62,17 +64,17 @@ class Words:
 
     @property
     def done(self) -> bool:
-        """Whether no token is left."""
+        """True if no token is left."""
         return self._at >= len(self._tokens)
 
     def skip(self) -> Token:
-        """Take the next token, whatever it is."""
+        """Take the next token of any kind."""
         token = self.next()
         self._at += 1
         return token
 
     def take(self, *texts: str) -> str:
-        """The next token's text if it is one of these."""
+        """Take the next token if its text is one of these; return the text, or nothing."""
         token = self.next()
         if token.text not in texts or token.kind is Kind.STRING:
             return ""
@@ -80,7 +82,7 @@ class Words:
         return token.text
 
     def name(self) -> str:
-        """A name without dots."""
+        """Take a name without dots."""
         token = self.next()
         if token.kind is not Kind.NAME:
             return ""
@@ -88,14 +90,14 @@ class Words:
         return token.text
 
     def type_name(self) -> str:
-        """A name of parts with dots between them, and perhaps one before."""
+        """Take a name of parts with dots between them, with or without a leading dot."""
         name = self.take(".") + (last := self.name())
         while last and self.next().is_symbol(".") and self.next(1).kind is Kind.NAME:
             name += self.skip().text + (last := self.name())
         return name
 
     def number(self, signed: bool = False) -> int | None:
-        """An integer, which may be negative if it is ``signed``; one that cannot be read is taken and None."""
+        """Take an integer; only a ``signed`` one may be negative. A malformed number is taken, and None is returned."""
         minus = self.take("-")
         number = number_of(self.skip().text) if self.next().kind is Kind.NUMBER else None
         if number is None or (minus and not signed):
@@ -103,14 +105,14 @@ class Words:
         return -number if minus else number
 
     def string(self) -> str | None:
-        """A string; several next to each other are one."""
+        """Take a string. Adjacent literals form one string, as in C."""
         parts = []
         while self.next().kind is Kind.STRING:
             parts.append(string_of(self.skip().text))
         return "".join(parts) if parts else None
 
     def map_types(self) -> tuple[str, str]:
-        """Key and value of ``map<K, V>``; empty where it is something else."""
+        """Take ``map<K, V>``; return key and value, both empty if the type is not a map."""
         if self.next().text != "map" or not self.next(1).is_symbol("<"):
             return "", ""
         self._at += 2
@@ -119,7 +121,7 @@ class Words:
         return key, value
 
     def ranges(self, signed: bool) -> tuple[list[Range], list[str]]:
-        """Numbers, ranges of numbers, and names or strings, with commas between them."""
+        """Take a list of numbers, ranges, names and strings, separated by commas."""
         ranges: list[Range] = []
         names: list[str] = []
         while not self.done:
@@ -143,7 +145,7 @@ class Words:
         return start if end is None else end
 
     def skip_brackets(self) -> None:
-        """Take the options in brackets, if any are next."""
+        """Take the options in brackets, if there are any."""
         if not self.take("["):
             return
         while not self.done and not self.next().is_symbol("]"):
@@ -153,13 +155,16 @@ class Words:
         self.closed = bool(self.take("]"))
 
     def option(self, end: str = "") -> tuple[str, str]:
-        """An option's name and value, without spaces, up to one of the characters ``end`` that is in no bracket."""
+        """Take an option; return its name and value without spaces.
+
+        The option ends at one of the characters ``end`` outside of brackets.
+        """
         name = "".join(token.text for token in self._up_to("=" + end))
         value = self._up_to(end) if self.take("=") else []
         return name, "".join(token.text for token in value)
 
     def _up_to(self, ends: str) -> list[Token]:
-        """Tokens up to one of these characters, or up to a bracket that closes what was not opened here."""
+        """Take tokens up to one of these characters, or up to a bracket that closes an outer one."""
         taken: list[Token] = []
         depth = 0
         while not self.done:

@@ -1,4 +1,4 @@
-"""The text that is read, and what is wrong with it; statements ask here for what stands around them."""
+"""The text of a file, with its tokens and problems."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ class Source:
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is wrong, in the order of the file."""
+        """The problems in the order of the file."""
         return tuple(sorted(set(self._problems)))
 
     def problem(self, token: Token, what: str) -> None:
-        """Something is wrong at a token."""
+        """Add a problem at a token."""
         self._problems.append(Problem(token.line, token.column, what))
 
     def unreadable(self, statement: Statement, why: str) -> None:
-        """A statement was not understood, or not all of it."""
+        """Add a problem: a statement was not understood, or only in part. The problem quotes its beginning."""
         first = self.tokens[statement.start]
         last = statement.tokens[-1] if statement.tokens else first
         quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
         self.problem(first, f"{why}: {quote}")
 
     def span(self, statement: Statement) -> Span:
-        """The place of a statement's first token, in a file that only the caller knows."""
+        """Return the place of a statement's first token. Its file is empty: only the caller knows the file."""
         first = statement.tokens[0]
         return Span("", first.line, first.column)

@@ -1,4 +1,4 @@
-"""Where a statement ends; in a file that is not quite right, too."""
+"""Statements: finds where each one ends, also in a file with missing semicolons and braces."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from roverlink.generator.protos.parser.tokens import Comment, Kind, Token
 BLOCKS = frozenset(["message", "enum", "service", "oneof"])
 LABELS = frozenset(["optional", "required", "repeated"])
 VISIBILITIES = frozenset(["export", "local"])
-_AHEAD = 4  # tokens that are looked at ahead of one
+_AHEAD = 4  # the largest lookahead, in tokens
 _OUTERMOST = frozenset(["message", "enum", "service", "extend", "import", "syntax", "edition", "package"])
 
 
 class Tokens:
-    """The tokens of a file, and which of its braces have no partner."""
+    """The tokens of a file, and the braces that have no partner."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         self._tokens = [*tokens, *[tokens[-1]] * _AHEAD]
         opened: list[int] = []
         self.last_unopened = -1
-        """Index of the last closing brace too many."""
+        """Index of the last surplus closing brace; -1 for none."""
         for index, token in enumerate(tokens):
             if token.text == "{":
                 opened.append(index)
@@ -31,18 +31,18 @@ class Tokens:
                 else:
                     self.last_unopened = index
         self.unclosed = frozenset(opened)
-        """Indices of the opening braces that nothing closes."""
+        """Indices of the opening braces that are never closed."""
 
     def __getitem__(self, index: int) -> Token:
-        """The token at an index, which may be a little behind the end of the file."""
+        """Return the token at an index, which may be up to four tokens behind the end of the file."""
         return self._tokens[index]
 
     def between(self, start: int, end: int) -> Sequence[Token]:
-        """The tokens from one index up to another."""
+        """Return the tokens from ``start`` up to ``end``, which is excluded."""
         return self._tokens[start:end]
 
     def declares(self, index: int) -> bool:
-        """Whether a declaration begins here that cannot be the inside of a statement: a keyword, and what it needs."""
+        """Return True if a declaration begins here: a keyword, followed by the tokens that it needs."""
         if self[index].text in VISIBILITIES and self[index + 1].text in BLOCKS:
             index += 1
         word, second, third = self[index], self[index + 1], self[index + 2]
@@ -57,12 +57,12 @@ class Tokens:
         return _needs(word, second, third)
 
     def assigns(self, index: int) -> bool:
-        """Whether a name is here that gets a number."""
+        """Return True if a name with a number begins here: ``name = 4``."""
         number = self[index + 3] if self[index + 2].is_symbol("-") else self[index + 2]
         return self[index].kind is Kind.NAME and self[index + 1].is_symbol("=") and number.kind is Kind.NUMBER
 
     def declares_outermost(self, index: int) -> bool:
-        """Whether a line begins here, without any space, with a declaration as it stands at the top of files."""
+        """Return True if a top-level declaration begins here, at the first column of a line."""
         word = self[index]
         known = word.text in _OUTERMOST or word.text in VISIBILITIES
         return word.column == 1 and word.first and known and self.declares(index)
@@ -73,7 +73,7 @@ def _names(token: Token) -> bool:
 
 
 def _needs(word: Token, second: Token, third: Token) -> bool:
-    """Whether the tokens behind a keyword of other statements are such as it needs."""
+    """Return True if the tokens behind a keyword are the ones that it needs."""
     text = word.text
     if text in ("syntax", "edition"):
         return word.column == 1 and second.is_symbol("=") and third.kind is Kind.STRING
@@ -94,12 +94,12 @@ class Statement:
 
     start: int
     end: int
-    """Index of the token behind it: what ended it, if that was a character."""
+    """Index of the token behind the statement: its ending, if there is one."""
     tokens: Sequence[Token]
     ending: str
-    """``;`` or ``{``; empty where it was broken off."""
+    """``;`` or ``{``; empty if the ending is missing."""
     comments: tuple[Comment, ...]
-    """Those before each of its tokens and before its end."""
+    """The comments before each of its tokens and before its ending."""
 
 
 class StatementReader:
@@ -113,7 +113,7 @@ class StatementReader:
         self._assigned = False
 
     def read(self) -> Statement:
-        """The statement that starts at the index given; at least one token long, or only its end."""
+        """Return the statement that starts at the given index. It has at least one token, or only an ending."""
         ending, all_tokens = None, self._tokens
         comments: list[Comment] = []
         previous = None
@@ -136,7 +136,7 @@ class StatementReader:
         return Statement(self._start, self._index, tokens, ending, tuple(comments))
 
     def _symbol(self, text: str) -> str | None:
-        """What ends the statement at a symbol: the symbol, or nothing (``""``); None if it goes on behind it."""
+        """Return the ending at a symbol (``""`` for a missing one); None if the statement goes on."""
         if text == "=":
             self._assigned = True
         elif text in "{}":
@@ -154,8 +154,8 @@ class StatementReader:
         return None
 
     def _is_broken_off(self, token: Token, previous: Token) -> bool:
-        """Whether a token, the first on its line, cannot go on with the statement."""
-        if self._braces:  # an option's value may have fields with the names of keywords, unless a brace is missing
+        """Return True if a token that starts a line cannot belong to the statement."""
+        if self._braces:  # an option's value may have fields called like keywords; distrust them if a brace is missing
             return bool(self._tokens.unclosed) and self._tokens.declares(self._index)
         if token.kind is Kind.NAME and token.text != "to" and self._is_complete(previous):
             return True
@@ -164,7 +164,7 @@ class StatementReader:
         return token.kind is Kind.NAME and not self._brackets and self._is_hidden_behind(previous)
 
     def _is_complete(self, previous: Token) -> bool:
-        """Whether no name can come behind this token, so that one on the next line is the next statement's."""
+        """Return True if no name can follow this token, so that a name on the next line starts a new statement."""
         if previous.kind is Kind.NAME:
             head, size = self._tokens[self._start].text, self._index - self._start
             is_listed = head in ("reserved", "extensions") and size > 1 and previous.text != "to"
@@ -174,7 +174,7 @@ class StatementReader:
         return previous.kind in (Kind.NUMBER, Kind.STRING) or previous.text in ("]", "}")
 
     def _is_hidden_behind(self, previous: Token) -> bool:
-        """Whether a field or an enum value begins here which what was read so far, whatever it is, cannot belong to."""
+        """Return True if a field or an enum value begins here that cannot be part of the broken statement before it."""
         if self._tokens.assigns(self._index):
             return previous.kind is Kind.SYMBOL and previous.text not in (".", ">", ",")
         is_labelled = previous.text in LABELS and self._index - self._start == 1

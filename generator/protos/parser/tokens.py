@@ -1,4 +1,4 @@
-"""A .proto file as tokens, each with its place and the comments before it. Everything is in some token or skipped."""
+"""The tokens of a .proto file, each with its place and the comments before it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TAB_WIDTH = 8
 
 
 class Kind(Enum):
-    """What a token is."""
+    """The kind of a token."""
 
     NAME = "name"
     NUMBER = "number"
@@ -24,17 +24,17 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment, by what stands between its marks."""
+    """A comment; ``start`` and ``end`` are the offsets of its text, without ``//`` or ``/*``."""
 
     start: int
     end: int
     line: int
     column: int
-    """Where its text starts, behind the mark."""
+    """Column of the text, behind the comment's mark."""
 
 
 class Token(NamedTuple):
-    """A name, a number, a string or a single other character."""
+    """A name, a number, a string or another single character."""
 
     kind: Kind
     text: str
@@ -42,31 +42,31 @@ class Token(NamedTuple):
     line: int
     column: int
     first: bool
-    """Whether it is the first one on its line."""
+    """True for the first token of a line."""
     comments: tuple[Comment, ...]
-    """Those between the previous token and this one."""
+    """The comments between the previous token and this one."""
     cut_off: bool = False
-    """Whether it is a string without an end."""
+    """True for a string without a closing quote."""
 
     @property
     def end(self) -> int:
-        """The offset behind it."""
+        """The offset behind the token."""
         return self.start + len(self.text)
 
     def is_symbol(self, text: str) -> bool:
-        """Whether it is this character, and not a string that looks like it."""
+        """Return True if the token is this character, and not a string with the same text."""
         return self.kind is Kind.SYMBOL and self.text == text
 
 
 class Place:
-    """Line and column of an offset that only ever grows, so that all of them together cost one walk over the text."""
+    """Line and column of an offset. The offset may only grow, so all places of a file cost one walk over the text."""
 
     def __init__(self, text: str, offset: int = 0, line: int = 1, column: int = 1) -> None:
         self._text, self._offset = text, offset
         self.line, self.column = line, column
 
     def move_to(self, offset: int) -> None:
-        """Take the place of this offset."""
+        """Move to an offset."""
         passed = self._text[self._offset : offset]
         self._offset = offset
         if "\n" in passed:
@@ -84,7 +84,7 @@ class Place:
         self.column = column + 1
 
 
-# Tried at every offset, one of these fits, and none can come to a point at which it had to try again otherwise.
+# At every offset one alternative matches, and none of them backtracks. So time is linear in the length of any text.
 _PIECE = re.compile(
     r"[ \t\r\n\v\f]*(?:"
     r"(?P<name>[^\W\d]\w*)"
@@ -102,7 +102,7 @@ _KINDS = {"name": Kind.NAME, "number": Kind.NUMBER, "symbol": Kind.SYMBOL}
 
 
 class Lexer:
-    """Cuts a text into tokens; what is none is skipped, and said to be so."""
+    """Cuts a text into tokens; reports characters that belong to none, and skips them."""
 
     def __init__(self, text: str) -> None:
         self.tokens: list[Token] = []
@@ -110,13 +110,16 @@ class Lexer:
         self._text = text
         self._place = Place(text)
         self._line = 0
-        """That of the last token."""
+        """Line of the last token."""
         self._comments: list[Comment] = []
         self._no_more: set[str] = set()
-        """What is not in the rest of the text: to search for it again would cost the length of that again."""
+        """Texts that the rest of the file does not contain.
+
+        Without this, unclosed comments would make the search quadratic.
+        """
 
     def run(self) -> None:
-        """Fill `tokens`, of which the last one is the end of the file, and `problems`."""
+        """Fill `tokens`, whose last one is the end of the file, and `problems`."""
         offset = 1 if self._text.startswith("\ufeff") else 0
         while match := _PIECE.match(self._text, offset):
             name = match.lastgroup or ""
@@ -131,7 +134,7 @@ class Lexer:
             elif name == "string":
                 self._token(Kind.STRING, text, start, not (match["end"] or match["end_too"]))
             elif name == "unseen":
-                self._problem(start, f"a character that cannot be seen: {text!a}")
+                self._problem(start, f"an invisible character: {text!a}")
             elif name == "marker":
                 offset = self._conflict_marker(text, start)
             else:
@@ -150,7 +153,7 @@ class Lexer:
         if cut_off:
             self._problem(start, "a string that does not end on its line")
         elif kind is Kind.NAME and not text.isascii():
-            self._problem(start, f"a name with other letters than those of ASCII: {text[:40]}")
+            self._problem(start, f"a name with letters outside of ASCII: {text[:40]}")
 
     def _problem(self, offset: int, what: str) -> None:
         self._place.move_to(offset)
@@ -161,9 +164,9 @@ class Lexer:
         self._comments.append(Comment(start, end, self._place.line, self._place.column))
 
     def _block_comment(self, start: int) -> int:
-        """Take a comment and return its end; one that does not end is taken to end on its line.
+        """Take a comment and return its end. An unclosed comment ends with its line.
 
-        protoc would see nothing but it from there on.
+        protoc would read the rest of the file as part of it.
         """
         end = self._find("*/", start + 2)
         if end >= 0:
@@ -182,9 +185,10 @@ class Lexer:
         return found
 
     def _conflict_marker(self, marker: str, start: int) -> int:
-        """Return where to read on behind a line that git put there.
+        """Return the offset behind a conflict marker of git.
 
-        The common ancestor is skipped where git shows it, and neither of the two sides is.
+        Both sides of the conflict are read. The common ancestor, which git writes with ``merge.conflictStyle=diff3``,
+        is skipped.
         """
         self._problem(start, f"a conflict marker: {marker[:40].rstrip()}")
         sides = self._find("\n=======", start) if marker.startswith("|") else -1

@@ -1,4 +1,4 @@
-"""Which declared type a name means, by protobuf's rules."""
+"""Name resolution: find the declared type that a name means, by protobuf's scoping rules."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ SCALARS = frozenset(_SCALARS.split())
 
 
 def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | None:
-    """Full name of the message or enum that is meant by a name as written in a scope; None for none that is declared.
+    """Return the full name of the message or enum that a name means in a scope; None if no such type is declared.
 
-    ``scope`` is the full name of the message that the field stands in. The innermost scope that has the name's first
-    part decides; that the rest is not to be found in there does not send the search further out.
+    ``scope`` is the full name of the message that contains the field. The innermost scope that declares the name's
+    first part decides: if it does not contain the rest, the outer scopes are not searched.
 
     >>> resolve_type("B", "pkg.A", {"pkg.A", "pkg.A.B", "pkg.B"})
     'pkg.A.B'
@@ -41,6 +41,6 @@ def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | 
 
 @lru_cache(maxsize=16)
 def _scopes(declared: frozenset[str]) -> frozenset[str]:
-    """What declared names stand in: messages and packages, with the packages that those stand in."""
+    """Return the messages and packages that contain declared names, at every level."""
     parts = (name.split(".") for name in declared)
     return frozenset(".".join(part[:length]) for part in parts for length in range(1, len(part)))

@@ -1,7 +1,6 @@
-"""A payload takes a number that stood for several others in the past.
+"""A payload takes a number that several other payloads had in the past.
 
-Such a number was burned by `roverlink lint --history --accept`: nobody knows which boards and recordings mean what by
-it.
+`roverlink lint --history --accept` burned this number: boards and recordings disagree on its meaning.
 
 Bad::
 
@@ -24,13 +23,13 @@ RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows with a burned number, but for the payload that had it when that was accepted."""
+    """Yield rows with a burned number, unless their payload had it when it was accepted."""
     envelope = context.table.envelope.message
     burned = context.ledger.burned_in(envelope)
     for row in context.table.rows:
         one = burned.get(row.number)
         if one is not None and (one.now is None or one.now[0] != row.proto):
-            told = " and for ".join(dict.fromkeys(type for type, _ in one.uses))
+            told = " and ".join(dict.fromkeys(type for type, _ in one.uses))
             help = f"give {row.name} the number {context.next_number()}"
-            message = f"field {row.number} stood for {told} in the past and is given to nothing any more"
+            message = f"field {row.number} is burned: it meant {told} in the past and must not be used again"
             yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

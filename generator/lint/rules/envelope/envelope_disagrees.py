@@ -1,8 +1,8 @@
 """The envelope's file and the table disagree.
 
-The bridge speaks by the table, the boards by the envelope's file: where the two differ, one payload is read as another,
-and nobody notices. A file that the table owns (`owner: mapping`) is stale then, or was edited; one that another
-repository owns (`owner: proto`) says what is on the wire.
+The bridge decodes by the table, and the boards encode by the envelope's file. Where they differ, one payload is read as
+another without an error. If the table owns the file (`owner: mapping`), the file is old or was edited. If another
+repository owns it (`owner: proto`), the file is right and the table is wrong.
 
 Bad::
 
@@ -40,7 +40,7 @@ _GENERATE = "run `roverlink generate`"
 
 @dataclass(frozen=True, slots=True)
 class _Member:
-    """A field of the envelope, whoever read it."""
+    """A field of the envelope, from protoc or from the tolerant parser."""
 
     number: int
     name: str
@@ -53,8 +53,8 @@ class _Member:
 
 
 @dataclass(frozen=True, slots=True)
-class _Cures:
-    """What to do about it, which depends on who owns the file."""
+class _HelpTexts:
+    """The help texts, which depend on the owner of the file."""
 
     missing: str
     differs: str
@@ -63,32 +63,32 @@ class _Cures:
 
 
 _OF_OWNER = {
-    "mapping": _Cures(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
-    "proto": _Cures(
-        missing="correct the number, or add the member where the envelope is kept",
+    "mapping": _HelpTexts(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
+    "proto": _HelpTexts(
+        missing="correct the number, or add the member in the envelope's repository",
         differs="",
         no_row="add a row for it under `messages`",
-        retired="remove it where the envelope is kept",
+        retired="remove it in the envelope's repository",
     ),
 }
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows and members of the oneof that are not each other's; what is retired and not reserved."""
+    """Yield differences between rows and members of the oneof, and retired rows that the file does not reserve."""
     if context.table.envelope.owner == "proto":
         yield from _check_of_another_owner(context)
-    elif context.files:  # else it was not read from the disk
+    elif context.files:  # no files: the table was not read from a disk
         yield from _check_written_file(context)
 
 
 def _check_of_another_owner(context: Context) -> Iterator[Diagnostic]:
     table, schema, name = context.table, context.schema, context.table.envelope.message
-    if schema is None or not name or not table.proto.root:  # the rows of a tree are the members
+    if schema is None or not name or not table.proto.root:  # without a table, the rows are made from the members
         return
     envelope = schema.messages.get(name)
     if envelope is not None:
         yield from _compare(context, _compiled_members(envelope))
-    elif table.whole and not any(context.declared(name)):  # else its file does not compile, and protoc says why
+    elif table.whole and not any(context.declared(name)):  # if its file does not compile, protoc reports that
         yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
 
 
@@ -98,7 +98,7 @@ def _check_written_file(context: Context) -> Iterator[Diagnostic]:
     if not path or not name:
         return
     if path not in context.files:
-        message = f"there is no {path} below {table.proto.root}"
+        message = f"the file {path} is missing in {table.proto.root}"
         yield RULE.at(table.envelope.at("file"), message, _GENERATE, type=name)
         return
     envelope = next((found for file, found in context.declared(name) if file == path), None)
@@ -111,7 +111,10 @@ def _check_written_file(context: Context) -> Iterator[Diagnostic]:
 
 
 def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
-    """The messages among the members: a number or a text in another's oneof can have no row."""
+    """Return the members that are messages.
+
+    Numbers and strings in the oneof of another repository cannot have a row.
+    """
     messages = [field for field in envelope.fields if field.type == "message"]
     return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
 
@@ -132,71 +135,75 @@ def _written_members(envelope: ProtoMessage, context: Context) -> list[_Member]:
 
 
 def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
-    """Rows against members; each difference once."""
+    """Compare rows with members, and yield each difference once."""
     table = context.table
     name, oneof = table.envelope.message, table.envelope.oneof
-    cures = _OF_OWNER[table.envelope.owner]
+    help_texts = _OF_OWNER[table.envelope.owner]
     payloads = {member.number: member for member in members if member.oneof == oneof}
     if not payloads and table.rows:
         help = _GENERATE if table.envelope.owner == "mapping" else ""
         yield RULE.at(table.envelope.at("oneof"), f"{name} has no oneof {oneof}", help, type=name)
         return
-    # A payload that stands beside the oneof is a fault of its own, which another rule finds.
+    # Another rule (ENV106) reports payloads outside of the oneof.
     beside = {(member.number, member.type) for member in members if member.oneof != oneof}
     rows = [row for row in table.rows if (row.number, row.proto) not in beside]
     for row in rows:
-        yield from _compare_row(row, payloads, table, cures)
+        yield from _compare_row(row, payloads, table, help_texts)
     strayed = [row for row in rows if row.number not in payloads]
     for member in payloads.values():
         if not any(_is_moved(row, member, table) for row in strayed):
-            yield from _without_row(member, context, cures)
+            yield from _without_row(member, context, help_texts)
 
 
 def _is_moved(row: Row, member: _Member, table: Table) -> bool:
-    """Whether a member is the row's, under a number that no row has."""
+    """Return True if the member belongs to the row, but has a number that no row has."""
     return member.name == row.name and member.number not in table.numbers
 
 
-def _compare_row(row: Row, payloads: Mapping[int, _Member], table: Table, cures: _Cures) -> Iterator[Diagnostic]:
+def _compare_row(
+    row: Row, payloads: Mapping[int, _Member], table: Table, help_texts: _HelpTexts
+) -> Iterator[Diagnostic]:
     envelope, member = table.envelope.message, payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]
     if member is None:
-        message = f"the envelope has no member {row.number}, which {row.name} names"
+        message = f"the envelope has no member with number {row.number}, the number of {row.name}"
         also = []
         for moved in (other for other in payloads.values() if _is_moved(row, other, table)):
             message = f"member {row.name} has the number {moved.number}, not {row.number}"
             also = [(moved.span, "the member")]
         yield RULE.at(
-            row.at("number"), message, cures.missing, also, type=envelope, number=row.number, rests_on=rests_on
+            row.at("number"), message, help_texts.missing, also, type=envelope, number=row.number, rests_on=rests_on
         )
         return
     also = [(member.span, "the member")]
     if member.type != row.proto:
         message = f"member {row.number} carries {member.type}, not {row.proto}"
         yield RULE.at(
-            row.at("proto"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on
+            row.at("proto"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
         )
     if member.name != row.name:
         message = f"member {row.number} is called {member.name}, not {row.name}"
         rests_on.append(row.at("name"))
-        yield RULE.at(row.at("name"), message, cures.differs, also, type=envelope, number=row.number, rests_on=rests_on)
+        yield RULE.at(
+            row.at("name"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
+        )
 
 
-def _without_row(member: _Member, context: Context, cures: _Cures) -> Iterator[Diagnostic]:
+def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> Iterator[Diagnostic]:
     table, number = context.table, member.number
     envelope = table.envelope.message
     if number in {row.number for row in table.retired}:
         message = f"{member} is retired in {table.file}"
-        yield RULE.at(member.span, message, cures.retired, type=envelope, number=number)
+        yield RULE.at(member.span, message, help_texts.retired, type=envelope, number=number)
     elif table.whole and number not in table.numbers:
         message = f"{member} has no row in {table.file}"
         rests_on = [row.at("number") for row in table.rows if row.proto == member.type]
         rests_on += [entry.span for entry in context.published if entry.number == number]
-        yield RULE.at(member.span, message, cures.no_row, type=envelope, number=number, rests_on=rests_on)
+        yield RULE.at(member.span, message, help_texts.no_row, type=envelope, number=number, rests_on=rests_on)
 
 
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:
-    """What is retired in the table, and free in the file."""
+    """Yield retired rows whose number or name the file does not reserve."""
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)
         free = [f"the number {row.number}"] if not of_number else []

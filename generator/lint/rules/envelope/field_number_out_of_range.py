@@ -1,6 +1,6 @@
-"""A field number that protobuf keeps for itself.
+"""A field number is one that protobuf keeps for itself.
 
-The numbers from 19000 to 19999 belong to protobuf's implementation; protoc refuses them.
+The numbers from 19000 to 19999 belong to protobuf's implementation. protoc rejects them.
 
 Bad::
 
@@ -23,9 +23,9 @@ RULE = Rule("ENV104", "field-number-out-of-range", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows with such a number."""
+    """Yield rows with a number from 19000 to 19999."""
     envelope = context.table.envelope.message
-    message = f"is one of protobuf's own, {IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1}"
+    message = f"is reserved for protobuf ({IMPLEMENTATION_NUMBERS.start} to {IMPLEMENTATION_NUMBERS.stop - 1})"
     for row in context.table.rows:
         if row.number in IMPLEMENTATION_NUMBERS:
             yield RULE.at(

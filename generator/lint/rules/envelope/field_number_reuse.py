@@ -1,8 +1,8 @@
 """A published field number is given to another payload.
 
-An old board and a new rover would decode each other's bytes as something else, without any error. The ledger knows
-every number that was ever published, and so does the state that `--against` names. A number is retired for the payload
-that had it, for no other.
+An old board and a new rover would decode each other's bytes as the wrong message, without an error. The ledger has
+every number that was ever published, and the baseline of `--against` has its own. A number can only be retired for the
+payload that had it.
 
 Bad::
 
@@ -31,13 +31,13 @@ RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows, and retired ones, whose number was published for another message."""
-    # One payload may be known from several places, the ledger first; it is one fact.
+    """Yield rows and retired rows whose number was published for another message."""
+    # The ledger and the baseline may list the same payload. The ledger comes first, so its entry is kept.
     published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
     envelope = context.table.envelope.message
     for row in context.table.rows:
         for entry in _others(row, published.values()):
-            help = f"give {row.name} the number {context.next_number()}; {entry.name} stays, or goes to `retired`"
+            help = f"give {row.name} the number {context.next_number()}; keep {entry.name}, or move it to `retired`"
             yield _finding(row, entry, help, envelope)
     for retired in context.table.retired:
         for entry in _others(retired, published.values()):
@@ -46,11 +46,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
-    """What else the number was published for."""
+    """Yield the other payloads that the number was published for."""
     entries = [entry for entry in published if entry.number == row.number]
     for_this = any(entry.proto == row.proto for entry in entries)
     for entry in entries:
-        # Of two branches that took one number, the table says after the merge which keeps it.
+        # If two branches took the same number, the merged table decides which payload keeps it.
         settled = entry.contested and for_this
         if entry.proto != row.proto and not settled:
             yield entry

@@ -1,7 +1,7 @@
-"""A field number of the envelope is given twice.
+"""Two payloads of the envelope have the same field number.
 
-Two payloads with one number cannot be told apart on the wire. A retired number counts as taken for ever: boards that
-still send the old payload are out there.
+The receiver cannot tell them apart on the wire. A retired number is taken forever, because boards that send the old
+payload may still be in use.
 
 Bad::
 
@@ -28,7 +28,7 @@ RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows, retired ones first, whose number an earlier one has."""
+    """Yield rows and retired rows whose number is already taken."""
     table = context.table
     holders: dict[int, RetiredRow] = {}
 
@@ -47,7 +47,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         old = published.get((row.proto, row.name))
         help = f"the next number never used is {next_number}"
         if old is not None and old not in table.numbers:
-            help = f"give {row.name} its published number {old} back"
+            help = f"give {row.name} back its published number {old}"
         if row.number in holders:
             gone = holders[row.number]
             message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"

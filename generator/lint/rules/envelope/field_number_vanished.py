@@ -1,7 +1,7 @@
 """A published field number is neither in use nor retired.
 
-Its row was deleted. The number would look free, be given to another payload, and boards that still send the old one
-would be misread. A payload that goes is moved to `retired`, which reserves its number and its name.
+Its row was deleted, so the number looks free. If another payload gets it, the rover misreads boards that send the old
+payload. Move the row to `retired` instead, which reserves its number and its name.
 
 Bad::
 
@@ -25,20 +25,20 @@ RULE = Rule("ENV103", "field-number-vanished", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Payloads that were published and whose number the table does not have."""
+    """Yield published payloads whose number is missing in the table."""
     table = context.table
     if not table.whole:
-        return  # the number may be among what could not be read
-    # One payload may be known from several places, the ledger first; it is one fact.
+        return  # the missing number may be in a row that could not be read
+    # The ledger and the baseline may list the same payload. The ledger comes first, so its entry is kept.
     published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
     for entry in published.values():
         if entry.number in table.numbers:
             continue
-        message = f"field {entry.number} was published as {entry.name} ({entry.proto}) and is gone from {table.file}"
-        cure = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
-        help = f"put the row back, or add to `retired`: - {cure}"
+        message = f"field {entry.number} was published as {entry.name} ({entry.proto}), but is missing in {table.file}"
+        entry_text = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
+        help = f"put the row back, or add to `retired`: - {entry_text}"
         of_ledger = entry in context.ledger.entries
-        span = entry.span if of_ledger else Span(table.file)  # nobody can mend an earlier state
+        span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
         also = [] if of_ledger else [(entry.span, "published here")]
         moved = [row.at("number") for row in table.rows if row.proto == entry.proto]
         yield RULE.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)

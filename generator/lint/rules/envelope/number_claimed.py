@@ -1,7 +1,7 @@
-"""A payload takes a number that a comment in the envelope names for another.
+"""A payload takes a number that a comment in the envelope names for another payload.
 
-A member that is commented out mostly was in use once, or is on somebody's branch; either way there may be boards that
-send it. Who commented it out knows; ask before taking its number.
+A member that is commented out was often in use once, or is in use on another branch. Boards may still send it. Ask the
+author of the comment before you take its number.
 
 Bad::
 
@@ -31,14 +31,18 @@ RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows with a number that the envelope's comments have for another payload."""
+    """Yield rows whose number belongs to another payload in the envelope's comments."""
     envelope = context.table.envelope.message
     claims = list(context.envelope_claims())
     for row in context.table.rows:
         for claim, span in claims:
             if claim.number == row.number and not _is_same_payload(claim, row):
-                message = f"field {row.number} of {row.name} stands in a comment for {claim.name} ({claim.type})"
-                help = f"give {row.name} the number {context.next_number()}, or delete a comment that never was in use"
+                message = (
+                    f"{row.name} takes field {row.number}, which a comment declares for {claim.name} ({claim.type})"
+                )
+                help = (
+                    f"give {row.name} the number {context.next_number()}; or delete the comment if it was never in use"
+                )
                 also = [(span, "in this comment")]
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 

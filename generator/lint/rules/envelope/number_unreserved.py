@@ -1,8 +1,8 @@
-"""A number that was used in the past is free in the envelope.
+"""A number that was used in the past is not reserved in the envelope.
 
-Boards that send it are out there. As long as nothing reserves it, the next payload may get it, and be taken for the old
-one. Where the table owns the envelope, retiring a payload reserves its number; this finds those of an envelope that
-somebody else keeps.
+Boards that send it may still be in use. If the next payload gets the number, it is mistaken for the old payload. This
+rule checks an envelope of another repository (`owner: proto`). If the table owns the envelope, `retired` reserves the
+number.
 
 Bad::
 
@@ -37,16 +37,16 @@ RULE = Rule("ENV107", "number-unreserved", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers that were published, and that the envelope neither has nor reserves."""
+    """Yield published numbers that the envelope neither uses nor reserves."""
     table = context.table
     envelope = context.schema.messages.get(table.envelope.message) if context.schema else None
     if envelope is None or table.envelope.owner != "proto":
         return
-    # One number may be known from several places and for several payloads, the ledger first; it is reserved once.
+    # Several payloads may have been published with one number, but it is reserved once. The ledger's entry is kept.
     published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-            message = f"field {number} was {entry.name} ({entry.proto}); nothing keeps another payload from getting it"
+            message = f"field {number} was {entry.name} ({entry.proto}), and its number is not reserved"
             help = f"add {_reservation(entry, envelope)} to {envelope.full_name}"
             also = [(entry.span, "published here")]
             yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)
@@ -58,13 +58,16 @@ def _is_free(number: int, envelope: ProtoMessage) -> bool:
 
 
 def _reservation(entry: Entry, envelope: ProtoMessage) -> str:
-    """What reserves a number, and its name, unless that is reserved or went along to another field."""
+    """Return the statements that reserve a number and its name.
+
+    A name that is reserved or used elsewhere is left out.
+    """
     known = {*envelope.reserved_names, *(field.name for field in envelope.fields)}
     of_name = "" if entry.name in known else f' and `reserved "{entry.name}";`'
     return f"`reserved {entry.number};`{of_name}"
 
 
 def _is_of_another_rule(number: int, table: Table) -> bool:
-    """Whether the number is in use in the table, or missing there: faults of their own, which other rules find."""
+    """Return True if another rule reports the number: it is in use in the table, or its row is missing."""
     retired = number in {row.number for row in table.retired}
     return not retired and (table.whole or number in table.numbers)

@@ -1,8 +1,8 @@
-"""A payload stands in the envelope beside the oneof.
+"""A payload stands in the envelope outside of the oneof.
 
-The receiver looks at which member of the oneof is set; what stands beside it is carried along and reaches nobody. It
-was added one line too low, mostly, behind the oneof's brace. A number or a text beside the oneof is no payload; an
-envelope of another repository may have those, such as a sequence number.
+The receiver looks at the member of the oneof that is set, and ignores everything beside it. Usually the payload was
+added one line too low, behind the oneof's closing brace. A number or a string beside the oneof is not a payload:
+envelopes of another repository may have them, such as a sequence number.
 
 Bad::
 
@@ -35,7 +35,7 @@ RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Messages in the envelope that are not in its oneof; any field, where it is to hold nothing but the oneof."""
+    """Yield messages outside of the oneof. If the table owns the envelope, yield any field outside of it."""
     settings = context.table.envelope
     envelope = context.schema.messages.get(settings.message) if context.schema else None
     if envelope is None or settings.oneof not in envelope.oneofs:
@@ -46,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             message = f"{field.name} = {field.number} ({field.wire_type}) stands outside the oneof {settings.oneof}"
             help = f"move {field.name} into {settings.oneof}"
             if ours:
-                help = "the file is written from the table: add a row if it is to travel, and run `roverlink generate`"
+                help = "`roverlink generate` writes this file from the table: add a row for the payload, and run it"
             yield RULE.at(field.span, message, help, type=envelope.full_name, number=field.number)
 
 

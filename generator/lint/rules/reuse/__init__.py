@@ -1,1 +1,1 @@
-"""Rules about numbers and names that had another meaning before."""
+"""Rules about numbers and names that had another meaning in the past."""

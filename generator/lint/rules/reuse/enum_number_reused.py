@@ -1,7 +1,7 @@
-"""A number that an enum had for another value once is used again.
+"""A number of a deleted enum value is used again.
 
-The value was deleted long ago, and with it what reserved its number. The ledger knows every number that was ever
-published: a board with the old value may still be out there, and is understood as saying the new one.
+The value was deleted long ago, and its number is no longer reserved. The ledger has every number that was ever
+published. A board with old firmware may still send the old value, and the rover reads it as the new one.
 
 Bad::
 
@@ -30,7 +30,7 @@ RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Values whose number the ledger has for another one that is gone, unless it has this one as well."""
+    """Yield values whose number another value had in the ledger, unless the ledger has this value as well."""
     if context.schema is None:
         return
     for name, gone in context.ledger.gone_values.items():
@@ -51,8 +51,8 @@ def _finding(
     freed = reserve(enum, schema.syntax_of(enum.file), [(old.number, old.number)], [was])
     return RULE.at(
         values[0].at("number"),
-        f"number {values[0].number} of {enum.full_name} was {was} once, and is given to {names[0]}",
-        f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"find another place for {names[0]}",
+        f"number {values[0].number} of {enum.full_name} was {was} in the past, and is {names[0]} now",
+        f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"declare {names[0]} in another enum",
         [(old.span, "published here")],
         type=enum.full_name,
         number=values[0].number,

@@ -1,7 +1,7 @@
-"""A number of an enum stands for what another number stood for.
+"""A number of an enum has the meaning that another number had.
 
-Values were swapped or shifted. Boards that were not flashed go on sending the old numbers, and each is understood as
-another value that exists, so that nothing looks wrong.
+Values were swapped or shifted. Boards with old firmware still send the old numbers. The rover reads each as another
+valid value, so there is no error.
 
 Bad::
 
@@ -30,7 +30,7 @@ RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Values whose name belonged to another number, or whose number had a name that another one has now."""
+    """Yield values that had another number before, or whose number belonged to a value that has another number now."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
@@ -52,10 +52,10 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
     moved = moved_here(pair, number)
     if moved is not None:
-        return f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number}"
+        return f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number} before"
     message = f"{number} was {', '.join(gone)} and is {value.name} now"
     away = moved_away(pair, number)
-    return f"{message}, while {away.name} is {away.number}" if away else message
+    return f"{message}; {away.name} is {away.number} now" if away else message
 
 
 def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:

@@ -1,7 +1,7 @@
-"""A number is given to a field that means something else.
+"""A number is given to a field with another meaning.
 
-Its type can read the old bytes, so that nothing looks wrong: the old value is simply taken for the new thing. A field
-that only got a better name has a word in common with the old one, or keeps it as its `json_name`.
+The new type can read the old bytes, so there is no error: the old value is read as the new quantity. A field that only
+gets a better name shares a word with the old name, or keeps the old name as its `json_name`.
 
 Bad::
 
@@ -28,14 +28,14 @@ RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields whose new name has nothing of the old one, or was another field's."""
+    """Yield fields whose new name shares no word with the old one, or was the name of another field."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
 def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
-        # What a payload means is its type, which has rules of its own.
+        # The meaning of a payload is its type. Other rules check that.
         if rename(pair) is Rename.MEANING and pair.owner != context.table.envelope.message:
             yield RULE.at(
                 pair.new.at("name"),
@@ -50,5 +50,5 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: FieldPair) -> str:
     message = f"number {pair.new.number} was {pair.old.name} and is {pair.new.name} now"
     if names_another_field(pair):
-        return f"{message}, which had another number: the old values are read as those"
-    return f"{message}: the old value is read as the new thing"
+        return f"{message}, which had another number: old values of {pair.old.name} are read as {pair.new.name}"
+    return f"{message}: old values of {pair.old.name} are read as {pair.new.name}"

@@ -1,8 +1,7 @@
 """A field takes a number that a comment in the same message names for another field.
 
-A field that is commented out mostly was in use once, or is on somebody's branch; either way there may be boards that
-send it, and their value would be read as another. Reserve the number of a field that is gone; a comment keeps nobody
-from taking it.
+A field that is commented out was often in use once, or is in use on another branch. Boards may still send it, and its
+value would be read as the new field. A comment does not protect a number: reserve it.
 
 Bad::
 
@@ -32,7 +31,7 @@ RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields of any message but the envelope, whose members are payloads."""
+    """Yield fields of all messages except the envelope, whose members are payloads."""
     for path, file in context.files.items():
         for message in file.messages:
             if message.claims and message.full_name != context.table.envelope.message:
@@ -45,8 +44,8 @@ def _check(path: str, declared: ProtoMessage, context: Context) -> Iterator[Diag
     for field in fields:
         for claim in declared.claims:
             if claim.number == field.number and claim.name != field.name:
-                message = f"{field.name} = {field.number} has a number that a comment names for {claim.name}"
-                help = f"take another number and reserve {field.number}, or delete a comment that never was in use"
+                message = f"{field.name} takes number {field.number}, which a comment declares for {claim.name}"
+                help = f"take another number and reserve {field.number}; or delete the comment if it was never in use"
                 also = [(context.place(path, claim.span.line, claim.span.column), "in this comment")]
                 span = field.at("number")
                 yield RULE.at(span, message, help, also, type=declared.full_name, number=field.number)

@@ -1,7 +1,7 @@
-"""A field's name has another unit, scale or reference.
+"""A field was renamed, and its new name says another unit, scale or reference.
 
-The number and the type are the same, so that nothing looks wrong: an old sender's millimetres are read as metres, its
-hundredths of a degree as degrees, a difference as a position.
+Number and type are the same, so there is no error: millimetres of an old sender are read as metres, hundredths of a
+degree as degrees, or a difference as a position.
 
 Bad::
 
@@ -29,7 +29,7 @@ RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields whose names before and after speak of one thing in two units."""
+    """Yield fields whose old and new names say the same quantity in different units."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

@@ -1,7 +1,7 @@
-"""A message has other contents than the message that had its name.
+"""A message has other content than the message that had its name before.
 
-Most of its numbers stand for something else, with other names and other types. The name was kept, so that every board
-and every row of the table takes the one for the other.
+Most of its numbers belong to fields with other names and other types. The name stayed the same, so boards and rows of
+the table mistake one message for the other.
 
 Bad::
 
@@ -25,11 +25,11 @@ from roverlink.generator.lint.comparison.field_type_changes import broken_by_typ
 from roverlink.generator.lint.context import Context
 
 RULE = Rule("WIR113", "message-content-replaced", __doc__)
-_FEWEST = 3  # of so few fields that each may have changed by itself
+_FEWEST = 3  # with fewer fields, each one may have changed on its own
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Messages of which fewer than a third of the fields are left, while most of the numbers are in use."""
+    """Yield messages that kept fewer than a third of their fields, while most of the numbers are in use."""
     return each_once(context.changes, _findings)
 
 
@@ -40,15 +40,15 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
         if before >= _FEWEST and left * 3 < before <= replaced * 2:
             yield RULE.at(
                 pair.new.at("name"),
-                f"{pair.new.full_name} is another message: of {before} fields {replaced} were replaced, {left} left",
-                "give the new message a name of its own, and leave the old one as it was",
-                change.earlier(pair.old.at("name"), "the old one is here"),
+                f"{pair.new.full_name} is another message: {replaced} of {before} fields were replaced, {left} kept",
+                "give the new message another name, and restore the old message",
+                change.earlier(pair.old.at("name"), "the old message is here"),
                 type=pair.new.full_name,
             )
 
 
 def _counts(pair: MessagePair) -> tuple[int, int]:
-    """How many numbers stand for something else, and how many for what they did."""
+    """Return how many numbers have another meaning, and how many have the same one."""
     same = 0
     pairs = list(fields_of_messages(pair))
     for one in pairs:

@@ -1,7 +1,7 @@
-"""A number that a message had for another field once is used again.
+"""A number of a deleted field is used again.
 
-The field was deleted long ago, and with it what reserved its number. The ledger knows every number that was ever
-published: a board with the old field may still be out there, and its bytes are read as the new one.
+The field was deleted long ago, and its number is no longer reserved. The ledger has every number that was ever
+published. A board with old firmware may still send the old field, and the rover reads its bytes as the new one.
 
 Bad::
 
@@ -30,7 +30,7 @@ RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields whose number the ledger has for another one that is gone, unless it has this one as well."""
+    """Yield fields whose number another field had in the ledger, unless the ledger has this field as well."""
     if context.schema is None:
         return
     for name, gone in context.ledger.gone_fields.items():
@@ -44,7 +44,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
-    """Whether a published field is this very one, if with a type that reads the same bytes."""
+    """Return True if a published field is the same one. Its type may differ if the bytes have the same meaning."""
     if (old.number, old.name) != (new.number, new.name):
         return False
     return old.wire_type == new.wire_type or not broken_by_kind(old.wire_type, new.wire_type)
@@ -54,8 +54,8 @@ def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: Prot
     was = f"{old.name} ({old.wire_type})"
     return RULE.at(
         field.at("number"),
-        f"number {field.number} of {message.full_name} was {was} once, and is given to {field.name}",
-        _help(schema, message, field, old.name, free) if free else f"find another place for {field.name}",
+        f"number {field.number} of {message.full_name} was {was} in the past, and is {field.name} now",
+        _help(schema, message, field, old.name, free) if free else f"declare {field.name} in another message",
         [(old.span, "published here")],
         type=message.full_name,
         number=field.number,

@@ -1,7 +1,7 @@
-"""Open branches have given one number of the envelope to different payloads.
+"""Open branches have given the same number of the envelope to different payloads.
 
-Whichever is merged second takes the number from the first, and boards that were tried out with it are misread. Before
-the merge, it costs one line to take another number.
+The branch that is merged second takes the number from the first, and boards with the first branch's firmware are
+misread. Before the merge, another number costs one line.
 
 Bad::
 
@@ -27,14 +27,14 @@ RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers that branches have given away since they parted."""
+    """Yield numbers that several branches have given to different payloads since they diverged."""
     past, envelope = context.past, context.table.envelope.message
     if past is None or not past.of_branches:
         return
     for collision in past.history.collisions(envelope):
         number, given = collision.number, collision.allocations
         message = f"number {number} of {envelope} is {' and '.join(map(_said, given))}"
-        help = f"keep it for one of them; the next number that no branch has is {context.next_number()}"
+        help = f"keep it for one of them, and give the other {context.next_number()}, which no branch has"
         also = [
             (Span(f"{branch_name(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
             for one in given

@@ -1,8 +1,8 @@
-"""A number stood for different things in the course of history.
+"""A number had different meanings in the history of the repository.
 
-Tools that compare two states see nothing of it: the number was deleted in one commit and given to something else a few
-commits later, or on another branch. Boards, basestations and rovers that were built from the different commits misread
-each other without any error.
+A comparison of two states cannot find this. One commit deleted the number, and a later commit or another branch gave it
+to something else. Boards, basestations and rovers that were built from these commits misread each other without an
+error.
 
 Bad::
 
@@ -14,8 +14,8 @@ Good::
 
     message PBEnvelope { oneof payload { Bar bar = 22; } reserved 18; reserved "foo"; }
 
-The past cannot be undone: `roverlink lint --history --accept` writes what was found into the ledger, so that the
-numbers are never given away again, and only what is new is found from then on.
+The past cannot be undone. `roverlink lint --history --accept` writes these numbers into the ledger. They are then never
+used again, and the lint only reports new cases.
 """
 
 from __future__ import annotations
@@ -32,6 +32,6 @@ _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers of messages and enums with more than one meaning, but for those that were accepted."""
+    """Yield numbers of messages and enums with more than one meaning, except accepted ones."""
     for owner, number, reuses in reuses_by_number(context, _KINDS):
         yield reported(RULE, context, owner, number, reuses)

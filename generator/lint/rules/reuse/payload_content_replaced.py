@@ -1,6 +1,6 @@
-"""The content of a payload was replaced under the same name in the course of history.
+"""The content of a payload was replaced in history, but its name stayed the same.
 
-The envelope looks as if nothing had happened, but the bytes of the old payload are read as the fields of the new one.
+The envelope looks unchanged, but the bytes of the old payload are read as fields of the new one.
 
 Bad::
 
@@ -25,6 +25,6 @@ RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers of the envelope whose payload kept its name and lost its fields."""
+    """Yield numbers of the envelope whose payload kept its name and lost its fields."""
     for owner, number, reuses in reuses_by_number(context, frozenset({Kind.REPLACED})):
         yield reported(RULE, context, owner, number, reuses)

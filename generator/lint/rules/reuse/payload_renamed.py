@@ -1,6 +1,6 @@
-"""A payload of the envelope was renamed in the course of history, and its content stayed.
+"""A payload of the envelope was renamed in history, and its content stayed the same.
 
-Bytes do not carry names, so that nothing is misread. But whoever searches the history for a name has to know the other.
+Bytes do not carry names, so nothing is misread. But a search of the history for one name does not find the other.
 
 Bad::
 
@@ -25,7 +25,7 @@ RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers of the envelope whose payload has another name than once, and nothing worse."""
+    """Yield numbers of the envelope whose payload was renamed, unless another rule reports the number."""
     worse = {(owner, number) for owner, number, _ in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED})}
     for owner, number, reuses in reuses_by_number(context, frozenset({Kind.RENAMED})):
         if owner == context.table.envelope.message and (owner, number) not in worse:

@@ -1,7 +1,7 @@
-"""Consumers of the protos are pinned to commits in which one number of the envelope is of different payloads.
+"""Consumers of the protos are pinned to commits that give one number of the envelope to different payloads.
 
-The rover, the boards and the basestation each build the protos from a commit of their own. Where those disagree about a
-number, one decodes what the other never sent, without any error.
+The rover, the boards and the basestation each build the protos from their own commit. If these commits disagree about a
+number, the receiver decodes the wrong payload without an error.
 
 Bad::
 
@@ -26,7 +26,7 @@ RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Each pair of consumers whose commits disagree, with the numbers about which they do."""
+    """Yield each number on which two consumers disagree."""
     past, envelope = context.past, context.table.envelope.message
     if past is None:
         return

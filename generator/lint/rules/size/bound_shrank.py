@@ -1,7 +1,7 @@
-"""A field takes less than before.
+"""A field accepts less than before.
 
-Whoever was built before sends as much as was allowed then. nanopb does not cut such a value short: it refuses the whole
-message, and the board goes on without it. A length or a count that became fixed refuses whatever is shorter, too.
+Older senders still send as much as the old bound allowed. nanopb does not shorten such a value: it rejects the whole
+message, and the board never sees it. A length or a count that became fixed also rejects everything shorter.
 
 Bad::
 
@@ -36,7 +36,7 @@ class _Bounded(NamedTuple):
 
     @property
     def capacity(self) -> int | None:
-        """The bytes of a text or of `bytes`, without the zero byte that C adds to a text."""
+        """The largest number of bytes of a string or of `bytes`, without the zero byte that C adds to a string."""
         if self.field.type != "string":
             return self.given.max_size
         if self.given.max_length is not None:
@@ -45,12 +45,12 @@ class _Bounded(NamedTuple):
 
     @property
     def bits(self) -> int | None:
-        """Those of an integer."""
+        """Bits of an integer; None for other types."""
         return self.given.int_size or _BITS.get(self.field.type)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields that are there now and in the earlier state, with tighter bounds now."""
+    """Yield fields whose bounds are tighter than in the earlier state."""
     if context.schema is None or context.bounds is None:
         return
     for change in context.changes:
@@ -70,38 +70,38 @@ def check(context: Context) -> Iterator[Diagnostic]:
 def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[Diagnostic]:
     for option, text in (*_shrunk_size(now, before), *_shrunk_count(now, before), *_shrunk_integer(now, before)):
         yield RULE.at(
-            now.given.said.get(option, now.field.span),
-            f"{message.full_name}.{now.field.name} takes {text} before",
-            f"put {option} back, or take a new field with a new number",
-            [(before.given.said.get(option, before.field.span), "as it was")],
+            now.given.places.get(option, now.field.span),
+            f"{message.full_name}.{now.field.name} accepts {text} before",
+            f"restore {option}, or add a new field with a new number",
+            [(before.given.places.get(option, before.field.span), "the earlier bound")],
             type=message.full_name,
             number=now.field.number,
         )
 
 
-_Shrunk = tuple[str, str]  # the option, and what the field takes
+_Shrunk = tuple[str, str]  # the option, and a text about the values that the field accepts
 
 
 def _shrunk_size(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
     size, earlier = now.capacity, before.capacity
     if now.given.fixed_length and size is not None and (size != earlier or not before.given.fixed_length):
-        yield "fixed_length", f"exactly {size} bytes now; it took {_at_most(earlier, before.given.fixed_length)}"
+        yield "fixed_length", f"exactly {size} bytes now; it accepted {_at_most(earlier, before.given.fixed_length)}"
     elif _is_less(size, earlier):
         option = "max_length" if now.given.max_length is not None else "max_size"
-        yield option, f"{size} bytes at most now; it took {earlier}"
+        yield option, f"at most {size} bytes now; it accepted {earlier}"
 
 
 def _shrunk_count(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
     count, earlier = now.given.max_count, before.given.max_count
     if now.given.fixed_count and count is not None and (count != earlier or not before.given.fixed_count):
-        yield "fixed_count", f"exactly {count} values now; it took {_at_most(earlier, before.given.fixed_count)}"
+        yield "fixed_count", f"exactly {count} values now; it accepted {_at_most(earlier, before.given.fixed_count)}"
     elif _is_less(count, earlier):
-        yield "max_count", f"{count} values at most now; it took {earlier}"
+        yield "max_count", f"at most {count} values now; it accepted {earlier}"
 
 
 def _shrunk_integer(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
     if now.given.int_size and _is_less(now.bits, before.bits):
-        yield "int_size", f"{now.bits} bits now; it took {before.bits}"
+        yield "int_size", f"{now.bits} bits now; it accepted {before.bits}"
 
 
 def _at_most(bound: int | None, fixed: bool) -> str:
@@ -111,5 +111,5 @@ def _at_most(bound: int | None, fixed: bool) -> str:
 
 
 def _is_less(now: int | None, before: int | None) -> bool:
-    """Whether a bound is tighter; a new one where there was none is how boards come to have bounds."""
+    """Return True if a bound is tighter. A first bound does not count: it is how a board gets its bounds."""
     return now is not None and before is not None and now < before

@@ -1,7 +1,7 @@
-"""An envelope can become larger than the peer takes.
+"""An envelope can become larger than a peer accepts.
 
-A peer with `max_size` has a buffer of that many bytes. A datagram that is larger is cut off or thrown away there, and
-only when the values happen to be long: on the field, not on the desk.
+A peer with `max_size` has a buffer of that many bytes. It cuts off or drops a larger datagram. This happens only when
+the values are long, so a test on the desk often does not show it.
 
 Bad::
 
@@ -31,7 +31,7 @@ _HELP = "lower a bound in the .options file, split the message, or raise max_siz
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows whose largest envelope exceeds what a peer takes that sends it or is sent it."""
+    """Yield rows whose largest envelope exceeds the `max_size` of a peer that sends or receives it."""
     table, schema, bounds = context.table, context.schema, context.bounds
     if schema is None or bounds is None:
         return
@@ -39,13 +39,13 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for row in table.rows:
         payload = largest_size(schema, bounds, row.proto) if row.proto in schema.messages else None
         if not isinstance(payload, int):
-            continue  # one without a bound is a fault of its own
+            continue  # FIX101 reports a payload without a bound
         size = envelope_size(schema, bounds, table.envelope.message, row.number, payload)
         for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
             if peer.max_size is not None and size > peer.max_size:
                 largest = _largest_fields(row, schema, bounds)
-                message = f"{row.name} makes an envelope of up to {size} bytes, {peer.name} takes {peer.max_size}"
-                also = [(peer.at("max_size"), "said here")]
+                message = f"an envelope with {row.name} has up to {size} bytes, but {peer.name} accepts {peer.max_size}"
+                also = [(peer.at("max_size"), "the limit")]
                 envelope = table.envelope.message
                 text = f"{message}; {largest}"
                 yield RULE.at(row.at("proto"), text, _HELP, also, type=envelope, number=row.number)

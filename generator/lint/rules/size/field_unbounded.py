@@ -1,8 +1,7 @@
 """A payload of a microcontroller has a field without a bound.
 
-A peer with `max_size` has fixed buffers. How long a text may be, or how many values a repeated field may have, must be
-said beside the .proto file then, in nanopb's options; a field without that has no buffer, and nobody can say whether an
-envelope fits.
+A peer with `max_size` has fixed buffers. So nanopb's options beside the .proto file must limit the length of each
+string and the count of each repeated field. A field without a bound has no buffer, and the envelope's size is unknown.
 
 Bad::
 
@@ -27,11 +26,11 @@ from roverlink.generator.nanopb import Unbounded, largest_size
 from roverlink.generator.table import PeerSettings, Row
 
 RULE = Rule("FIX101", "field-unbounded", __doc__)
-_HELP = "give max_length (a text), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
+_HELP = "set max_length (string), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Payloads that go to or come from a peer with a largest size; each once, at its first such field."""
+    """Yield payloads of peers with `max_size` that have an unbounded field. Each payload is reported once."""
     schema, bounds = context.schema, context.bounds
     if schema is None or bounds is None:
         return
@@ -42,12 +41,12 @@ def check(context: Context) -> Iterator[Diagnostic]:
             number = next((field.number for field in schema.messages[proto].fields if field.name == first), None)
             field = f"{proto}.{found.path}" if found.path else proto
             message = f"{field} has no largest size: {found.reason}"
-            also = [(row.at("proto"), f"{peer.name} takes {peer.max_size} bytes at most")]
+            also = [(row.at("proto"), f"{peer.name} accepts at most {peer.max_size} bytes")]
             yield RULE.at(found.span, message, _HELP, also, type=proto, number=number)
 
 
 def _limited(context: Context) -> dict[str, tuple[Row, PeerSettings]]:
-    """The payloads that a peer with a largest size sends or is sent, each with its first row."""
+    """Return the payloads that a peer with `max_size` sends or receives, each with its first row."""
     peers = context.table.peers_by_name()
     found: dict[str, tuple[Row, PeerSettings]] = {}
     for row in context.table.rows:

@@ -1,8 +1,8 @@
 """A microcontroller sends fields with numbers above 15.
 
-Number and type of a field share one byte up to 15, and take two from 16 on. In a message that a board sends many times
-a second, over a slow link, that is a byte for every such field, every time. Numbers cannot be changed later: it counts
-when a message is new.
+The number and the wire type of a field take one byte up to number 15, and two bytes from 16 on (encoding guide,
+"Message Structure"). A board that sends a message many times a second over a slow link pays this byte every time.
+Choose small numbers for a new message: numbers cannot change later.
 
 Bad::
 
@@ -30,7 +30,10 @@ _LAST_SHORT = 15
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Messages inside what a peer with a largest size sends; each once, at its first such field."""
+    """Yield messages that a peer with `max_size` sends and that have a large field number.
+
+    Each message is reported once.
+    """
     table, schema = context.table, context.schema
     limited = {peer.name for peer in table.peers if peer.max_size is not None}
     sent = [row.proto for row in table.rows if row.inbound and row.peer in limited]
@@ -48,7 +51,7 @@ def _check(message: ProtoMessage) -> Iterator[Diagnostic]:
     used |= {number for first, last in message.reserved for number in range(first, min(last, _LAST_SHORT) + 1)}
     free = [number for number in range(1, _LAST_SHORT + 1) if number not in used]
     named = [f"{field.name} = {field.number}" for field in long[:3]] + ["..."] * (len(long) > 3)
-    text = f"a number above {_LAST_SHORT} takes a byte more each time: {', '.join(named)}"
-    unused = f"in a new message, take {free[0]}" if free else "in a new message, give them to what is sent least"
-    help = f"{unused}; a published number stays as it is"
+    text = f"field numbers above {_LAST_SHORT} take one more byte in each message: {', '.join(named)}"
+    unused = f"in a new message, use {free[0]}" if free else "in a new message, give them to the rarest fields"
+    help = f"{unused}; never change a published number"
     yield RULE.at(long[0].at("number"), text, help, type=message.full_name, number=long[0].number)

@@ -1,7 +1,7 @@
-"""A row's direction names one peer, and its message's name another.
+"""A row's direction names one peer, but its message's name belongs to another peer.
 
-The `prefixes` of a peer say what its messages are called. A row that sends a board's message to the basestation, or
-awaits it from there, is mostly a slip of the hand: the payload would never arrive, and nothing would say so.
+The `prefixes` of a peer are the beginnings of its messages' names. A row that expects a board's message from the
+basestation is probably a mistake: the payload would never arrive, and there would be no error.
 
 Bad::
 
@@ -29,18 +29,18 @@ RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows whose message is called as those of another peer are."""
+    """Yield rows whose message has the prefix of another peer."""
     table = context.table
     if not table.whole:
-        return  # the prefix may be among what could not be read
+        return  # the prefix may be in a part that could not be read
     peers = table.peers_by_name()
     for row in table.rows:
         own = peers.get(row.peer)
         if own is None or not own.prefixes or _prefix_of(own, row.proto):
-            continue  # who has no prefixes takes anything
+            continue  # a peer without prefixes accepts any message
         for other in table.peers:
             if prefix := _prefix_of(other, row.proto):
-                message = f"{row.name} goes {row.direction}, but {row.proto} is called as the messages of {other.name}"
+                message = f"{row.name} has direction {row.direction}, but {row.proto} has the prefix of {other.name}"
                 direction = f"{other.name}_to_ros" if row.inbound else f"ros_to_{other.name}"
                 help = f"write `direction: {direction}`, or add a prefix to {own.name}"
                 also = [(other.at(f"prefixes.{prefix}"), f"{other.name} has the prefix {prefix}")]
@@ -50,6 +50,6 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _prefix_of(peer: PeerSettings, proto: str) -> str:
-    """The peer's prefix that a message's name starts with, the proto package aside; empty for none."""
+    """Return the peer's prefix that the message's name starts with, with or without its package; empty for none."""
     names = (proto, proto.rpartition(".")[2])
     return next((prefix for prefix in peer.prefixes if any(name.startswith(prefix) for name in names)), "")

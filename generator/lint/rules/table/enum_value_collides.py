@@ -1,8 +1,8 @@
-"""An enum's value has the name of a message.
+"""An enum value has the name of a message.
 
-In protobuf, the values of an enum are siblings of the enum, not its children: `enum Kind { Motor = 0; }` declares
-`Kind` and `Motor`. Beside a message `Motor`, in whatever file of the package, the two cannot be compiled together;
-mostly that shows on the day when somebody imports both.
+In protobuf, enum values belong to the scope around the enum: `enum Kind { Motor = 0; }` declares `Kind` and `Motor`
+(language guide, "Enum"). If a file of the same package declares a message `Motor`, the two cannot be compiled together.
+Often this shows only when a file imports both.
 
 Bad::
 
@@ -35,7 +35,7 @@ _Messages = Mapping[str, tuple[str, ProtoMessage]]  # by full name, each with it
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Enums with values that are called as a message in the same scope is; each enum once."""
+    """Yield enums with values that have the name of a message in the same scope. Each enum is reported once."""
     files = {**context.excluded_files, **context.files}
     messages = {found.full_name: (path, found) for path, file in files.items() for found in file.messages}
     for path, file in files.items():
@@ -55,12 +55,12 @@ def _check(path: str, enum: ProtoEnum, messages: _Messages, context: Context) ->
     finding = RULE.at(
         context.place(path, first.span.line, first.span.column),
         f"values of the enum {enum.name} have the names of messages: {', '.join(named)}",
-        f"start its values with its own name ({prefixed}), or delete the enum if nobody uses it",
+        f"start the values with the enum's name ({prefixed}), or delete the enum if it is unused",
         [(_place(file, message, context), "the message")],
         type=enum.full_name,
         number=first.number,
     )
-    # An excluded file takes part in no build.
+    # An excluded file is never compiled, so the collision does no harm yet.
     excluded = not {path, file}.isdisjoint(context.excluded_files)
     yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding
 

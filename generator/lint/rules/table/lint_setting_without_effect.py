@@ -1,7 +1,7 @@
-"""A setting under `lint` lowers nothing.
+"""A setting under `lint` has no effect.
 
-It names a rule that there is not, or a severity that is not lower than the rule's own. Whoever wrote it believes that
-something is allowed which is not, or that something is still watched which is not.
+It names an unknown rule, or a severity that is not lower than the rule's own. Its author believes that the lint allows
+something, or still checks something, and is wrong.
 
 Bad::
 
@@ -31,7 +31,7 @@ RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Settings of the table and of its rows that change no finding's severity."""
+    """Yield settings of the table and its rows that change no severity."""
     table = context.table
     for lowered in table.lint:
         yield from _check(lowered, "", None)
@@ -43,18 +43,18 @@ def check(context: Context) -> Iterator[Diagnostic]:
 def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnostic]:
     rule = _rules().get(lowered.rule) or buf.rule(lowered.rule)
     if rule is None:
-        message = f"there is no rule {lowered.rule} that a table could lower"
+        message = f"the lint has no rule {lowered.rule!r}"
         yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)
     elif rule.severity is Severity.FATAL:
-        message = f"{rule.id} ({rule.name}) is fatal, which cannot be lowered"
+        message = f"{rule.id} ({rule.name}) is fatal, and cannot be lowered"
         yield RULE.at(lowered.span, message, "remove this setting", type=type, number=number)
     elif lowered.severity != "off" and Severity(lowered.severity).rank <= rule.severity.rank:
-        message = f"{rule.id} ({rule.name}) is a {rule.severity.value} anyway; {lowered.severity} is no lower"
+        message = f"{rule.id} ({rule.name}) has severity {rule.severity.value}; {lowered.severity} is not lower"
         yield RULE.at(lowered.at("severity"), message, "remove this setting", type=type, number=number)
 
 
 @cache
 def _rules() -> Mapping[str, Rule]:
-    """The rules by id. Their list imports this module, so it can be asked only after that."""
+    """Return the rules by id. Their list imports this module, so it must be loaded later than this module."""
     listed = importlib.import_module("roverlink.generator.lint.rules")
     return {id: module.RULE for id, module in listed.modules().items()}

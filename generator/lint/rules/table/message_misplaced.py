@@ -1,8 +1,8 @@
-"""A message that travels is not called after its component, or does not stand in that component's folder.
+"""The name or the folder of a message does not match its component.
 
-The `prefixes` of the peers name the components. A message SensorBoardGPSInfo in `sensor_board/` says by its name and by
-its place whose it is; in another folder, or under another name, the owners of the board do not find it when they change
-their firmware. Messages of peers without prefixes may be called anything.
+The `prefixes` of the peers name the components. The message SensorBoardGPSInfo in `sensor_board/` shows by its name and
+its folder that it belongs to the sensor board. With another name or in another folder, the board's developers do not
+find it when they change their firmware. Messages of peers without prefixes may have any name.
 
 Bad::
 
@@ -33,10 +33,10 @@ RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Payloads of peers that have prefixes; each message once."""
+    """Yield payloads of peers with prefixes that break the rule. Each message is reported once."""
     table = context.table
     if not table.whole:
-        return  # the prefix may be among what could not be read
+        return  # the prefix may be in a part that could not be read
     with_prefixes = {peer.name for peer in table.peers if peer.prefixes}
     prefixes = {prefix for peer in table.peers for prefix in peer.prefixes}
     travelling = {row.proto: row for row in reversed(table.rows) if row.peer in with_prefixes}
@@ -47,7 +47,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _not_prefixed(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
-    message = f"{row.proto} is not called after a component"
+    message = f"the name {row.proto} does not start with a component"
     help = f"start its name with one of {', '.join(prefixes)}, or add its component to `prefixes`"
     span, also = _place(row, context)
     yield RULE.at(span, message, help, also, type=row.proto)
@@ -57,14 +57,14 @@ def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[D
     declared = context.schema.messages.get(row.proto) if context.schema else None
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:
-        message = f"{row.proto} stands in {declared.file}, which is not in a folder {' or '.join(folders)}"
+        message = f"{row.proto} is declared in {declared.file}, which is not in a folder {' or '.join(folders)}"
         span, also = _place(row, context)
-        help = "move it into a file of that folder, or call it after the component of this one"
+        help = "move it to a file in that folder, or rename it after the component of its folder"
         yield RULE.at(span, message, help, also, type=row.proto)
 
 
 def _place(row: Row, context: Context) -> tuple[Span, list[tuple[Span, str]]]:
-    """Where the message is declared, and where it is named; only the latter if the former is not known."""
+    """Return the place of the declaration, with the row as a related place; the row if the declaration is unknown."""
     declared = context.schema.messages.get(row.proto) if context.schema else None
     if declared is None:
         return row.at("proto"), []

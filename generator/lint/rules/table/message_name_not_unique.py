@@ -1,8 +1,7 @@
-"""Two .proto files declare messages of one name.
+"""Two .proto files declare messages with the same name.
 
-The name of a message is what the table, the topics and the ROS 2 messages go by; where there is no proto package, it is
-the whole of it. Of two messages with one name, the wrong one is imported sooner or later; and two such files without a
-package cannot be compiled together.
+The table, the topics and the ROS 2 messages identify a message by its name. Sooner or later, a file imports the wrong
+one of the two. Two such files without a package cannot be compiled together.
 
 Bad::
 
@@ -32,7 +31,7 @@ RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Messages that stand in no other and have the name of one in an earlier file; excluded files come last."""
+    """Yield top-level messages whose name another file declares. Excluded files come last."""
     seen: dict[str, tuple[str, ProtoMessage]] = {}
     for files in (context.files, context.excluded_files):
         for path, file in sorted(files.items()):
@@ -41,10 +40,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 if first != path:
                     finding = RULE.at(
                         context.place(path, message.span.line, message.span.column),
-                        f"the message {message.full_name} has the name of one in {first}",
-                        "start each name with its component's, such as SensorBoard",
+                        f"the message {message.full_name} has the same name as a message in {first}",
+                        "start each name with its component, such as SensorBoard",
                         [(context.place(first, earlier.span.line, earlier.span.column), "first declared here")],
                         type=message.full_name,
                     )
-                    excluded = path in context.excluded_files  # and takes part in no build
+                    excluded = path in context.excluded_files  # never compiled, so it does no harm yet
                     yield dataclasses.replace(finding, severity=Severity.WARNING) if excluded else finding

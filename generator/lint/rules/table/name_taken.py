@@ -1,7 +1,7 @@
-"""A name in the envelope is given twice.
+"""Two payloads of the envelope have the same name.
 
-Two members of one oneof cannot share a name, nor can two handlers: names that differ only in capitals or underscores
-would become the same class. A retired name is taken for ever, as its number is; and the oneof has a name too.
+Members of a oneof need different names, and so do handlers: names that differ only in capitals or underscores would
+become the same class. A retired name is taken forever, like its number. The oneof's own name is taken too.
 
 Bad::
 
@@ -30,7 +30,7 @@ _HELP = "choose another name"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows whose name an earlier one, a retired one or the oneof has; retired ones whose name an earlier one has."""
+    """Yield rows with the name of an earlier row, a retired row or the oneof; retired rows with the same name."""
     table = context.table
     retired: dict[str, RetiredRow] = {}
 
@@ -50,7 +50,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield at(row, message, (earlier.at("name"), "first used here"))
         elif row.name in retired:
             gone = retired[row.name]
-            message = f"the name {row.name} was that of field {gone.number} ({gone.proto}) and is retired"
+            message = f"the name {row.name} belonged to field {gone.number} ({gone.proto}) and is retired"
             yield at(row, message, (gone.at("name"), "retired here"))
         elif row.name == table.envelope.oneof:
-            yield at(row, f"the name {row.name} is that of the oneof", (table.envelope.at("oneof"), "named here"))
+            yield at(row, f"{row.name} is already the name of the oneof", (table.envelope.at("oneof"), "named here"))

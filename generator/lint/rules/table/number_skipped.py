@@ -1,7 +1,7 @@
-"""A new row leaves numbers out.
+"""A new row skips numbers.
 
-A number that is skipped is free for ever and looks as if it had been used once; each reader has to find out which. And
-a number above 15 costs a byte more in every datagram.
+A skipped number looks as if it had been used once, and every reader has to find out. Large numbers also cost bytes: a
+number above 15 takes one more byte in every datagram.
 
 Bad::
 
@@ -26,15 +26,15 @@ RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """New rows with a larger number than they need, where something was published before."""
+    """Yield new rows with a larger number than they need, if something was published before."""
     published = {entry.number for entry in context.published}
     if not published:
         return
     table = context.table
-    # A payload whose published number is gone from the table is not new; another rule tells how to put that back.
+    # A payload whose published number is missing in the table is not new: ENV103 reports it.
     moved = {entry.proto for entry in context.published if entry.number not in table.numbers}
     new = {row.number: row for row in reversed(table.rows) if row.number not in published and row.proto not in moved}
-    # Only what lies above every old number is known to have never been used.
+    # Only numbers above all old ones are certain to have never been used.
     old = published | (table.numbers - new.keys())
     smallest = max(old)
     for number in sorted(number for number in new if number > max(old)):
@@ -42,7 +42,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
         if number > smallest:
             row = new[number]
             message = f"field {number} skips numbers that were never used; the next one is {smallest}"
-            help = f"give {row.name} the number {smallest}, while nobody uses {number} yet"
+            help = f"give {row.name} the number {smallest} before anything uses {number}"
             rests_on = [row.at("number"), row.at("proto")]
             yield RULE.at(
                 row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on

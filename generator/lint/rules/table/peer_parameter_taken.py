@@ -1,6 +1,6 @@
-"""Two peers have one port parameter, or a peer has one of the node's own.
+"""Two peers have the same port parameter, or a peer uses a parameter of the node itself.
 
-The parameter names the UDP port of a peer; setting it would move both, or change something else of the node.
+The parameter sets the UDP port of a peer. Setting it would change both peers, or another setting of the node.
 
 Bad::
 
@@ -28,14 +28,14 @@ RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Peers whose parameter another peer has, or the node itself."""
+    """Yield peers whose parameter belongs to another peer or to the node."""
     seen: dict[str, PeerSettings] = {}
     of_the_node = {"use_sim_time", *node_parameters()}
     for peer in context.table.peers:
         first = seen.setdefault(peer.parameter, peer)
         if first is not peer:
-            message = f"the parameter {peer.parameter} of {peer.name} is already that of {first.name}"
-            yield RULE.at(peer.at("parameter"), message, "give each peer a parameter of its own")
+            message = f"the parameter {peer.parameter} of {peer.name} already belongs to {first.name}"
+            yield RULE.at(peer.at("parameter"), message, "give each peer its own parameter")
         elif peer.parameter in of_the_node:
-            message = f"the parameter {peer.parameter} of {peer.name} is one of the node's own"
+            message = f"the parameter {peer.parameter} of {peer.name} already belongs to the node"
             yield RULE.at(peer.at("parameter"), message, f"call it dst_{peer.name}_port")

@@ -1,7 +1,7 @@
-"""A name that ROS 2 forbids.
+"""ROS 2 does not allow a name in the table.
 
-Packages are lower case with single underscores, messages are CamelCase without underscores, topics are names separated
-by slashes. rosidl and rcl refuse anything else, long after the table was written.
+Package names are lower case with single underscores. Message names are CamelCase without underscores. Topics are names
+separated by slashes. rosidl and rcl reject anything else, but only when the package is built or the node starts.
 
 Bad::
 
@@ -25,7 +25,7 @@ RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """The package, and the messages and topics of the rows."""
+    """Yield forbidden names of the package, and of the rows' messages and topics."""
     table = context.table
     if table.ros.package and not ros_names.is_package_name(table.ros.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
@@ -48,5 +48,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _reaches_ros(row: Row) -> bool:
-    """Whether it is more than a member of an envelope without a table."""
+    """Return True if the row has a topic; rows made from an envelope without a table have none."""
     return bool(row.topic)

@@ -1,7 +1,7 @@
 """A published row has another topic than before.
 
-Whoever subscribes or publishes under the old name is told nothing: a topic that nobody uses any more is just silent.
-The ledger takes the new topic with the next generate, so that this is said once.
+Subscribers and publishers of the old topic get no error: the topic is just silent. The next `generate` writes the new
+topic into the ledger, so this warning appears once.
 
 Bad::
 
@@ -24,7 +24,7 @@ RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows that were published with the same number and message, and with another topic."""
+    """Yield rows that were published with the same number and message, but with another topic."""
     envelope = context.table.envelope.message
     for row in context.table.rows:
         before: dict[str, Span] = {}
@@ -32,8 +32,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
             if (entry.number, entry.proto) == (row.number, row.proto) and entry.topic not in ("", row.topic):
                 before.setdefault(entry.topic, entry.span)
         if row.topic and before:
-            message = f"{row.name} goes over the topic {row.topic}; it was published on {' and on '.join(before)}"
-            help = "put the old topic back, or tell whoever uses it"
+            message = f"{row.name} has the topic {row.topic}; it was published on {' and on '.join(before)}"
+            help = "restore the old topic, or change all nodes that use it"
             also = [(span, f"{topic} here") for topic, span in before.items()]
             rests_on = [row.at("number"), row.at("topic")]
             yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -1,6 +1,7 @@
-"""A topic stands in two rows, or twice in one.
+"""Two rows have the same topic, or one row has it twice.
 
-A topic has one type and one meaning; two rows on one topic would mix two payloads, or echo each other in a loop.
+A topic has one type and one meaning. Two rows with one topic would mix two payloads, or send each other's messages back
+in a loop.
 
 Bad::
 
@@ -25,21 +26,21 @@ RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Rows whose topic an earlier row has."""
+    """Yield rows with a topic that is already taken."""
     seen: dict[str, tuple[str, Span]] = {}
     envelope = context.table.envelope.message
     for row in context.table.rows:
         for topic, span in _topics(row):
-            # a node's namespace is the root, mostly
+            # usually a node is in the root namespace, where `gps` and `/gps` are the same topic
             first, place = seen.setdefault(topic.removeprefix("/"), (row.name, span))
             if place is not span:
-                message = f"the topic {topic} is already that of {first}"
-                help = "give each row a topic of its own"
+                message = f"the topic {topic} already belongs to {first}"
+                help = "give each row its own topic"
                 yield RULE.at(span, message, help, [(place, "first used here")], type=envelope, number=row.number)
 
 
 def _topics(row: Row) -> Iterator[tuple[str, Span]]:
-    """A row's topics, those under `also` among them; none of a member of an envelope without a table."""
+    """Yield a row's topics, with those under `also`. Rows made from an envelope without a table have none."""
     if row.topic:
         yield row.topic, row.at("topic")
     yield from ((standard.topic, standard.at("topic")) for standard in row.also)

@@ -1,8 +1,7 @@
-"""A row speaks of a peer or a direction that the table does not have, or forwards where it cannot.
+"""A row names an unknown peer or direction, or forwards to an impossible peer.
 
-`direction` is `<peer>_to_ros` or `ros_to_<peer>`. It and `forward` name machines under `peers`; the datagrams of any
-other would go nowhere. A row forwarding to
-the peer from which it comes would send every datagram back.
+`direction` is `<peer>_to_ros` or `ros_to_<peer>`. `direction` and `forward` must name a peer under `peers`, because the
+bridge has no address for others. A row that forwards to the peer it comes from would send every datagram back.
 
 Bad::
 
@@ -32,7 +31,7 @@ RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Directions and forwards without a peer."""
+    """Yield faults in `direction` and `forward`."""
     table = context.table
     peers = sorted(peer.name for peer in table.peers)
     for row in table.rows:
@@ -40,11 +39,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
             yield RULE.at(row.at(key), message, help, also, type=table.envelope.message, number=row.number)
 
 
-_Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the key of the row, what is wrong, the cure, other places
+_Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the row's key, the message, the help, related places
 
 
 def _faults(row: Row, peers: list[str], whole: bool) -> Iterator[_Fault]:
-    """Check a row; of a table that is not whole, a peer may be among what could not be read."""
+    """Yield the faults of a row. If parts of the table could not be read, an unknown peer may be in them."""
     malformed = row.direction not in _directions(row.peer)
     if row.direction and (malformed or (whole and row.peer not in peers)):
         yield _unknown_direction(row, peers, malformed)
@@ -63,14 +62,14 @@ def _unknown_direction(row: Row, peers: list[str], malformed: bool) -> _Fault:
     message = f"unknown direction {row.direction!r} (known: {', '.join(known) or 'none'})"
     if malformed:
         return "direction", message, nearest(row.direction, known, "write `<peer>_to_ros` or `ros_to_<peer>`"), []
-    return "direction", message, nearest(row.peer, peers, f"name the peer {row.peer} under `peers`"), []
+    return "direction", message, nearest(row.peer, peers, f"add the peer {row.peer} under `peers`"), []
 
 
 def _unknown_targets(row: Row, peers: list[str]) -> Iterator[_Fault]:
     for target in row.forward:
         if target not in peers:
             message = f"unknown peer {target!r} (known: {', '.join(peers) or 'none'})"
-            yield f"forward.{target}", message, nearest(target, peers, f"name the peer {target} under `peers`"), []
+            yield f"forward.{target}", message, nearest(target, peers, f"add the peer {target} under `peers`"), []
 
 
 def _misdirected(row: Row) -> Iterator[_Fault]:

@@ -1,7 +1,6 @@
 """The number of a deleted enum value is not reserved.
 
-It looks free. Whoever takes it next gives it another name, and boards that still send the old value are understood as
-saying the new one.
+The number looks free. If a new value gets it, boards that still send the old value are misread.
 
 Bad::
 
@@ -28,7 +27,7 @@ RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers that were a value's, and are neither a value's nor reserved."""
+    """Yield numbers that a value had before, and that are neither used nor reserved now."""
     return each_once(context.changes, _findings)
 
 
@@ -49,4 +48,4 @@ def _message(pair: EnumPair, number: int, names: tuple[str, ...]) -> str:
     moved = {value.name: value.number for value in pair.new.values if value.name in names}
     for name, now in moved.items():
         return f"{name} moved from number {number} to {now}, and {number} is not reserved"
-    return f"`{', '.join(names)} = {number};` is gone from {pair.new.full_name}, and its number is not reserved"
+    return f"`{', '.join(names)} = {number};` was deleted from {pair.new.full_name}, and its number is not reserved"

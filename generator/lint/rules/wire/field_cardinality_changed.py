@@ -1,6 +1,7 @@
-"""A field holds many values now where it held one, or one where it held many.
+"""A field changes between one value and many values.
 
-A list of numbers is packed into one value, which is no number; of several values a singular field keeps the last.
+A list of numbers is packed into one length-delimited value, which is not a number (encoding guide, "Packed Repeated
+Fields"). A field with one value keeps only the last of several.
 
 Bad::
 
@@ -28,7 +29,7 @@ _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields that hold another number of values, as bytes show; that one is required has a rule of its own."""
+    """Yield fields whose cardinality changed on the wire. Another rule checks `required`."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
@@ -48,7 +49,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _consequence(pair: FieldPair) -> str:
-    lost = "who expects one value keeps the last of several"
+    lost = "a receiver of one value keeps the last of several"
     if {pair.old.type, pair.new.type} <= _WITHOUT_PACKED_LISTS:
         return lost
     return f"{lost}, and none of a packed list"

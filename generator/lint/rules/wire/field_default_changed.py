@@ -1,7 +1,7 @@
-"""An absent field is read as something else than before.
+"""An absent field is read as another value than before.
 
-A default never travels: the sender leaves the field out, and each side fills in the value that it was compiled with.
-The two then go on with different values for the same message.
+A default value is never sent. The sender leaves the field out, and the receiver uses the default that it was compiled
+with. After the change, two programs read different values from the same message.
 
 Bad::
 
@@ -30,7 +30,7 @@ RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields with another default, unless their type is already said to be another."""
+    """Yield fields with another default, unless another rule reports a change of the type."""
     return each_once(context.changes, _findings)
 
 
@@ -40,19 +40,19 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)
             yield RULE.at(
                 pair.new.at("default"),
-                f"{pair.new.name} = {pair.new.number} was {old} where it is absent, and is {new} now",
-                f"{_cure(pair)}, and send {new} where that is meant",
+                f"an absent {pair.new.name} = {pair.new.number} was read as {old}, and is read as {new} now",
+                f"{_undo(pair)}, and send {new} explicitly",
                 change.earlier(pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
                 number=pair.new.number,
             )
 
 
-def _cure(pair: FieldPair) -> str:
+def _undo(pair: FieldPair) -> str:
     if (pair.old.type, pair.old.type_name) != (pair.new.type, pair.new.type_name):
         return back(pair)
     if "default" in pair.new.facets and "default" not in pair.old.facets:
-        return "take the default out again"
+        return "remove the default again"
     value = _old_value(pair)
     declared = _with_default(pair, value) if value and pair.syntax.name != "proto3" else ""
     if "default" in pair.old.facets:
@@ -62,7 +62,7 @@ def _cure(pair: FieldPair) -> str:
 
 
 def _old_value(pair: FieldPair) -> str:
-    """What the default was, as it is called now; empty for a value of an enum that is gone."""
+    """Return the old default by its current name; empty for an enum value that no longer exists."""
     if pair.new.type != "enum":
         return pair.old.facets["default"]
     number = default(pair.old, pair.change.before)

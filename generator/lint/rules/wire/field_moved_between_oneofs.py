@@ -1,7 +1,7 @@
-"""A field shares a oneof with other fields than before.
+"""A field moved into a oneof, out of one, or to other members.
 
-Of the members of a oneof a receiver keeps the last that it reads. Where one side sends two fields and the other knows
-them as members of one oneof, all but one are lost.
+A receiver keeps only the last member of a oneof that it reads (encoding guide, "Last One Wins"). If one side sends two
+fields, and the other side has both in one oneof, all but one are lost.
 
 Bad::
 
@@ -27,7 +27,7 @@ RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields whose company in a oneof is another."""
+    """Yield fields that share a oneof with other fields than before."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
@@ -37,7 +37,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
         if broken_by_oneof(pair):
             yield RULE.at(
                 pair.new.span,
-                f"{moved_text(pair)}: of the fields of a oneof, a receiver keeps only the last",
+                f"{moved_text(pair)}: a receiver keeps only the last field of a oneof",
                 back_or_renumber(numbers, pair, moved_back(pair)),
                 change.earlier(pair.old.span, "it was here"),
                 type=pair.owner,

@@ -1,7 +1,6 @@
 """The number of a deleted field is not reserved.
 
-It looks free. Whoever takes it next gives it another meaning, and bytes of boards that still send the old field are
-read as the new one.
+The number looks free. If a new field gets it, bytes of boards that still send the old field are read as the new one.
 
 Bad::
 
@@ -29,7 +28,7 @@ RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Numbers that were a field's, and are neither a field's nor reserved."""
+    """Yield numbers that a field had before, and that are neither used nor reserved now."""
     return each_once(context.changes, _findings)
 
 
@@ -50,4 +49,4 @@ def _message(pair: MessagePair, field: ProtoField) -> str:
     moved = names_in_use(pair.new).get(field.name)
     if moved is not None:
         return f"{field.name} moved from number {field.number} to {moved}, and {field.number} is not reserved"
-    return f"{field.name} = {field.number} is gone from {pair.new.full_name}, and its number is not reserved"
+    return f"{field.name} = {field.number} was deleted from {pair.new.full_name}, and its number is not reserved"

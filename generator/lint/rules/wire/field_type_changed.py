@@ -1,7 +1,7 @@
-"""A field has a type now whose bytes mean something else.
+"""A field has a new type that reads the same bytes differently.
 
-Bytes carry a field's number, not its type. A board that was not flashed goes on sending the old type, and the rover
-reads its bytes as the new one: as other values, or not at all, without any error.
+Bytes carry a field's number and its wire type, but not its declared type (encoding guide, "Message Structure"). A board
+with old firmware still sends the old type. The rover reads other values from its bytes, or none, without an error.
 
 Bad::
 
@@ -29,7 +29,7 @@ RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Fields whose old and new type cannot read each other."""
+    """Yield fields whose old and new type cannot read each other's bytes."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

@@ -1,7 +1,6 @@
-"""A message is framed as a message set now and was not before, or the other way round.
+"""The option `message_set_wire_format` of a message changed.
 
-The option `message_set_wire_format` wraps each extension in a group with its number inside. Neither form can read the
-other.
+The option wraps each extension in a group that contains its number. Neither format can read the other.
 
 Bad::
 
@@ -26,7 +25,7 @@ _OPTION = "message_set_wire_format"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Messages whose option `message_set_wire_format` is another."""
+    """Yield messages whose option `message_set_wire_format` changed."""
     return each_once(context.changes, _findings)
 
 
@@ -36,7 +35,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
         if old != new and not change.of_ledger:
             yield RULE.at(
                 pair.new.span,
-                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither form can read the other",
+                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither format can read the other",
                 f"put back `option {_OPTION} = true;`" if old == "true" else f"remove `option {_OPTION} = true;`",
                 change.earlier(pair.old.span, f"it was {old} here"),
                 type=pair.new.full_name,

@@ -1,7 +1,7 @@
-"""Numbers that were reserved are not any more.
+"""Numbers are no longer reserved.
 
-They were reserved because something had them once. Whoever takes one of them gives it another meaning, and bytes of
-boards that still send the old thing are read as the new one.
+They were reserved because a field or a value had them once. If a new one gets such a number, bytes of boards that still
+send the old one are misread.
 
 Bad::
 
@@ -30,17 +30,17 @@ RULE = Rule("WIR106", "reserved-number-freed", __doc__)
 
 @dataclass(frozen=True, slots=True)
 class _User:
-    """What a number that was reserved is used for."""
+    """A field or value with a number that was reserved."""
 
     name: str
     number: int
     span: Span
     moved: str
-    """How it is to be declared, with another number; empty where there is none left."""
+    """Its declaration with a new number; empty if no number is left."""
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Reserved ranges of messages and enums of which something is not reserved any more."""
+    """Yield reserved ranges of messages and enums that are no longer fully reserved."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
@@ -55,7 +55,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _freed(pair: MessagePair | EnumPair) -> Iterator[tuple[Span, list[Range]]]:
-    """What is not reserved any more of each range, with the range's place."""
+    """Yield the freed parts of each reserved range, with the range's place."""
     for was in dict.fromkeys(pair.old.reserved):
         if freed := list(missing(was, pair.new.reserved)):
             yield pair.old.at(f"reserved {was[0]} to {was[1]}"), freed
@@ -87,7 +87,7 @@ def _values(pair: EnumPair, context: Context, freed: list[Range]) -> list[_User]
 def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Diagnostic:
     return RULE.at(
         pair.new.span,
-        f"{pair.new.full_name} does not reserve {spelled(freed)} any more{_use(users)}",
+        f"{pair.new.full_name} no longer reserves {spelled(freed)}{_use(users)}",
         _help(f"reserved {spelled(freed)};", users),
         [*pair.change.earlier(place, "reserved here"), *((user.span, "used here") for user in users)],
         type=pair.new.full_name,
@@ -105,6 +105,6 @@ def _help(reserved: str, users: list[_User]) -> str:
         return f"put back `{reserved}`"
     names = ", ".join(user.name for user in users)
     if not all(user.moved for user in users):
-        return f"find another place for {names}, and put back what was reserved"
+        return f"declare {names} in another type, and put back the `reserved` statement"
     declared = " ".join(user.moved for user in users)
-    return f"give {names} a new number, and put back what was reserved: `{declared} {reserved}`"
+    return f"give {names} a new number, and put back the `reserved` statement: `{declared} {reserved}`"
