@@ -1,6 +1,6 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The handlers and the registry that are compiled from mapping.yaml."""
+"""Handlers and registry, compiled from mapping.yaml."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardControlSignals as comms/msg/ArmBoardControlSignals.
 
-The registry loads it; programs import `ArmCtrlHandler`.
+The registry uses this class; programs import `ArmCtrlHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastArmCtrlHandler(ArmCtrlHandler):
     """ArmCtrlHandler that converts and serializes in one step."""
 
     def pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.control_gripper_rotation,

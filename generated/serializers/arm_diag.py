@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardDiagnostics as comms/msg/ArmBoardDiagnostics.
 
-The registry loads it; programs import `ArmDiagHandler`.
+The registry uses this class; programs import `ArmDiagHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastArmDiagHandler(ArmDiagHandler):
     """ArmDiagHandler that converts and serializes in one step."""
 
     def pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         gripper_rotation_motor = payload.gripper_rotation_motor
         gripper_pitch_motor = payload.gripper_pitch_motor
         base_motor = payload.base_motor

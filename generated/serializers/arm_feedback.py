@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardMovementFeedback as comms/msg/ArmBoardMovementFeedback.
 
-The registry loads it; programs import `ArmFeedbackHandler`.
+The registry uses this class; programs import `ArmFeedbackHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastArmFeedbackHandler(ArmFeedbackHandler):
     def pack(
         self, payload: movement_software_feedback_pb2.ArmBoardMovementFeedback
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.arm_error,

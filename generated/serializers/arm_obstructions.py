@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardObstructions as comms/msg/ArmBoardObstructions.
 
-The registry loads it; programs import `ArmObstructionsHandler`.
+The registry uses this class; programs import `ArmObstructionsHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastArmObstructionsHandler(ArmObstructionsHandler):
     """ArmObstructionsHandler that converts and serializes in one step."""
 
     def pack(self, payload: movement_software_target_pb2.ArmBoardObstructions) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.obstructions_list,

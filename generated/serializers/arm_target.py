@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardTargetMovement as comms/msg/ArmBoardTargetMovement.
 
-The registry loads it; programs import `ArmTargetHandler`.
+The registry uses this class; programs import `ArmTargetHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastArmTargetHandler(ArmTargetHandler):
     def pack(
         self, payload: movement_software_target_pb2.ArmBoardTargetMovement
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.target_x,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationControlMode as comms/msg/BasestationControlMode.
 
-The registry loads it; programs import `ControlModeHandler`.
+The registry uses this class; programs import `ControlModeHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastControlModeHandler(ControlModeHandler):
     """ControlModeHandler that converts and serializes in one step."""
 
     def pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.mode,

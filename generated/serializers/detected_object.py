@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationDetectedObject as comms/msg/BasestationDetectedObject.
 
-The registry loads it; programs import `DetectedObjectHandler`.
+The registry uses this class; programs import `DetectedObjectHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastDetectedObjectHandler(DetectedObjectHandler):
     """DetectedObjectHandler that converts and serializes in one step."""
 
     def pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         bbox = payload.bbox
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardDiagnostics as comms/msg/DrivingBoardDiagnostics.
 
-The registry loads it; programs import `DriveDiagHandler`.
+The registry uses this class; programs import `DriveDiagHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastDriveDiagHandler(DriveDiagHandler):
     """DriveDiagHandler that converts and serializes in one step."""
 
     def pack(self, payload: motor_diagnostics_pb2.DrivingBoardDiagnostics) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         front_left_motor = payload.front_left_motor
         middle_left_motor = payload.middle_left_motor
         back_left_motor = payload.back_left_motor

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardMotorMessage as comms/msg/DrivingBoardMotorMessage.
 
-The registry loads it; programs import `DriveMotorHandler`.
+The registry uses this class; programs import `DriveMotorHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastDriveMotorHandler(DriveMotorHandler):
     """DriveMotorHandler that converts and serializes in one step."""
 
     def pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.distance_to_go,

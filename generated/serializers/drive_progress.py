@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardMotorPeriodicProgress as comms/msg/DrivingBoardMotorPeriodicProgress.
 
-The registry loads it; programs import `DriveProgressHandler`.
+The registry uses this class; programs import `DriveProgressHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastDriveProgressHandler(DriveProgressHandler):
     def pack(
         self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.distance_left,

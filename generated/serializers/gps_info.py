@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardGPSInfo as comms/msg/SensorBoardGPSInfo.
 
-The registry loads it; programs import `GpsInfoHandler`.
+The registry uses this class; programs import `GpsInfoHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastGpsInfoHandler(GpsInfoHandler):
     """GpsInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.latitude,

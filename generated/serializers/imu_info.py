@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as comms/msg/ImuSensorInformation.
 
-The registry loads it; programs import `ImuInfoHandler`.
+The registry uses this class; programs import `ImuInfoHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastImuInfoHandler(ImuInfoHandler):
     """ImuInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: imu_sensor_pb2.SensorBoardIMUInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.accel_x,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardLoadCellInfo as comms/msg/SensorBoardLoadCellInfo.
 
-The registry loads it; programs import `LoadCellInfoHandler`.
+The registry uses this class; programs import `LoadCellInfoHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastLoadCellInfoHandler(LoadCellInfoHandler):
     """LoadCellInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.sensor_index,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationObjectSelection as comms/msg/BasestationObjectSelection.
 
-The registry loads it; programs import `ObjectSelectionHandler`.
+The registry uses this class; programs import `ObjectSelectionHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastObjectSelectionHandler(ObjectSelectionHandler):
     """ObjectSelectionHandler that converts and serializes in one step."""
 
     def pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.object_id,

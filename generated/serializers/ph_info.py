@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPHInfo as comms/msg/SensorBoardPHInfo.
 
-The registry loads it; programs import `PhInfoHandler`.
+The registry uses this class; programs import `PhInfoHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastPhInfoHandler(PhInfoHandler):
     """PhInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.ph_value,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as comms/msg/SensorBoardPressureInfo.
 
-The registry loads it; programs import `PressureInfoHandler`.
+The registry uses this class; programs import `PressureInfoHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastPressureInfoHandler(PressureInfoHandler):
     """PressureInfoHandler that converts and serializes in one step."""
 
     def pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.sensor_index,

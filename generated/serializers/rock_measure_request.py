@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRockMeasureRequest as comms/msg/BasestationRockMeasureRequest.
 
-The registry loads it; programs import `RockMeasureRequestHandler`.
+The registry uses this class; programs import `RockMeasureRequestHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastRockMeasureRequestHandler(RockMeasureRequestHandler):
     def pack(
         self, payload: rock_measure_request_pb2.BasestationRockMeasureRequest
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.x1,

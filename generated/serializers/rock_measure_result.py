@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRockMeasureResult as comms/msg/BasestationRockMeasureResult.
 
-The registry loads it; programs import `RockMeasureResultHandler`.
+The registry uses this class; programs import `RockMeasureResultHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastRockMeasureResultHandler(RockMeasureResultHandler):
     def pack(
         self, payload: rock_measure_result_pb2.BasestationRockMeasureResult
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.length_cm,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRoverLocalization as comms/msg/BasestationRoverLocalization.
 
-The registry loads it; programs import `RoverLocalizationHandler`.
+The registry uses this class; programs import `RoverLocalizationHandler`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class FastRoverLocalizationHandler(RoverLocalizationHandler):
     def pack(
         self, payload: rover_localization_pb2.BasestationRoverLocalization
     ) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,
             payload.x,

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardDiagnostics as comms/msg/SensorBoardDiagnostics.
 
-The registry loads it; programs import `SensorDiagHandler`.
+The registry uses this class; programs import `SensorDiagHandler`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FastSensorDiagHandler(SensorDiagHandler):
     """SensorDiagHandler that converts and serializes in one step."""
 
     def pack(self, payload: diagnostics_pb2.SensorBoardDiagnostics) -> bytes:
-        """Serialize a payload: the values of its fields in the order of the .msg, as CDR."""
+        """Serialize a payload as CDR: the values of its fields in the order of the .msg."""
         ph_sensor = payload.ph_sensor
         imu_sensor = payload.imu_sensor
         gps_sensor_1 = payload.gps_sensor_1

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from golden import ROOT, Case, files_of, generate, passing_cases
+from case_file import CaseFile
+from golden import ROOT, compiled, files_of, generate, passing_cases
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 
 from generated.registry import REGISTRY
-from roverlink.generator.pipeline import compile_table
 
 _TABLE = """\
 version: 1
@@ -26,7 +26,8 @@ targets: [markdown]
 messages:
 """
 _EXAMPLE = re.compile(
-    r"An example: a payload of (?P<payload>\d+) bytes, a datagram of (?P<datagram>\d+)\.\n\n```text\n(?P<lines>.*?)```",
+    r"Example: a payload of (?P<payload>\d+) bytes in a datagram of (?P<datagram>\d+) bytes\.\n\n"
+    r"```text\n(?P<lines>.*?)```",
     re.DOTALL,
 )
 
@@ -54,16 +55,15 @@ def _page(tmp_path: Path, rows: str, proto: str) -> str:
     return (tmp_path / "docs" / "messages.md").read_text(encoding="utf-8")
 
 
-def _with_pages() -> list[Case]:
+def _with_pages() -> list[CaseFile]:
     """The passing cases with the usual targets."""
-    cases = passing_cases()
-    return [case for case in cases if "\ntargets:" not in (case.folder / "mapping.yaml").read_text(encoding="utf-8")]
+    return [case for case in passing_cases() if b"\ntargets:" not in case.inputs["mapping.yaml"]]
 
 
-@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
-def test_the_bytes_of_examples_decode(case: Case) -> None:
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.name)
+def test_the_bytes_of_examples_decode(case: CaseFile) -> None:
     """The bytes of each example, as they stand on the page, are an envelope with the row's payload."""
-    bridge = compile_table(case.folder / "mapping.yaml").bridge
+    bridge = compiled(case).bridge
     pool = DescriptorPool()
     for file in FileDescriptorSet.FromString(bridge.descriptors).file:
         pool.Add(file)
@@ -89,8 +89,8 @@ def test_the_meaning_beside_the_bytes_is_what_they_say() -> None:
     assert (shown["state"], envelope.pressure_info.state) == ("SENSOR_OPERATING", 1)
 
 
-@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.folder.name)
-def test_links_lead_to_headings(case: Case) -> None:
+@pytest.mark.parametrize("case", _with_pages(), ids=lambda case: case.name)
+def test_links_lead_to_headings(case: CaseFile) -> None:
     """Every link of the page leads to a heading of it, and no two headings share an anchor."""
     page = files_of(case)["docs/messages.md"]
     headings = re.findall(r"^#+ (.*)$", page, re.MULTILINE)
@@ -125,7 +125,7 @@ def test_sizes_follow_the_bounds_of_the_table(tmp_path: Path) -> None:
         "message Note {\n  string text = 1;\n}\nmessage Log {\n  string text = 1;\n}\n",
     )
     assert "- **Size** at most 22 bytes, 24 as a datagram\n" in _sections(page)["note"]
-    assert "- **Size** without limit: `text` has no bound in mapping.yaml\n" in _sections(page)["log"]
+    assert "- **Size** unlimited: `text` has no bound in mapping.yaml\n" in _sections(page)["log"]
 
 
 def test_the_diagram_groups_rows_by_board_and_direction() -> None:
@@ -156,4 +156,4 @@ def test_a_payload_of_two_rows_is_shown_once(tmp_path: Path) -> None:
     row = "  - {number: %d, name: %s, proto: M, topic: %s, direction: board_to_ros}\n"
     page = _page(tmp_path, row % (1, "left", "left") + row % (2, "right", "right"), "message M {\n  int32 x = 1;\n}\n")
     assert page.count("| 1 | `x` |") == 1
-    assert "The fields are those of [`M`](#1-left)." in _sections(page)["right"]
+    assert "The payload is the same as that of [`M`](#1-left)." in _sections(page)["right"]
