@@ -13,6 +13,7 @@ def text(envelope: ir.Envelope, table: str) -> str:
         "envelope.proto.j2",
         header=header(table, "//"),
         package=package,
+        # protoc looks a name up from the innermost scope outwards; a leading dot makes it start at the outermost.
         outermost="." if package else "",
         message=message,
         oneof=envelope.oneof,

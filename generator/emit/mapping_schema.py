@@ -98,6 +98,7 @@ def _description(key: Key) -> str:
 
 def _default(key: Key) -> dict[str, Any]:
     """Return the default of a key, if YAML can write it as a scalar."""
+    # A duration is a number here, but a text such as 500ms in the file.
     if key.meaning.default or not isinstance(key.default, (str, bool, int)) or isinstance(key.type, Duration):
         return {}
     return {"default": key.default}

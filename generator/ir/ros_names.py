@@ -22,7 +22,9 @@ _FIELD = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _CONSTANT = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TOPIC = re.compile(r"(/|~/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
+# The body of a generated dataclass uses these names; a field of the same name would hide them.
 _NEEDED_IN_CLASSES = frozenset({"bytes", "dataclasses", "list", "str"})
+# rosidl generates a struct member for each field, so a keyword of C++ breaks the build of the interface package.
 _CPP_KEYWORDS = frozenset(
     {
         *("alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case"),

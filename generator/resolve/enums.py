@@ -10,6 +10,7 @@ from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
 from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
 
+# An enum of proto is an int32; the smallest ROS type saves bytes in every message.
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
 _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
 
@@ -36,7 +37,7 @@ def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]
                 CONSTANT_NAME.at(enum.span, message, "rename it; the name is not sent, so the encoding does not change")
             )
         elif first.number != value.number:
-            message = f"{enum.full_name}.{value.name} would be the constant {name}, like {first.name}"
+            message = f"{enum.full_name}.{value.name} and {first.name} would both become the constant {name}"
             report(
                 CONSTANT_NAME.at(
                     enum.span, message, "rename one of them; names are not sent, so the encoding does not change"

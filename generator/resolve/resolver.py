@@ -130,4 +130,5 @@ def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
-            yield EXCLUDED_PROTO.at(span, f"{path} is excluded, but a file that the rows need imports it")
+            message = f"{path} is excluded, but a file that the rows need imports it"
+            yield EXCLUDED_PROTO.at(span, message, "remove it from proto.exclude, or remove the import")

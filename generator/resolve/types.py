@@ -135,7 +135,10 @@ class FieldTypes:
         return self._messages.nested_message(owner, field.type_name)
 
     def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
-        """Return the message and field in the .proto file; for the generated entry of a map, those of the map."""
+        """Return the message and the field that the .proto file declares.
+
+        protoc generates an entry message for each map. For a field of an entry, the map's field is returned.
+        """
         if not message.map_entry:
             return message, field
         holder = self._schema.messages[message.full_name.rpartition(".")[0]]

@@ -158,7 +158,7 @@ _STAMP = AnyOf(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoSettings(Part):
-    """The place of the .proto files."""
+    """Place of the .proto files."""
 
     root: Annotated[Folder, Meaning("Folder from which proto imports are resolved, relative to the table.")]
     exclude: Annotated[
@@ -172,7 +172,7 @@ class ProtoSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvelopeSettings(Part):
-    """The message that contains every payload."""
+    """Envelope: the message that contains every payload."""
 
     file: Annotated[
         str,
@@ -192,7 +192,7 @@ class EnvelopeSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosSettings(Part):
-    """The ROS 2 side."""
+    """Settings of the ROS 2 side."""
 
     package: Annotated[str, Text("package name"), Meaning("Name of the ROS 2 interface package.")]
     distro: Annotated[
@@ -212,7 +212,7 @@ class RosSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PythonSettings(Part):
-    """The Python side."""
+    """Settings of the Python side."""
 
     package: Annotated[
         PythonPackage,
@@ -226,7 +226,7 @@ class PythonSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeerSettings(Part):
-    """A machine at the other end of the datagrams."""
+    """Peer: a machine that exchanges datagrams with the bridge."""
 
     name: Annotated[PeerName, NAME]
     prefixes: Annotated[

@@ -47,7 +47,9 @@ def read_text(path: Path, file: str) -> str:
         help = "give the table with --table, run this in a project, or start one with `roverlink init`"
         raise DiagnosticsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
     except UnicodeDecodeError as error:
-        raise DiagnosticsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
+        raise DiagnosticsError(
+            [UNREADABLE.at(Span(file), f"is not UTF-8: {error}", "save the file in UTF-8")]
+        ) from error
 
 
 def _compose(text: str, file: str) -> Node:
@@ -153,7 +155,7 @@ class _Reader(ScalarReader):
         )
         items = [self.value(child, type.item, singular) for child in node.value]
         if len(items) < type.least:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is empty"))
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is empty", "add an item"))
         form = Form(self.span(node), items=tuple(item for item in items if item is not None))
         if isinstance(type.item, Text) and type.unique:
             self._check_unique(form, subject)

@@ -115,6 +115,7 @@ class ScalarReader:
         return None if value is None else Form(self.span(node), value)
 
     def _integer(self, node: ScalarNode, type: Integer, subject: str) -> int | None:
+        # A scalar with a style is quoted or a block, so YAML reads it as a string.
         if node.style or not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
             if not node.style and re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
                 message = f"{subject} is {node.value}; YAML does not read this as a decimal number"
@@ -169,6 +170,7 @@ class ScalarReader:
         if node.tag == _NULL:
             self.wrong(node, subject, "a string")
             return None
+        # PyYAML gives plain scalars a tag by the rules of YAML 1.1: yes, no, on and off are booleans, 1:30 is 90.
         if node.tag != "tag:yaml.org,2002:str":
             kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
             kind = kinds.get(node.tag[18:], node.tag[18:])

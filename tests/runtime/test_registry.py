@@ -293,8 +293,8 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "expected"),
     [
-        ("listen_prt", 5000, "no parameter 'listen_prt'; did you mean listen_port?"),
-        ("zzz", 1, "no parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
+        ("listen_prt", 5000, "unknown parameter 'listen_prt'; did you mean listen_port?"),
+        ("zzz", 1, "unknown parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
         ("listen_port", "5000", "listen_port is '5000'; it must be of type int"),
         ("listen_port", True, "listen_port is True; it must be of type int"),
         ("listen_port", 5000.0, "listen_port is 5000.0; it must be of type int"),

@@ -17,6 +17,7 @@ def emit(bridge: ir.Bridge) -> Files:
         yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
     names = sorted(message.name for message in bridge.messages)
     comment = header(bridge.table)
+    # Packages whose messages are fields; rosidl needs them as DEPENDENCIES when it generates code.
     others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
     yield f"{folder}/CMakeLists.txt", render(
         "CMakeLists.txt.j2",

@@ -73,7 +73,7 @@ _SENSORS = {
     "sensor_msgs/msg/Temperature": {"temperature": "degC", "variance": "K^2"},
 }
 UNITS: dict[str, dict[str, str]] = {**_GEOMETRY, **_SENSORS}
-"""Units by message, then by the path of a field in it."""
+"""Units of fields, as ``{message: {path of a field: unit}}``."""
 
 ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/FluidPressure": {"variance": "unknown"},

@@ -22,6 +22,7 @@ from roverlink.generator.table.keys import OPTIONS
 
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 _QUATERNION = "geometry_msgs/msg/Quaternion"
+# The source axis for each of x, y and z. Each of the two rotations is its own inverse (REP 103).
 _NAMED_AXES = {"ned_to_enu": ("y", "x", "-z"), "frd_to_flu": ("x", "-y", "-z")}
 _ANGLES = ("roll", "pitch", "yaw")
 _NO_OPTIONS = Options({})

@@ -145,7 +145,7 @@ class Leaves:
     # --- enums ---
 
     def chosen(self, place: Place, path: str, form: Form, options: Options) -> Chosen | None:
-        """Return the expression that chooses a value by an enum's value; every declared value must have an entry."""
+        """Return the expression that maps an enum's values to constants; report declared values without an entry."""
         source, span = self._sources.find(path, form.span), form.span
         if source is None or place.type.is_many or not source.enum or source.repeated:
             if source is not None:

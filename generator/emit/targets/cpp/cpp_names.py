@@ -70,7 +70,7 @@ def interface_header(message: str) -> str:
 
 
 def primitive(name: str) -> str:
-    """Return rosidl's C++ type of a ROS primitive or string."""
+    """Return the C++ type that rosidl generates for a ROS primitive or a string."""
     return _PRIMITIVES.get(name) or f"std::{name}_t"
 
 

@@ -1,4 +1,4 @@
-"""Content of docs/messages.md for its template."""
+"""Data of docs/messages.md, as the template ``messages.md.j2`` reads it."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Payload:
     name: str
     comment: str
     ros: str
-    """ROS message; empty if there is none."""
+    """Name of the ROS message; empty if the proto message has none."""
     fields: tuple[Field, ...]
     reserved: str
     """Reserved numbers; empty if there are none."""

@@ -87,6 +87,7 @@ def _class(local: str) -> str:
 
 
 def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
+    # A class must be defined before another one uses it as a default factory.
     ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
     used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
     imports: set[Import] = {

@@ -17,9 +17,12 @@ import re
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header
 
+# In modules and stubs: `from a.b import x_pb2 as ...`, and `import x_pb2 as ...` for a file in the proto root.
 _IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|import) (?=\w+_pb2\b)", re.MULTILINE)
+# protoc writes an `import public` as `from a.x_pb2 import *`.
 _STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)
 _MODULE_NAME = re.compile(r"(?<=BuildTopDescriptorsAndMessages\(DESCRIPTOR, ')")
+# Type of an enum argument in a stub. At run time, protobuf takes the number, too.
 _ENUM_ARGUMENT = re.compile(r"_Union\[(?P<enum>[\w.]+), str\]")
 _ENUM_MAP = re.compile(r"_Mapping\[(?P<key>int|bool|str), (?P<enum>[\w.]+)\]")
 _MAP_OF_SCALARS = re.compile(r"_containers\.ScalarMap\[(?:int|bool|str), (?P<value>[\w.]+)\]")
