@@ -304,10 +304,10 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
         ("listen_port", -1, "listen_port is -1"),
         ("dst_a_port", 0, "dst_a_port is 0; a UDP port is a number from 1 to 65535"),
         ("dst_b_port", 70_000, "dst_b_port is 70000"),
-        ("forward_policy", "none", "forward_policy is 'none'; it is one of mapping, all"),
+        ("forward_policy", "none", "forward_policy is 'none'; it must be one of mapping, all"),
         ("max_datagram", 0, "max_datagram is 0; a UDP datagram has 1 to 65507 bytes"),
         ("max_datagram", 65_508, "max_datagram is 65508"),
-        ("receive_buffer", 0, "receive_buffer is 0; it is a number of bytes"),
+        ("receive_buffer", 0, "receive_buffer is 0; it must be from 1 to"),
         ("receive_buffer", 2**31, "receive_buffer is 2147483648"),
     ],
 )
