@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from roverlink.runtime.core.descriptor_check import Fields, Values, check_descriptors
 
-# The fields of each message: number, name and type.
+# Fields of each message: number, name and type.
 MESSAGES: dict[str, Fields] = {
     "ArmBoardActualPositions": (
         (1, "jaw_open", "bool"),
@@ -195,7 +195,7 @@ MESSAGES: dict[str, Fields] = {
     ),
 }
 
-# The values of each enum: number and name.
+# Values of each enum: number and name.
 ENUMS: dict[str, Values] = {
     "ArmBoardDiagnostics.State": (
         (0, "IDLE"),

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The registry: the envelope, the peers, and a handler for every row and every extra topic.
+"""Registry: the envelope, the peers, and a handler for every row and every extra topic.
 
 Where a message has a fixed size, its handler is the fast subclass in `generated.serializers`.
 """

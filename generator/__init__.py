@@ -1,4 +1,4 @@
-"""From mapping.yaml to files: read, resolve, lint, emit, write.
+"""Compiler from mapping.yaml to files: read, resolve, lint, emit, write.
 
 `roverlink.generator.pipeline` compiles a table, `roverlink.generator.emit.writer` writes the result, and
 `roverlink.generator.lint.project` lints without loading the targets.

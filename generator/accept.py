@@ -1,4 +1,7 @@
-"""Accepting the past: what history found goes into the ledger as burned numbers, and is not found again."""
+"""Acceptance of history: numbers with several meanings in git become burned numbers in the ledger.
+
+Later runs of the lint do not report them again.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +17,19 @@ from roverlink.generator.lock import Burned
 from roverlink.generator.pipeline import recompile
 from roverlink.generator.table.edit_rules import NOTHING_TO_ACCEPT_INTO
 
-_OF_HISTORY = ("HIS101", "HIS103")
+_HISTORY_RULES = ("HIS101", "HIS103")
 
 
 def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
-    """The changes that burn what history found in a table's project, and how many numbers that are.
+    """Return the changes that burn the numbers found in history, and the count of these numbers.
 
-    Raises `DiagnosticsError` where there is no table, and where it does not compile.
+    Raises `DiagnosticsError` if there is no table, or if it does not compile.
     """
     past = found.context.past
     if not found.context.table.proto.root or past is None or not past.of_numbers:
-        message = "there is no ledger: accepting takes --history in a project with a mapping.yaml"
+        message = "--accept needs --history and a project with a mapping.yaml, because it writes to the ledger"
         raise DiagnosticsError([NOTHING_TO_ACCEPT_INTO.at(Span(str(table_path)), message)])
-    of_history = [finding for finding in found.findings if finding.rule.id in _OF_HISTORY]
+    of_history = [finding for finding in found.findings if finding.rule.id in _HISTORY_RULES]
     burned = {(one.owner, one.number): one for one in found.context.ledger.burned}
     for finding in of_history:
         one = _burned(finding, found.context)
@@ -44,7 +47,7 @@ def _burned(finding: Diagnostic, context: Context) -> Burned:
 
 
 def _joined(known: Burned | None, one: Burned) -> Burned:
-    """What was accepted before, and what is now."""
+    """Merge an earlier burned number with a new one."""
     if known is None:
         return one
     return dataclasses.replace(one, uses=tuple(dict.fromkeys((*known.uses, *one.uses))))

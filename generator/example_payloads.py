@@ -1,4 +1,4 @@
-"""Plausible payloads made from descriptors alone, for examples, for the demo and for simulated boards."""
+"""Plausible payloads, made from descriptors alone: for examples, the demo and simulated boards."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 P = TypeVar("P", bound="ProtoMessage")
 
 EXAMPLE_S = 1.0
-"""The second whose payloads are examples."""
+"""Time in seconds of the payloads that are shown as examples."""
 _PERIOD_S = 6.0
 _LIST_LENGTH = 3
 _ANY = "google.protobuf.Any"
@@ -34,7 +34,7 @@ _SIGNALS = {
     "mag": (0.0, 40.0),
 }
 """Mean and amplitude of a signal, by a word in the field's name; other numbers have 0 and 10."""
-_GRAVITY = -9.81
+_GRAVITY = -9.81  # m/s^2
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
@@ -45,7 +45,7 @@ def payload_at(payload_type: type[P], seconds: float) -> P:
 
 
 def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
-    """Fill a payload; fields of the types ``inside``, which contain it, stay empty, so that recursion ends."""
+    """Fill a payload. Fields of a type in `inside` contain the payload itself; they stay empty to end the recursion."""
     inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
         message = field.message_type
@@ -67,7 +67,7 @@ def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None
 
 
 def _is_chosen(field: Any, seconds: float) -> bool:
-    """Return true if a field is set at this time; the members of a oneof take turns."""
+    """Return True if a field is set at this time; the members of a oneof take turns."""
     members = field.containing_oneof.fields if field.containing_oneof else [field]
     return bool(members[int(seconds) % len(members)].number == field.number)
 

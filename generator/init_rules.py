@@ -1,4 +1,4 @@
-"""The rules of `roverlink init`."""
+"""Rules of `roverlink init`."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from roverlink.generator.diagnostics import Rule, Severity
 NOTHING_TO_TAKE_OVER = Rule(
     "ADO101",
     "nothing-to-take-over",
-    """`roverlink init` is given a folder without a `.proto` file.
+    """The folder given to `roverlink init --from` contains no `.proto` file.
 
-There is no envelope from which rows could be drafted.
+The rows are drafted from the envelope, which is declared in a `.proto` file.
 
 Bad::
 
-    $ roverlink init --from protos   # the folder is called proto
+    $ roverlink init --from protos   # but the folder is named proto
 
 Good::
 
@@ -25,7 +25,7 @@ Good::
 NO_SUCH_ENVELOPE = Rule(
     "ADO102",
     "no-such-envelope",
-    """`roverlink init` finds no message that can be the envelope, or not the one that is named.
+    """`roverlink init` finds no message that can be the envelope, or does not find the named one.
 
 The envelope is a message with a oneof whose members are the payloads.
 
@@ -45,11 +45,11 @@ IN_THE_WAY = Rule(
     "file-in-the-way",
     """`roverlink init` would overwrite a file that it did not generate.
 
-Nothing that somebody wrote is replaced. Move the file, or generate into another folder.
+Files that were not generated are never replaced. Move the file, or generate into another folder.
 
 Bad::
 
-    docs/messages.md: fatal[ADO103] is there already, and was not generated
+    docs/messages.md: fatal[ADO103] the file exists and was not generated
 
 Good::
 
@@ -61,13 +61,13 @@ Good::
 PROTOS_WITHOUT_TABLE = Rule(
     "ADO104",
     "protos-without-table",
-    """`roverlink init` starts a project, but the folder `proto` already holds `.proto` files.
+    """`roverlink init` starts a project, but the folder `proto` already contains `.proto` files.
 
 A new project would ignore them. `--from` drafts a table for the files that are there.
 
 Bad::
 
-    $ roverlink init                # proto/robot.proto is there
+    $ roverlink init                # proto/robot.proto exists
 
 Good::
 

@@ -1,4 +1,4 @@
-"""Starting a project in a folder without a table: one board, one message, and what checks them."""
+"""New project in a folder without a table: one board, one message, and the files that check them in CI."""
 
 from __future__ import annotations
 
@@ -22,23 +22,25 @@ _TEMPLATES = {
     ".pre-commit-config.yaml": "pre-commit-config.yaml.j2",
     ".gitignore": "gitignore.j2",
 }
-"""The files that belong to the user, and the template of each."""
+"""Files that belong to the user, and their templates."""
 
 
 @dataclass(frozen=True, slots=True)
 class NewProject:
-    """The files of a project that is to be started."""
+    """Files of a new project."""
 
     changes: tuple[Change, ...]
-    """The files that are to be written."""
+    """Files to write."""
     kept: tuple[str, ...]
-    """The files that are there already, and stay as they are."""
+    """Files that exist already and are kept."""
 
 
 def new_project(folder: Path, package: str) -> NewProject:
-    """Make the files of a project with one board and one message, for a folder without a table. Nothing is written.
+    """Return the files of a project with one board and one message, for a folder without a table.
 
-    ``package`` is the ROS 2 package's name. Raises `DiagnosticsError` where files are in the way.
+    Nothing is written.
+
+    ``package`` is the name of the ROS 2 package. Raises `DiagnosticsError` if files are in the way.
     """
     if findings := list(_foreign_protos(folder)):
         raise DiagnosticsError(findings)
@@ -48,15 +50,17 @@ def new_project(folder: Path, package: str) -> NewProject:
         for path, template in _TEMPLATES.items()
         if path not in kept
     }
-    with tempfile.TemporaryDirectory(prefix="roverlink-") as copy:  # lest a fault leave half a project
-        for path in (*kept, lock.NAME):  # a ledger without a table still knows which numbers are taken
+    with tempfile.TemporaryDirectory(
+        prefix="roverlink-"
+    ) as copy:  # so that an error does not leave half a project behind
+        for path in (*kept, lock.NAME):  # without a table, the ledger still knows the taken numbers
             if (folder / path).is_file():
                 _put(Path(copy, path), (folder / path).read_bytes())
         for path, text in own.items():
             _put(Path(copy, path), text.encode())
         compiled = compile_table(Path(copy, _TABLE))
     changes = compare(folder, {**own, **compiled.files}, compiled.folders)
-    check_the_way(changes)
+    refuse_overwriting(changes)
     return NewProject(tuple(changes), kept)
 
 
@@ -66,16 +70,18 @@ def _put(target: Path, data: bytes) -> None:
 
 
 def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
-    """Find .proto files that a new project would not know."""
+    """Report .proto files for which the new project would have no row."""
     for path in sorted((folder / _PROTOS).rglob("*.proto")):
         name = path.relative_to(folder).as_posix()
         if name not in _TEMPLATES:
-            help = f"`roverlink init --from {_PROTOS}` takes the folder over"
-            yield PROTOS_WITHOUT_TABLE.at(Span(name), "is there already, and a new project has no row for it", help)
+            help = f"`roverlink init --from {_PROTOS}` drafts a table for the files in the folder"
+            yield PROTOS_WITHOUT_TABLE.at(
+                Span(name), "the file exists, and a new project would have no row for it", help
+            )
 
 
-def check_the_way(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
-    """Refuse to overwrite what was not generated, but for some files. Raises `DiagnosticsError`."""
+def refuse_overwriting(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
+    """Refuse to overwrite files that were not generated, except `besides`. Raises `DiagnosticsError`."""
     theirs = [
         change.path
         for change in changes
@@ -83,5 +89,8 @@ def check_the_way(changes: Iterable[Change], besides: Collection[str] = ()) -> N
     ]
     if theirs:
         raise DiagnosticsError(
-            [IN_THE_WAY.at(Span(path), "is there already, and was not generated", "move it away") for path in theirs]
+            [
+                IN_THE_WAY.at(Span(path), "the file exists and was not generated", "move it to another place")
+                for path in theirs
+            ]
         )

@@ -1,6 +1,7 @@
-"""The parameters that the node has whatever the table says.
+"""Parameters that the node always has, whatever is in the table.
 
-The runtime declares them in a file, which is read here as data: generator and runtime do not import each other.
+The runtime declares them in a YAML file, which is read here as data, because generator and runtime do not import each
+other.
 """
 
 from __future__ import annotations
@@ -16,6 +17,6 @@ _DECLARATIONS = Path(__file__).parents[1] / "runtime" / "ros_arguments" / "node_
 
 @cache
 def node_parameters() -> dict[str, dict[str, Any]]:
-    """Return what is declared of each parameter, by its name: ``default``, ``description``, ``unit`` and limits."""
+    """Return the declaration of each parameter by name: ``default``, ``description``, ``unit`` and limits."""
     declared: dict[str, dict[str, Any]] = yaml.safe_load(_DECLARATIONS.read_text(encoding="utf-8"))
     return declared

@@ -1,4 +1,4 @@
-"""The phases one after the other: read, locate, compile, lint, resolve, emit."""
+"""Phases of the compiler in order: read, locate, compile, lint, resolve, emit."""
 
 from __future__ import annotations
 
@@ -30,27 +30,31 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """What a table compiles to."""
+    """Result of compiling a table."""
 
     bridge: ir.Bridge
     files: dict[str, str]
-    """Text by path, relative to the table."""
+    """Text of the generated files by path, relative to the table."""
     folders: tuple[str, ...]
-    """Where generated files stand; one that stands there and is none of `files` is an earlier run's."""
+    """Folders of generated files. A generated file in them that is not in `files` comes from an earlier run."""
     warnings: tuple[Diagnostic, ...]
 
 
 def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
-    """Compile a table, also to further targets and with further folders of templates. Nothing is written.
+    """Compile a table, also to further targets and with further template folders.
 
-    Raises `DiagnosticsError` with everything that is wrong, as far as it can be seen at once.
+    Nothing is written.
+
+    Raises `DiagnosticsError` with all mistakes that can be found in one run.
     """
     text = read_text(table_path, table_path.name)
     return _compiled(table_path, text, further=(tuple(targets), tuple(templates)))
 
 
 def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
-    """Compile a table that is not written yet; the changes of the disk have the table's own among them.
+    """Compile a table that is not on disk yet.
+
+    The returned changes include the table itself.
 
     Raises `DiagnosticsError` as `compile_table`.
     """
@@ -59,26 +63,30 @@ def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
 
 
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
-    """What a table compiles to without a number's row, and the changes of the disk, the table's own among them.
+    """Compile a table without the row of a number.
 
-    Raises `DiagnosticsError` where no row has the number, and as `compile_table`.
+    The returned changes include the table itself.
+
+    Raises `DiagnosticsError` if no row has the number, and as `compile_table`.
     """
     return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
-    """What a table compiles to with one more row, and the changes of the disk, the table's own among them.
+    """Compile a table with one more row.
 
-    Raises `DiagnosticsError` where the rows are not written one below the other, and as `compile_table`.
+    The returned changes include the table itself.
+
+    Raises `DiagnosticsError` if the rows are not a block list, and as `compile_table`.
     """
     return _edited(table_path, lambda text, file: with_row(text, row, file))
 
 
 def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled, list[Change]]:
-    """Compile a table with its text edited, and return what changes on disk."""
+    """Compile a table after an edit of its text, and return the changes."""
     file = table_path.name
     text = read_text(table_path, file)
-    reader.parse(text, file, [])  # what is no table is reported as such
+    reader.parse(text, file, [])  # raises if the text is not a table; the edit needs one
     text = edit(text, file)
     try:
         return compile_text(table_path, text)
@@ -87,7 +95,7 @@ def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled
 
 
 def recompile(table_path: Path, published: lock.Ledger) -> Compiled:
-    """What a table compiles to after another ledger than the one on disk; raises as `compile_table`."""
+    """Compile a table with another ledger than the one on disk; raises as `compile_table`."""
     return _compiled(table_path, read_text(table_path, table_path.name), published)
 
 
@@ -108,7 +116,7 @@ def _compiled(
     named = index is not None and all((envelope.file, envelope.message, envelope.oneof))
     compilation = _collecting(findings, lambda: _compile(table, project, envelope, listed)) if named else None
     schema = compilation.schema if compilation else None
-    # an envelope that lacks a row for a mistake in it has lost nothing
+    # if a row was left out because of a mistake, its number has not vanished from the envelope
     lacking = envelope.message if not table.whole or any(row.proto not in files for row in table.rows) else ""
     changes = since_last_generate(published, schema, lacking) if schema else ()
     findings += lint(Context(table, schema, published, changes=changes))
@@ -126,7 +134,10 @@ def _compiled(
 
 
 def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
-    """What a phase gives; None, with its findings, where it cannot go on. The others still can."""
+    """Run a phase.
+
+    If it raises, add its diagnostics to the findings and return None, so that other phases still run.
+    """
     try:
         return phase()
     except DiagnosticsError as error:
@@ -139,7 +150,13 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     if not root.is_dir():
         message = f"the proto root {table.proto.root} is not a folder"
         raise DiagnosticsError(
-            [NO_PROTO_ROOT.at(table.proto.at("root"), message, "it is relative to the table's folder")]
+            [
+                NO_PROTO_ROOT.at(
+                    table.proto.at("root"),
+                    message,
+                    "create the folder, or correct `root`, which is relative to the table",
+                )
+            ]
         )
     findings: list[Diagnostic] = []
     files = read_protos(root, table.proto.root, findings)
@@ -149,21 +166,23 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
-    """What protoc makes of the payloads, the envelope, and what stands in an Any.
+    """Compile the envelope, the payloads and the messages listed for an Any with protoc.
 
-    Raises `DiagnosticsError` where it refuses them.
+    Raises `DiagnosticsError` if protoc reports errors.
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
     overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
-        message = f"there is no {envelope.file} below {table.proto.root}"
-        raise DiagnosticsError([NO_ENVELOPE.at(table.envelope.at("file"), message, "`owner: mapping` would write it")])
+        message = f"the file {envelope.file} does not exist below {table.proto.root}"
+        raise DiagnosticsError(
+            [NO_ENVELOPE.at(table.envelope.at("file"), message, "with `owner: mapping`, generate writes it")]
+        )
     return compile_protos(root, wanted, overlay, table.proto.root)
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
-    """The envelope without what clashes: the rules report that better than protoc does."""
+    """Return the envelope without colliding members; the rules report collisions better than protoc does."""
     numbers: set[int] = set()
     names: set[str] = set()
     classes: set[str] = set()

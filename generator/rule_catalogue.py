@@ -1,4 +1,4 @@
-"""All rules: those of the lint, and those of every phase that can refuse its input."""
+"""Catalogue of all rules: those of the lint, and those of phases that refuse their input."""
 
 from __future__ import annotations
 
@@ -35,10 +35,11 @@ DECLARED_IN: Mapping[str, ModuleType] = {
     "STA": input_rules,
     "STD": standard_rules,
 }
-"""The module that declares the rules of a phase, by what their ids start with.
+"""Modules that declare the rules of a phase, by the prefix of the rules' ids.
 
-A rule of the lint is a module of its own in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in
-`wire` or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`: it looks at every other message.
+Each rule of the lint has its own module in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in `wire`
+or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`, because it compares a message with all
+others.
 """
 
 

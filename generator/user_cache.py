@@ -1,4 +1,4 @@
-"""The folder of what commands keep between runs only to be faster."""
+"""Folder of caches, which make later runs faster and may be deleted at any time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from pathlib import Path
 
 
 def cache_folder() -> Path:
-    """Return the folder; by the XDG Base Directory specification, a relative path in the variable does not count."""
+    """Return the folder for caches."""
+    # XDG Base Directory specification: "All paths set in these environment variables must be absolute. If an
+    # implementation encounters a relative path ... it should consider the path invalid and ignore it."
     given = Path(os.environ.get("XDG_CACHE_HOME", ""))
     return (given if given.is_absolute() else Path(os.path.expanduser("~"), ".cache")) / "roverlink"

@@ -1,3 +1,3 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Conversions of the messages inside payloads: one module for each."""
+"""Conversions of nested messages: one module for each message."""

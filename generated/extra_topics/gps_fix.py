@@ -50,7 +50,7 @@ class GpsFixTopic(
         payload: gps_sensor_pb2.SensorBoardGPSInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.NavSatFix:
-        """Convert SensorBoardGPSInfo to sensor_msgs/msg/NavSatFix; `stamp` is the time of receipt."""
+        """Convert SensorBoardGPSInfo to sensor_msgs/msg/NavSatFix; `stamp` is the time of reception."""
         return sensor_msgs.NavSatFix(
             header=std_msgs.Header(stamp=stamp, frame_id="gps_link"),
             status=sensor_msgs.NavSatStatus(

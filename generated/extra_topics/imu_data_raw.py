@@ -37,7 +37,7 @@ class ImuDataRawTopic(
         payload: imu_sensor_pb2.SensorBoardIMUInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.Imu:
-        """Convert SensorBoardIMUInfo to sensor_msgs/msg/Imu; `stamp` is the time of receipt."""
+        """Convert SensorBoardIMUInfo to sensor_msgs/msg/Imu; `stamp` is the time of reception."""
         return sensor_msgs.Imu(
             header=std_msgs.Header(stamp=stamp, frame_id="imu_link"),
             orientation_covariance=[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -55,7 +55,7 @@ class ImuDataRawTopic(
     def from_ros(message: sensor_msgs.Imu) -> imu_sensor_pb2.SensorBoardIMUInfo:
         """Convert sensor_msgs/msg/Imu to SensorBoardIMUInfo.
 
-        Fields of the payload that the message does not hold keep their defaults:
+        Fields of the payload that the message does not contain keep their defaults:
         mag_x, mag_y, mag_z, is_calibrated, state, error_code.
         """
         return imu_sensor_pb2.SensorBoardIMUInfo(

@@ -33,7 +33,7 @@ class ImuMagTopic(
         payload: imu_sensor_pb2.SensorBoardIMUInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.MagneticField:
-        """Convert SensorBoardIMUInfo to sensor_msgs/msg/MagneticField; `stamp` is the time of receipt."""
+        """Convert SensorBoardIMUInfo to sensor_msgs/msg/MagneticField; `stamp` is the time of reception."""
         return sensor_msgs.MagneticField(
             header=std_msgs.Header(stamp=stamp, frame_id="imu_link"),
             magnetic_field=geometry_msgs.Vector3(
@@ -49,7 +49,7 @@ class ImuMagTopic(
     ) -> imu_sensor_pb2.SensorBoardIMUInfo:
         """Convert sensor_msgs/msg/MagneticField to SensorBoardIMUInfo.
 
-        Fields of the payload that the message does not hold keep their defaults:
+        Fields of the payload that the message does not contain keep their defaults:
         accel_x, accel_y, accel_z, gyro_x, gyro_y, gyro_z, is_calibrated, state,
         error_code.
         """

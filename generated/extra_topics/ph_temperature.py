@@ -33,7 +33,7 @@ class PhTemperatureTopic(
         payload: ph_sensor_pb2.SensorBoardPHInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.Temperature:
-        """Convert SensorBoardPHInfo to sensor_msgs/msg/Temperature; `stamp` is the time of receipt."""
+        """Convert SensorBoardPHInfo to sensor_msgs/msg/Temperature; `stamp` is the time of reception."""
         return sensor_msgs.Temperature(
             header=std_msgs.Header(stamp=stamp, frame_id="ph_link"),
             temperature=payload.temperature,
@@ -43,7 +43,7 @@ class PhTemperatureTopic(
     def from_ros(message: sensor_msgs.Temperature) -> ph_sensor_pb2.SensorBoardPHInfo:
         """Convert sensor_msgs/msg/Temperature to SensorBoardPHInfo.
 
-        Fields of the payload that the message does not hold keep their defaults:
+        Fields of the payload that the message does not contain keep their defaults:
         ph_value, voltage, state, error_code.
         """
         return ph_sensor_pb2.SensorBoardPHInfo(

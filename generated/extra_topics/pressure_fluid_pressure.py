@@ -35,7 +35,7 @@ class PressureFluidPressureTopic(
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.FluidPressure:
-        """Convert SensorBoardPressureInfo to sensor_msgs/msg/FluidPressure; `stamp` is the time of receipt."""
+        """Convert SensorBoardPressureInfo to sensor_msgs/msg/FluidPressure; `stamp` is the time of reception."""
         return sensor_msgs.FluidPressure(
             header=std_msgs.Header(stamp=stamp, frame_id="pressure_link"),
             fluid_pressure=payload.pressure_kpa * 1_000.0,
@@ -47,7 +47,7 @@ class PressureFluidPressureTopic(
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
         """Convert sensor_msgs/msg/FluidPressure to SensorBoardPressureInfo.
 
-        Fields of the payload that the message does not hold keep their defaults:
+        Fields of the payload that the message does not contain keep their defaults:
         sensor_index, temperature_c, voltage, is_calibrated, state, error_code.
         """
         return pressure_sensor_pb2.SensorBoardPressureInfo(

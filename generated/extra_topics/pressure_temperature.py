@@ -35,7 +35,7 @@ class PressureTemperatureTopic(
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,
     ) -> sensor_msgs.Temperature:
-        """Convert SensorBoardPressureInfo to sensor_msgs/msg/Temperature; `stamp` is the time of receipt."""
+        """Convert SensorBoardPressureInfo to sensor_msgs/msg/Temperature; `stamp` is the time of reception."""
         return sensor_msgs.Temperature(
             header=std_msgs.Header(stamp=stamp, frame_id="pressure_link"),
             temperature=payload.temperature_c,
@@ -47,7 +47,7 @@ class PressureTemperatureTopic(
     ) -> pressure_sensor_pb2.SensorBoardPressureInfo:
         """Convert sensor_msgs/msg/Temperature to SensorBoardPressureInfo.
 
-        Fields of the payload that the message does not hold keep their defaults:
+        Fields of the payload that the message does not contain keep their defaults:
         sensor_index, pressure_kpa, voltage, is_calibrated, state, error_code.
         """
         return pressure_sensor_pb2.SensorBoardPressureInfo(

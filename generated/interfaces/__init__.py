@@ -1,3 +1,3 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The messages of other ROS 2 packages that are used here, one module a package."""
+"""Messages of other ROS 2 packages: one module for each package."""

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""The messages of the ROS 2 package comms."""
+"""Messages of the ROS 2 package comms."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardActualPositions); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardActualPositions."""
+"""ROS message comms/msg/ArmBoardActualPositions."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardControlSignals); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardControlSignals."""
+"""ROS message comms/msg/ArmBoardControlSignals."""
 
 from __future__ import annotations
 

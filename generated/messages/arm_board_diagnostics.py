@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardDiagnostics."""
+"""ROS message comms/msg/ArmBoardDiagnostics."""
 
 from __future__ import annotations
 

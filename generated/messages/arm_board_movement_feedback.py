@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardMovementFeedback); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardMovementFeedback."""
+"""ROS message comms/msg/ArmBoardMovementFeedback."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardObstructions); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardObstructions."""
+"""ROS message comms/msg/ArmBoardObstructions."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (ArmBoardTargetMovement); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ArmBoardTargetMovement."""
+"""ROS message comms/msg/ArmBoardTargetMovement."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationControlMode); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationControlMode."""
+"""ROS message comms/msg/BasestationControlMode."""
 
 from __future__ import annotations
 

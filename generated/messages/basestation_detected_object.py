@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationDetectedObject); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationDetectedObject."""
+"""ROS message comms/msg/BasestationDetectedObject."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationObjectSelection); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationObjectSelection."""
+"""ROS message comms/msg/BasestationObjectSelection."""
 
 from __future__ import annotations
 

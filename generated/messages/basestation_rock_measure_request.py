@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationRockMeasureRequest); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationRockMeasureRequest."""
+"""ROS message comms/msg/BasestationRockMeasureRequest."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationRockMeasureResult); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationRockMeasureResult."""
+"""ROS message comms/msg/BasestationRockMeasureResult."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BasestationRoverLocalization); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BasestationRoverLocalization."""
+"""ROS message comms/msg/BasestationRoverLocalization."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (BoundingBox); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/BoundingBox."""
+"""ROS message comms/msg/BoundingBox."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/DrivingBoardDiagnostics."""
+"""ROS message comms/msg/DrivingBoardDiagnostics."""
 
 from __future__ import annotations
 

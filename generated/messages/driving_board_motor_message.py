@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardMotorMessage); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/DrivingBoardMotorMessage."""
+"""ROS message comms/msg/DrivingBoardMotorMessage."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (DrivingBoardMotorPeriodicProgress); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/DrivingBoardMotorPeriodicProgress."""
+"""ROS message comms/msg/DrivingBoardMotorPeriodicProgress."""
 
 from __future__ import annotations
 

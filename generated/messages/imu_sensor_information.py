@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardIMUInfo); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/ImuSensorInformation."""
+"""ROS message comms/msg/ImuSensorInformation."""
 
 from __future__ import annotations
 

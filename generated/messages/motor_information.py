@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (MotorInformation); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/MotorInformation."""
+"""ROS message comms/msg/MotorInformation."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardDiagnostics); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorBoardDiagnostics."""
+"""ROS message comms/msg/SensorBoardDiagnostics."""
 
 from __future__ import annotations
 

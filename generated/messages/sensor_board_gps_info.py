@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardGPSInfo); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorBoardGPSInfo."""
+"""ROS message comms/msg/SensorBoardGPSInfo."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardLoadCellInfo); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorBoardLoadCellInfo."""
+"""ROS message comms/msg/SensorBoardLoadCellInfo."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardPHInfo); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorBoardPHInfo."""
+"""ROS message comms/msg/SensorBoardPHInfo."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorBoardPressureInfo); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorBoardPressureInfo."""
+"""ROS message comms/msg/SensorBoardPressureInfo."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml (SensorState); do not edit.
 # Regenerate with: roverlink generate
-"""The ROS message comms/msg/SensorState."""
+"""ROS message comms/msg/SensorState."""
 
 from __future__ import annotations
 

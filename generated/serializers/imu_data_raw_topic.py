@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/Imu.
 
-The registry loads it; programs import `ImuDataRawTopic` from `generated.extra_topics.imu_data_raw`.
+The registry uses this class; programs import `ImuDataRawTopic` from `generated.extra_topics.imu_data_raw`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
-# Fields that never change are serialized once; between them stand the bytes of the others.
+# Constant fields are serialized only once. The bytes of the other fields are inserted between them.
 _SERIALIZED = cdr.template(
     sensor_msgs.Imu(
         header=std_msgs.Header(frame_id="imu_link"),

@@ -2,7 +2,7 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as sensor_msgs/msg/Temperature.
 
-The registry loads it; programs import `PressureTemperatureTopic` from `generated.extra_topics.pressure_temperature`.
+The registry uses this class; programs import `PressureTemperatureTopic` from `generated.extra_topics.pressure_temperature`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.standard_handler import UNSTAMPED
 from roverlink.runtime.interfaces import Time
 
-# Fields that never change are serialized once; between them stand the bytes of the others.
+# Constant fields are serialized only once. The bytes of the other fields are inserted between them.
 _SERIALIZED = cdr.template(
     sensor_msgs.Temperature(header=std_msgs.Header(frame_id="pressure_link")),
     [

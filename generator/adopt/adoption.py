@@ -1,4 +1,4 @@
-"""Taking over a tree in one pass: read, guess, fit, lint, compile."""
+"""Adoption of a tree in one pass: read, guess, fit, lint, compile."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.lock import Ledger
 from roverlink.generator.nanopb import read_bounds
-from roverlink.generator.new_project import check_the_way
+from roverlink.generator.new_project import refuse_overwriting
 from roverlink.generator.pipeline import Compiled, compile_text
 from roverlink.generator.protos.parser import parse
 from roverlink.generator.protos.protoc import compile_protos
@@ -31,8 +31,8 @@ from roverlink.generator.table import reader
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """What is to be taken over; what is empty is to be found out."""
+class AdoptionRequest:
+    """Tree to take over. Empty attributes are found automatically."""
 
     root: Path
     file: str = ""
@@ -43,23 +43,25 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class Adoption:
-    """A tree that was taken over."""
+    """Result of taking over a tree."""
 
     draft: Draft
     past: AdoptedPast
     compiled: Compiled
     findings: tuple[Diagnostic, ...]
-    """What the lint finds in it, counted for as little as the table says."""
+    """Diagnostics of the lint, with the severities of the drafted table."""
     changes: tuple[Change, ...]
-    """What is to be written, the table among it."""
+    """Files to write, including the table."""
     scalars: tuple[str, ...]
-    """Members of the oneof that are no messages, and so have no row."""
+    """Members of the oneof that are scalars. Only messages can have rows."""
 
 
-def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] | None = None) -> Adoption:
-    """Take over a tree of .proto files. Nothing is written.
+def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int], None] | None = None) -> Adoption:
+    """Take over a tree of .proto files.
 
-    Raises `DiagnosticsError` with everything that is in the way, and that a table cannot mend.
+    Nothing is written.
+
+    Raises `DiagnosticsError` with all mistakes that a table cannot work around.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
     shown_root = Path(os.path.relpath(root, project)).as_posix()
@@ -89,14 +91,14 @@ def adopt(table_path: Path, wanted: Wanted, report: Callable[[int, int], None] |
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
-    check_the_way(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
+    refuse_overwriting(changes, besides=[f"{shown_root}/{tree.envelope.file}"])
     findings += lint(dataclasses.replace(context, table=reader.parse(text, table_path.name, [])))
     found = tuple(in_order([*findings, *compiled.warnings]))
     return Adoption(draft, past, compiled, found, tuple(changes), tuple(tree.scalars))
 
 
 def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Context:
-    """Make what the rules look at: the draft, and the tree with the envelope that generate will write."""
+    """Return the rules' context: the draft, and the tree with the envelope that generate will write."""
     table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
     if draft.owner == "mapping":
@@ -115,8 +117,8 @@ def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnosti
 
 
 def _foreign(project: Path, root: Path) -> str:
-    """Why the folder of the protos is not this project's to write to; empty where it is."""
+    """Return the reason why this project must not write to the folder of the protos; empty if it may."""
     if not root.is_relative_to(project):
-        return "its folder is not in this project's"
+        return "its folder is outside this project"
     inner = next((one for one in (root, *root.parents) if one != project and (one / ".git").exists()), None)
-    return "its folder is a repository of its own" if inner and inner.is_relative_to(project) else ""
+    return "its folder is another git repository" if inner and inner.is_relative_to(project) else ""

@@ -1,4 +1,4 @@
-"""A table before it is written: what is known, what was guessed, and why."""
+"""Draft of a table: facts and guesses, with the reasons."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class DraftRow:
-    """A row."""
+    """Draft of a row."""
 
     number: int
     name: str
     proto: str
     comment: str
-    """What the envelope says of it."""
+    """Comment of the member in the envelope."""
     peer: str
     inbound: bool
     doubt: str
-    """Why the direction is a guess; empty where it is none."""
+    """Reason why the direction is a guess; empty if it is certain."""
     ros: str = ""
-    """The ROS message's name, where it cannot be the proto's."""
+    """Name of the ROS message, if it differs from the proto's."""
     fields: dict[str, str] = field(default_factory=dict)
     ignore: dict[str, str] = field(default_factory=dict)
-    """Fields that cannot be converted, each with the reason."""
+    """Fields that cannot be converted, with the reasons."""
     lint: dict[str, str] = field(default_factory=dict)
-    """Rules that count for less in what is about this row, each with the reason."""
+    """Rules with a lower severity for this row, with the reasons."""
 
     @property
     def direction(self) -> str:
-        """As the table spells it."""
+        """Direction as the table spells it."""
         return f"{self.peer}_to_ros" if self.inbound else f"ros_to_{self.peer}"
 
 
 @dataclass(slots=True)
 class DraftPeer:
-    """A peer."""
+    """Draft of a peer."""
 
     name: str
     prefixes: tuple[str, ...]
@@ -42,7 +42,7 @@ class DraftPeer:
 
 @dataclass(frozen=True, slots=True)
 class DraftRetired:
-    """A number that history shows was used."""
+    """Number that was used before, by git's history."""
 
     number: int
     name: str
@@ -52,23 +52,23 @@ class DraftRetired:
 
 @dataclass(slots=True)
 class Draft:
-    """The table."""
+    """Draft of the table."""
 
     root: str
     """Folder of the protos, relative to the table."""
     package: str
     file: str
-    """The envelope's."""
+    """File of the envelope."""
     message: str
     oneof: str
     oneof_doubt: str
-    """Why envelope and oneof are guesses; empty where they are none."""
+    """Reason why envelope and oneof are guesses; empty if they are certain."""
     owner: str
     owner_reason: str
     exclude: dict[str, str]
-    """Files that cannot be compiled with the others, each with the reason."""
+    """Files that do not compile with the others, with the reasons."""
     peers: list[DraftPeer]
     rows: list[DraftRow]
     retired: list[DraftRetired]
     lint: dict[str, str] = field(default_factory=dict)
-    """Rules that count for less, each with the reason."""
+    """Rules with a lower severity, with the reasons."""

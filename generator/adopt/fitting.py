@@ -1,6 +1,6 @@
-"""Fits payloads to ROS 2: gives messages and fields names that it allows, and leaves out the rest.
+"""Fitting of payloads to ROS 2: allowed names for messages and fields, and fields that are left out.
 
-Every row is resolved once, as generate resolves it, and each fault is put down to the fields that cause it.
+Every row is resolved once, as generate resolves it. Each diagnostic is then assigned to the fields that cause it.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from roverlink.generator.table import reader
 
 
 def fit(draft: Draft, schema: Schema, table: str) -> None:
-    """Rename messages and fields, and leave out what cannot be converted, each with the reason.
+    """Rename messages and fields, and leave out fields that cannot be converted, with the reasons.
 
-    ``table`` is the file that the draft is for. A fault of a payload as a whole stays; generate reports it.
+    ``table`` is the draft's file name. A mistake that concerns a payload as a whole stays; generate reports it.
     """
     _name_messages(draft.rows, schema)
     findings: list[Diagnostic] = []
@@ -36,7 +36,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
 
 
 def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
-    """Give every payload a name in ROS that is allowed, and that no other message has."""
+    """Give every payload a ROS name that is allowed and unique."""
     protos = {row.proto: row.name for row in rows}
     nested = schema.reachable(*protos)[0] - protos.keys()
     taken = {
@@ -57,7 +57,7 @@ def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
 
 
 def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]]:
-    """Return the message or enum that stands at each place, and the field, for one of a field."""
+    """Return the message or enum that is declared at each place, with the field for the place of a field."""
     found: dict[Span, tuple[str, ProtoField | None]] = {enum.span: (name, None) for name, enum in schema.enums.items()}
     for message in schema.messages.values():
         found[message.span] = message.full_name, None
@@ -66,7 +66,7 @@ def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]
 
 
 def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Diagnostic, schema: Schema) -> None:
-    """Rename a field of a payload, or leave out the payloads' fields in which the fault is."""
+    """Rename a field of a payload, or leave out the payloads' fields that contain the fault."""
     payloads = {row.proto for row in rows}
     for row in rows:
         own = schema.messages[row.proto].fields
@@ -87,7 +87,7 @@ def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
 
 
 def _inside(type: str, schema: Schema, payloads: Collection[str]) -> set[str]:
-    """Return the messages and enums in a field of a type, but for what is in payloads: those have rows of their own."""
+    """Return the messages and enums in a field of a type, without payloads, which have rows of their own."""
     found: set[str] = set()
     waiting = [type]
     while waiting:

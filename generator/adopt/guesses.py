@@ -1,4 +1,4 @@
-"""Who sends what to whom: guessed from names, folders and comments, and said where it is a mere guess."""
+"""Guesses of senders and receivers, from names, folders and comments. Each doubt is written into the draft."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from roverlink.generator.adopt.role_words import (
     COMMANDS,
     GENERIC_FOLDERS,
     OPERATORS,
-    OURSELVES,
     REPORTS,
     ROLES,
+    ROS_MACHINES,
     camel_prefix,
     words,
 )
@@ -23,7 +23,7 @@ from roverlink.generator.protos.schema import ProtoField
 
 _HARDWARE = "hardware"
 _OURS = "ros"
-_NO_MACHINE = "neither name nor folder says which machine it is of"
+_NO_MACHINE = "neither the name nor the folder tells which machine it belongs to"
 _FROM = re.compile(r"\b(?:from|sent by|published by|measured by|reported by|comes from)\s+(?:the\s+|a\s+|all\s+)?")
 _TO = re.compile(r"\b(?:to|for|received by|read by)\s+(?:the\s+|a\s+|all\s+)?")
 _MACHINES = {
@@ -35,21 +35,21 @@ _MACHINES = {
     "hardware": _HARDWARE,
     "boards": _HARDWARE,
     "board": _HARDWARE,
-    **dict.fromkeys(sorted(OURSELVES), _OURS),
+    **dict.fromkeys(sorted(ROS_MACHINES), _OURS),
 }
 
 
 @dataclass(frozen=True, slots=True)
 class _Component:
-    """A machine, by what the names of its messages start with."""
+    """Machine that some messages belong to."""
 
     prefix: str
-    """Empty where it is known by its folder only."""
+    """Start of its messages' names; empty if only the folder names the machine."""
     peer: str
 
 
 def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
-    """A row for each member of the oneof, and the peers that they need."""
+    """Return the peers, and a row for each member of the oneof."""
     members = tree.members
     components = _components(tree, members)
     machines = dict(_MACHINES)
@@ -58,7 +58,7 @@ def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
             machines[" ".join(words(one.prefix))] = one.peer
     rows = [_row(member, tree, components.get(member.type_name), machines) for member in members]
     names = sorted({row.peer for row in rows})
-    if len(names) == 1:  # then it is of that machine, whichever that is
+    if len(names) == 1:  # with a single peer there is no doubt about the machine
         for row in rows:
             row.doubt = row.doubt.removeprefix(_NO_MACHINE).removeprefix(" and ")
     prefixes: dict[str, set[str]] = {name: set() for name in names}
@@ -72,7 +72,7 @@ def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
 
 
 def _components(tree: Tree, members: Iterable[ProtoField]) -> dict[str, _Component]:
-    """The component of each payload, where one can be told."""
+    """Return the component of each payload, if one can be found."""
     types = sorted({member.type_name for member in members})
     folders = {proto: PurePosixPath(tree.schema.messages[proto].file).parent.name for proto in types}
     several = len({folder for folder in folders.values() if _is_machine(folder)}) > 1
@@ -92,7 +92,7 @@ def _is_machine(folder: str) -> bool:
 
 
 def _prefix(name: str, folder: str) -> str:
-    """The machine's name that a message's starts with; empty for none."""
+    """Return the machine's name with which a message's name starts; empty if there is none."""
     own, of_folder = words(name), words(folder)
     if of_folder and _is_machine(folder) and own[: len(of_folder)] == of_folder and len(own) > len(of_folder):
         return camel_prefix(name, len(of_folder))
@@ -103,7 +103,7 @@ def _prefix(name: str, folder: str) -> str:
 
 
 def _peer(of_component: list[str]) -> str:
-    """The peer of a component. Boards share one, since they mostly share a port; operators have one each."""
+    """Return the peer of a component. Boards share one peer, because they usually share a port; operators do not."""
     return "_".join(of_component) if set(of_component) & OPERATORS else _HARDWARE
 
 
@@ -115,13 +115,13 @@ def _row(member: ProtoField, tree: Tree, component: _Component | None, machines:
     said = f"{member.comment}\n{proto.comment}"
     sender, receiver = _named(_FROM, said, machines), _named(_TO, said, machines)
     peer = next((one for one in (sender, receiver) if one not in ("", _OURS)), "")
-    inbound = _said(sender, receiver)
+    inbound = _inbound_by_comment(sender, receiver)
     doubts = [] if peer or component else [_NO_MACHINE]
     peer = peer or (component.peer if component else _HARDWARE)
     if inbound is None:
-        inbound = _by_its_words(member, peer)
+        inbound = _inbound_by_name(member, peer)
     if inbound is None:
-        doubts.append("nothing says who sends it")
+        doubts.append("neither name nor comment tells who sends it")
         inbound = True
     return DraftRow(
         number=member.number,
@@ -135,7 +135,7 @@ def _row(member: ProtoField, tree: Tree, component: _Component | None, machines:
 
 
 def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]) -> str:
-    """The machine that a comment names behind some words; empty for none."""
+    """Return the machine that a comment names after an introduction such as "sent by"; empty if there is none."""
     text = " ".join(text.lower().split())
     for match in introduction.finditer(text):
         rest = text[match.end() :]
@@ -145,8 +145,8 @@ def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]
     return ""
 
 
-def _said(sender: str, receiver: str) -> bool | None:
-    """Whether a comment says that it comes to ROS 2; None where it does not say."""
+def _inbound_by_comment(sender: str, receiver: str) -> bool | None:
+    """Return True if a comment says that the message goes to ROS 2, False for a peer, None if it says neither."""
     if sender and sender != _OURS:
         return True
     if sender == _OURS or (receiver and receiver != _OURS):
@@ -154,8 +154,11 @@ def _said(sender: str, receiver: str) -> bool | None:
     return True if receiver == _OURS else None
 
 
-def _by_its_words(member: ProtoField, peer: str) -> bool | None:
-    """Whether a message comes to ROS 2, as its name has it: boards report and are commanded, operators command."""
+def _inbound_by_name(member: ProtoField, peer: str) -> bool | None:
+    """Return True if the message's name suggests that it goes to ROS 2; None if it suggests nothing.
+
+    Boards send reports and receive commands; operators send commands and receive reports.
+    """
     for name in (member.type_name.rpartition(".")[2], member.name):
         for word in reversed(words(name)):
             if word in COMMANDS or word in REPORTS:

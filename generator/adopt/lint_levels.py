@@ -1,4 +1,4 @@
-"""Lowers the rules of the lint that a tree breaks already: a hint each, with the reason."""
+"""Lower severities for the rules that a tree already breaks: each becomes a hint, with the reason."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from roverlink.generator.lint.rules import modules
 from roverlink.generator.protos.schema import Schema
 
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
-"""Rules without which what is generated would make no sense."""
+"""Rules that are never lowered, because the generated code would be wrong."""
 _MANY_ROWS = 3
 
 
 def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
-    """Let what the lint found count as a hint: in the rows that it is about, or everywhere where those are many."""
+    """Make hints of the lint's findings: in the rows that they are about, or in the whole table if there are many."""
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
     may_count_less = modules().keys() - _MUST_HOLD
     ids = sorted((finding for finding in grave if finding.rule.id in may_count_less), key=lambda one: one.rule.id)
@@ -26,14 +26,14 @@ def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
         rows = {row.number: row for of_one in about for row in of_one}
         if all(about) and len(rows) <= _MANY_ROWS:
             for row in rows.values():
-                row.lint[rule] = "it was so when the tree was taken over"
+                row.lint[rule] = "found when the tree was taken over"
         else:
             times = "once" if len(listed) == 1 else f"{len(listed)} times"
-            draft.lint[rule] = f"the tree had it {times} when it was taken over"
+            draft.lint[rule] = f"found {times} when the tree was taken over"
 
 
 def _rows_about(finding: Diagnostic, draft: Draft, schema: Schema) -> list[DraftRow]:
-    """Return the rows that a finding is about, as the table's own settings of a row are understood."""
+    """Return the rows that a diagnostic is about, by the rule for a row's `lint` settings."""
     if finding.type in ("", draft.message):
         return [row for row in draft.rows if row.number == finding.number]
     return [row for row in draft.rows if any(finding.type in kind for kind in schema.reachable(row.proto))]

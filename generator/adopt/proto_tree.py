@@ -1,4 +1,4 @@
-"""The tree: which message is the envelope, which files compile together, and whose file the envelope is."""
+"""Tree of .proto files: finds the envelope, the files that compile together, and the owner of the envelope's file."""
 
 from __future__ import annotations
 
@@ -21,41 +21,41 @@ _SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """A tree of .proto files, as far as it compiles."""
+    """Tree of .proto files that compile together."""
 
     root: Path
     files: Mapping[str, File]
-    """Every file, as far as it can be read."""
+    """Every file that can be read."""
     schema: Schema
-    """Of what compiles together, the envelope among it."""
+    """Schema of the files that compile together, with the envelope."""
     exclude: Mapping[str, str]
-    """The other files, each with the reason."""
+    """Files that are left out, with the reasons."""
     envelope: ProtoMessage
     oneof: str
     doubt: str
-    """Why it is not certain that this is the envelope; empty where it is."""
+    """Reason why the envelope is a guess; empty if it is certain."""
 
     @property
     def members(self) -> list[ProtoField]:
-        """The payloads: the messages in the oneof, by number."""
+        """Payloads: the messages in the oneof, sorted by number."""
         found = [field for field in self.envelope.fields if field.oneof == self.oneof and field.type == "message"]
         return sorted(found, key=lambda field: field.number)
 
     @property
     def scalars(self) -> list[str]:
-        """What else is in the oneof."""
+        """Members of the oneof that are not messages."""
         return [field.name for field in self.envelope.fields if field.oneof == self.oneof and field.type != "message"]
 
 
 def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) -> Tree:
-    """Read a tree; ``file``, ``message`` and ``oneof`` name the envelope, as far as they are not empty.
+    """Read a tree; ``file``, ``message`` and ``oneof`` name the envelope if they are not empty.
 
-    Raises `DiagnosticsError` where there is no envelope, or where it does not compile.
+    Raises `DiagnosticsError` if there is no envelope, or if it does not compile.
     """
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
     if findings or not files:
-        none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "holds no .proto file")
+        none = NOTHING_TO_TAKE_OVER.at(Span(shown_root), "the folder contains no .proto file")
         raise DiagnosticsError(findings or [none])
     candidates = list(_envelopes(files, file, message))
     if not candidates:
@@ -68,7 +68,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
 
 
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
-    """File and full name of the messages that may be meant, the likeliest first: the one with the largest oneof."""
+    """Yield file and full name of possible envelopes, beginning with the message that has the largest oneof."""
     found = []
     for path, file in files.items():
         for message in file.messages:
@@ -80,42 +80,47 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
 
 
 def _size_of_oneof(message: ProtoMessage) -> int:
-    """How many messages its largest oneof holds."""
+    """Return the number of messages in the message's largest oneof."""
     held = [field.oneof for field in message.fields if field.oneof and field.type not in _SCALARS]
     return max(Counter(held).values(), default=0)
 
 
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
     if file and file not in files:
-        return NO_SUCH_ENVELOPE.at(Span(shown_root), f"has no file {file}", f"there are {', '.join(sorted(files))}")
+        return NO_SUCH_ENVELOPE.at(
+            Span(shown_root), f"the folder contains no file {file}", f"known files: {', '.join(sorted(files))}"
+        )
     known = sorted({one.full_name for name in files for one in files[name].messages if one.oneofs})
-    what = f"declares no message {message}" if message else "declares no message with a oneof"
-    help = f"messages with a oneof are {', '.join(known)}" if known else "the envelope is a message with a oneof"
-    return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), what, help)
+    fault = f"no message {message} is declared" if message else "no message with a oneof is declared"
+    help = f"messages with a oneof: {', '.join(known)}" if known else "the envelope is a message with a oneof"
+    return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
 
 def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
-    """The oneof of the payloads: the largest, unless it is named."""
+    """Return the oneof of the payloads: the named one, or else the one with the most messages."""
     counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
     found = wanted or next((name for name, _ in counted.most_common(1)), "")
     if not counted[found]:
-        message = f"{envelope.full_name} has no oneof {wanted}".rstrip() + " that holds messages"
+        message = f"{envelope.full_name} has no oneof {wanted}".rstrip() + " that contains messages"
         raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
     return found
 
 
-# --- what compiles together -------------------------------------------------------------------------------------
+# --- files that compile together --------------------------------------------------------------------------------
 
 
 def _compiled_together(
     root: Path, files: Mapping[str, File], envelope: str, shown_root: str
 ) -> tuple[Schema, dict[str, str]]:
-    """The schema of the files that compile with the envelope's, and why the others do not.
+    """Return the schema of the files that compile with the envelope's, and the reasons why the others do not.
 
-    Raises `DiagnosticsError` where the envelope, or what it imports, does not.
+    Raises `DiagnosticsError` if the envelope or one of its imports does not compile.
     """
     needed = _closure(envelope, files)
-    kept = [*needed, *(file for file in files if file not in needed)]  # a later file of two is the one at fault
+    kept = [
+        *needed,
+        *(file for file in files if file not in needed),
+    ]  # if two files declare the same name, protoc reports the later one
     exclude: dict[str, str] = {}
     while True:
         try:
@@ -129,7 +134,7 @@ def _compiled_together(
 
 
 def _closure(file: str, files: Mapping[str, File]) -> list[str]:
-    """A file and what it imports, each after what it needs."""
+    """Return a file and its imports; each file stands after its own imports."""
     found: list[str] = []
 
     def add(one: str) -> None:
@@ -147,26 +152,27 @@ def _closure(file: str, files: Mapping[str, File]) -> list[str]:
 def _faults(
     error: DiagnosticsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
 ) -> dict[str, str]:
-    """The files that protoc finds fault with; or those that import one that was left out."""
+    """Return the files in which protoc reports errors; if there are none, the files that import an excluded one."""
     said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
     faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
     if faults:
         return faults
     return {
-        file: f"imports {one.path}, which is left out"
+        file: f"imports {one.path}, which is excluded"
         for file in kept
         for one in files[file].imports
         if one.path in exclude
     }
 
 
-# --- whose file the envelope is ---------------------------------------------------------------------------------
+# --- owner of the envelope's file -------------------------------------------------------------------------------
 
 
 def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], foreign: str) -> tuple[str, str]:
-    """Who owns the envelope's file, and why: ``mapping`` only where writing it from the table loses nothing.
+    """Return the owner of the envelope's file, and the reason.
 
-    ``reserved`` are numbers that the table will reserve; ``foreign`` says why the folder is another's, if it is.
+    The owner is ``mapping`` only if nothing is lost when the file is written from the table. ``reserved`` are the
+    numbers that the table will reserve. ``foreign`` is the reason why the folder belongs to another project, or empty.
     """
     envelope, file = tree.envelope, tree.files[tree.envelope.file]
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
@@ -175,17 +181,17 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
     reasons = {
         foreign: bool(foreign),
         f"it has members outside the oneof ({', '.join(beside)})": bool(beside),
-        f"its oneof holds what is no message ({', '.join(tree.scalars)})": bool(tree.scalars),
+        f"its oneof has members that are not messages ({', '.join(tree.scalars)})": bool(tree.scalars),
         "its file declares more than the envelope": len([*file.messages, *file.enums]) > 1,
-        "it reserves numbers that nothing else knows": bool(
+        "it reserves numbers that the table does not know": bool(
             numbers - set(reserved) or set(envelope.reserved_names) - set(reserved_names)
         ),
-        "a comment in it keeps a number": any(one.claims for one in declared),
+        "a comment in it claims a number": any(one.claims for one in declared),
         "it has options": bool(envelope.options or tree.schema.file_options.get(envelope.file)),
         "it can be extended": envelope.extendable,
         "it is not written in proto3": file.syntax != "proto3",
     }
     why = next((reason for reason, holds in reasons.items() if holds), "")
     if why:
-        return "proto", f"generate only checks the file, since {why}"
-    return "mapping", "generate writes the file from the rows: it holds the oneof and nothing else"
+        return "proto", f"generate only checks the file, because {why}"
+    return "mapping", "generate writes the file from the rows, because it contains only the oneof"

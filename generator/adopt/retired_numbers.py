@@ -1,4 +1,4 @@
-"""What git's history says of the envelope's numbers: those that were used, and are free today, are retired."""
+"""Retired numbers from git's history: numbers of the envelope that were used before and are free now."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _TYPE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 
 @dataclass(frozen=True, slots=True)
 class AdoptedPast:
-    """What was found."""
+    """Past of the envelope's numbers."""
 
     retired: list[DraftRetired]
     commits: int
-    """How many were read; 0 where there is no repository."""
+    """Number of commits that were read; 0 if there is no repository."""
     reused: list[int]
-    """Numbers of today that stood for something else before."""
+    """Current numbers that had another meaning before."""
 
 
 def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[int, int], None] | None) -> AdoptedPast:
-    """The past of a tree; none where it is in no repository."""
+    """Read the past of a tree; it is empty if the tree is not in a git repository."""
     try:
         history = read_history(root, report)
     except GitError:
@@ -39,7 +39,7 @@ def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[in
     taken |= {distinct(tree.oneof): "the oneof is"}
     retired = []
     for number, of_number in sorted(usages.items()):
-        # What another branch has today is not over; `roverlink next-number` knows it.
+        # A number that another branch uses today is not retired; `roverlink next-number` takes it into account.
         if number not in today and not any(usage.live_at for usage in of_number):
             retired.append(_retired(number, of_number, taken))
     reused = {one.number for one in history.reuses(tree.envelope.full_name) if one.real}

@@ -1,4 +1,4 @@
-"""The words by which people say who a message is from, and whether it asks or tells."""
+"""Words in names and comments that tell the sender of a message, and commands from reports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COMMANDS = _listed(
     "action calibrate cmd cmds command commands config configuration control controls ctrl desired drive enable goal "
     "mode move request reset select selection set setpoint setpoints settings start stop target targets trigger"
 )
-"""What asks a machine to do something."""
+"""Words for commands to a machine."""
 
 REPORTS = _listed(
     "ack actual alarm battery data detected diag diagnostic diagnostics encoder encoders error errors event feedback "
@@ -21,28 +21,28 @@ REPORTS = _listed(
     "pressure progress reading readings report response result results sensor state states status telemetry "
     "temperature voltage"
 )
-"""What tells of a machine, or of what it saw."""
+"""Words for reports from a machine."""
 
 OPERATORS = _listed(
     "app base basestation client cockpit console dashboard gcs ground groundstation gui joystick laptop operator "
     "remote station ui"
 )
-"""Machines with a person in front of them: they send commands, and are told the rest."""
+"""Machines that a person operates: they send commands and receive reports."""
 
 ROLES = frozenset({"board", "controller", "driver", "mcu", "module", "unit", *OPERATORS})
-"""What the last word of a machine's name often is."""
+"""Words with which a machine's name often ends."""
 
-OURSELVES = _listed("autonomy computer jetson nuc pc pi robot ros ros2 rover")
-"""The machine that runs ROS 2."""
+ROS_MACHINES = _listed("autonomy computer jetson nuc pc pi robot ros ros2 rover")
+"""Names of the machine that runs ROS 2."""
 
 GENERIC_FOLDERS = _listed("common components lib messages msg msgs proto protobuf protobufs protos shared src")
-"""Folders that are no machine's."""
+"""Names of folders that do not belong to one machine."""
 
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
 
 
 def words(name: str) -> list[str]:
-    """The words of a name in CamelCase or with underscores, in lower case.
+    """Split a name in CamelCase or with underscores into lower-case words.
 
     >>> words("SensorBoardPHInfo")
     ['sensor', 'board', 'ph', 'info']
@@ -51,5 +51,5 @@ def words(name: str) -> list[str]:
 
 
 def camel_prefix(name: str, count: int) -> str:
-    """The first words of a name in CamelCase, as it spells them."""
+    """Return the first words of a CamelCase name, spelt as in the name."""
     return "".join(_WORD.findall(name)[:count])

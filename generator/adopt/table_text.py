@@ -1,4 +1,4 @@
-"""A draft as the text of mapping.yaml, with the reasons as comments."""
+"""Text of mapping.yaml for a draft, with the reasons as comments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _WIDTH = 110
 
 
 def text_of(draft: Draft) -> str:
-    """The file."""
+    """Return the text of the file."""
     parts = [_head(draft), _peers(draft), _messages(draft), _retired(draft), _lint(draft)]
     return "\n".join("\n".join(part) + "\n" for part in map(list, parts) if part)
 
@@ -19,9 +19,9 @@ def text_of(draft: Draft) -> str:
 def _head(draft: Draft) -> Iterator[str]:
     yield "# yaml-language-server: $schema=generated/mapping.schema.json"
     yield "#"
-    yield "# What travels under which number, between which peer and which topic: one row a message."
-    yield "# Drafted by `roverlink init`: look at what is marked `guessed`, and take the mark away."
-    yield "# After a change: `roverlink generate`. A number is permanent; a payload that goes moves to `retired`."
+    yield "# One row for each message: its number, its topic, its peer and its direction."
+    yield "# Drafted by `roverlink init`. Check the entries marked `guessed`, then remove the mark."
+    yield "# After a change, run `roverlink generate`. Never change a number; move a removed message to `retired`."
     yield ""
     yield "version: 1"
     yield ""
@@ -43,7 +43,7 @@ def _head(draft: Draft) -> Iterator[str]:
 
 
 def _peers(draft: Draft) -> Iterator[str]:
-    yield "# Each listens on a port of its own, at the address in the node's parameter dst_ip."
+    yield "# Each peer listens on its own UDP port, at the address in the node's parameter dst_ip."
     yield "peers:"
     for index, peer in enumerate(sorted(draft.peers, key=lambda peer: peer.name)):
         prefixes = f"prefixes: [{', '.join(map(scalar, peer.prefixes))}], " if peer.prefixes else ""
@@ -79,7 +79,7 @@ def _row(row: DraftRow) -> Iterator[str]:
 
 def _retired(draft: Draft) -> Iterator[str]:
     if draft.retired:
-        yield "# Used in the past, as git's history shows."
+        yield "# Numbers that were used before, by git's history."
         yield "retired:"
         for row in draft.retired:
             entry = f"  - {{number: {row.number}, name: {scalar(row.name)}, proto: {scalar(row.proto)}}}"
@@ -90,7 +90,7 @@ def _retired(draft: Draft) -> Iterator[str]:
 
 def _lint(draft: Draft) -> Iterator[str]:
     if draft.lint:
-        yield "# What was found when the tree was taken over. A line that is removed makes its findings count again."
+        yield "# Rules that the tree broke when it was taken over. Remove a line to get its diagnostics back."
         yield "lint:"
         yield from _lowered(draft.lint, "  ")
 
@@ -101,7 +101,7 @@ def _lowered(rules: Mapping[str, str], margin: str) -> Iterator[str]:
 
 
 def _commented(line: str, comment: str) -> list[str]:
-    """A line with a comment behind it; where that gets too long, before it."""
+    """Return a line with a comment after it, or before it if the line would be too long."""
     if not comment:
         return [line]
     comment = " ".join(comment.split())

@@ -1,1 +1,1 @@
-"""The IR, written as files."""
+"""Emission of the IR as files."""

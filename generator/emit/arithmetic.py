@@ -1,6 +1,6 @@
-"""How code spells a scaling, there and back: ``payload.pressure_kpa * 1000.0``, ``message.x / DEG_TO_RAD``.
+"""Spelling of scalings in code, in both directions: ``payload.pressure_kpa * 1000.0``, ``message.x / DEG_TO_RAD``.
 
-The operators are the same in most languages; how they write numbers and constants, a `Dialect` says.
+Operators are the same in most languages; a `Dialect` has a language's numbers and constants.
 """
 
 from __future__ import annotations
@@ -12,23 +12,23 @@ from fractions import Fraction
 from roverlink.generator.ir.interfaces import Scaling
 
 _EXACT = 2**53
-"""Up to here a float holds every whole number."""
+"""Largest power of two up to which a double represents every integer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """How a language writes numbers and constants."""
+    """Spelling of numbers and constants in a language."""
 
     separator: str
-    """Between groups of three digits."""
+    """Separator between groups of three digits."""
     pi: str
     power: str
-    """A power, as a format with the places ``base`` and ``exponent``."""
+    """Format of a power, with the places ``base`` and ``exponent``."""
     constant: str
-    """The name of a constant, as a format with the place ``name``."""
+    """Format of a constant's name, with the place ``name``."""
 
     def number(self, value: Fraction, *, whole: bool) -> str:
-        """A number as a literal: of a whole number, or of the float that it is, or is nearest to.
+        """Return a literal: of an integer if `whole`, else of the nearest float.
 
         >>> Dialect("_", "math.pi", "{base}**{exponent}", "_{name}").number(Fraction(1_000_000), whole=False)
         '1_000_000.0'
@@ -39,24 +39,24 @@ class Dialect:
 
 
 class Arithmetic:
-    """Spells scalings, and keeps the constants that they need."""
+    """Speller of scalings. It collects the constants that they need."""
 
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
         self.constants: dict[str, str] = {}
-        """Their names and what they are."""
+        """Names and values of the constants."""
 
-    def forth(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """The scaled number; ``whole`` where it stays among whole numbers."""
+    def scaled(self, text: str, scaling: Scaling, *, whole: bool) -> str:
+        """Return the expression of the scaled number; `whole` if all numbers are integers."""
         if scaling.pi:
-            return f"{self._turned(text, scaling)} * {self._constant(scaling)}"
+            return f"{self._pi_operand(text, scaling)} * {self._constant(scaling)}"
         if _shifted_first(scaling):
             shifted = self._plus(text, scaling.offset / scaling.factor, whole=whole)
             return self._times(f"({shifted})", scaling.factor, whole=whole)
         return self._plus(self._times(text, scaling.factor, whole=whole), scaling.offset, whole=whole)
 
     def back(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """The number that was scaled."""
+        """Return the expression that recovers the number from the scaled one."""
         if scaling.pi:
             size = abs(scaling.factor)
             shifted = self._plus(f"{text} / {self._constant(scaling)}", -scaling.offset / size, whole=False)
@@ -70,7 +70,10 @@ class Arithmetic:
         return self._by(inner, scaling.factor, whole=whole)
 
     def _times(self, text: str, factor: Fraction, *, whole: bool) -> str:
-        """A product, by the operation that rounds least: ``x / 1.8`` for five ninths, ``-x / 1000.0``."""
+        """Return a product with the operation that rounds least: ``x / 1.8`` for 5/9, ``-x / 1000.0`` for -1/1000.
+
+        1.8 has few digits, whereas 0.5555... would be rounded.
+        """
         number = self._dialect.number
         size = abs(factor)
         text = f"-{text}" if factor < 0 else text
@@ -86,7 +89,7 @@ class Arithmetic:
         return f"{text} * {number(above, whole=False)} / {number(below, whole=False)}"
 
     def _by(self, text: str, factor: Fraction, *, whole: bool) -> str:
-        """A quotient, which undoes what `_times` does."""
+        """Return a quotient, the inverse of `_times`."""
         if _is_decimal(factor) and abs(factor).numerator != 1:
             text = f"-{text}" if factor < 0 else text
             return text if abs(factor) == 1 else f"{text} / {self._dialect.number(abs(factor), whole=False)}"
@@ -97,14 +100,14 @@ class Arithmetic:
             return text
         return f"{text} {'-' if offset < 0 else '+'} {self._dialect.number(abs(offset), whole=whole)}"
 
-    def _turned(self, text: str, scaling: Scaling) -> str:
-        """What the constant is multiplied by: the number with its sign and its offset."""
+    def _pi_operand(self, text: str, scaling: Scaling) -> str:
+        """Return the operand of the constant: the number with its sign and offset."""
         size = abs(scaling.factor)
         signed = f"-{text}" if scaling.factor < 0 else text
         return f"({self._plus(signed, scaling.offset / size, whole=False)})" if scaling.offset else signed
 
     def _constant(self, scaling: Scaling) -> str:
-        """A constant's name for a factor with pi in it."""
+        """Return the name of the constant for a factor with pi."""
         size, pi = abs(scaling.factor), self._dialect.pi
         power = pi if abs(scaling.pi) == 1 else self._dialect.power.format(base=pi, exponent=abs(scaling.pi))
         if scaling.pi > 0:
@@ -120,7 +123,7 @@ class Arithmetic:
 
 
 def _is_decimal(value: Fraction) -> bool:
-    """Whether a number has few digits behind its point."""
+    """Return True if a number has finitely many decimal digits."""
     bottom = value.denominator
     for prime in (2, 5):
         while bottom % prime == 0:
@@ -129,7 +132,7 @@ def _is_decimal(value: Fraction) -> bool:
 
 
 def _shifted_first(scaling: Scaling) -> bool:
-    """Whether the offset has fewer digits before the scaling than after it, as in (F - 32) / 1.8."""
+    """Return True if the offset is shorter before the scaling than after it, as in (F - 32) / 1.8."""
     return not _is_decimal(scaling.offset) and _is_decimal(scaling.offset / scaling.factor)
 
 
@@ -138,5 +141,5 @@ def _negated(text: str) -> str:
 
 
 def _word(unit: str) -> str:
-    """A unit as part of a constant's name."""
+    """Return a unit as a part of a constant's name."""
     return re.sub(r"\W+", "_", unit.replace("/", "_PER_").replace("%", "PERCENT")).strip("_").upper() or "1"

@@ -1,4 +1,4 @@
-"""The phase between the IR and the disk: every file that a table compiles to, as path and text."""
+"""Emission phase: every file that a table compiles to, as path and text."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from roverlink.generator.emit.render import Files
 from roverlink.generator.table import Table
 
 FOLDER = "generated"
-"""The folder of what is generated, as targets name it; `placed` tells where it is."""
+"""Folder of generated files as targets name it; `placed` returns the real path."""
 
 
 def placed(path: str, bridge: ir.Bridge) -> str:
-    """Return where a target's file goes: from ``generated/`` to the folder of the project's Python package."""
+    """Return a file's path, with ``generated/`` replaced by the folder of the project's Python package."""
     return f"{bridge.folder}{path.removeprefix(FOLDER)}" if path.startswith(f"{FOLDER}/") else path
 
 
 def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path) -> dict[str, str]:
-    """Every file that a table compiles to: its path, relative to the table, and its text.
+    """Return every file that a table compiles to: its text by its path, relative to the table.
 
-    ``published`` is what the ledger had before; ``project`` is the folder from which those of templates are named.
-    Raises `DiagnosticsError` with everything that is wrong with targets and templates.
+    ``published`` is the ledger from before. ``project`` is the folder to which template folders are relative. Raises
+    `DiagnosticsError` with all mistakes in targets and templates.
     """
     collected = _Collected()
     collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_schema.FILE}", mapping_schema.text())])
@@ -46,7 +46,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
 
 
 class _Collected:
-    """Files, each with the place in the table that asks for it, and what is wrong with them."""
+    """Collector of files, with the places in the table that ask for them, and of diagnostics."""
 
     def __init__(self) -> None:
         self._files: dict[str, str] = {}
@@ -54,19 +54,19 @@ class _Collected:
         self._findings: list[Diagnostic] = []
 
     def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
-        """Add what is asked for at a place; two must not make one file."""
+        """Add the files of a target or template folder; report a file that another one already writes."""
         try:
             for path, text in files:
                 if path in self._files:
                     also = [(self._asked[path], "first here")]
-                    self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is made twice", also=also))
+                    self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is written twice", also=also))
                 self._files[path] = text
                 self._asked[path] = span
         except DiagnosticsError as error:
             self._findings += error.findings
 
     def files(self) -> dict[str, str]:
-        """The files in the order of their paths. Raises `DiagnosticsError` where anything is wrong."""
+        """Return the files, sorted by path. Raises `DiagnosticsError` if there were mistakes."""
         if self._findings:
             raise DiagnosticsError(self._findings)
         return dict(sorted(self._files.items()))
@@ -79,23 +79,23 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
         yield from _below_folder(_of_installed(found, bridge, span), span)
     else:
         known = targets.names()
-        help = nearest(name, known, f"there are {', '.join(known)}")
-        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"there is no target {name!r}", help)])
+        help = nearest(name, known, f"known targets: {', '.join(known)}")
+        raise DiagnosticsError([UNKNOWN_TARGET.at(span, f"unknown target {name!r}", help)])
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
-    """What another package's target makes; whatever goes wrong in it is told as its fault."""
+    """Yield the files of a target from another package; every error in it is reported as that target's failure."""
     try:
         for path, text in found.load()(bridge):
             yield str(path), str(text)
-    except Exception as error:  # another's code: any error of its is its author's to mend
+    except Exception as error:  # code of another package may raise anything
         package = found.dist.name if found.dist else found.value
         message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
         raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
 
 
 def _formatted(files: Files) -> Files:
-    """Format the Python of a target; protoc's modules stay as protoc wrote them."""
+    """Format a target's Python files; protoc's modules stay as protoc wrote them."""
     texts = dict(files)
     ours = {path: text for path, text in texts.items() if path.endswith(".py") and "/pb2/" not in path}
     yield from (texts | format_python(ours)).items()
@@ -106,19 +106,22 @@ def _placed(files: Files, bridge: ir.Bridge) -> Files:
 
 
 def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:
-    """Files of others', which must stay in the folder of what is generated."""
+    """Yield files of foreign targets and templates; raise if one is outside the folder of generated files."""
     for path, text in files:
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
-            message = f"would write {path!r}, which is not below {FOLDER}/"
+            message = f"cannot write {path!r}: it is not below {FOLDER}/"
             raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield str(pure), text
 
 
 def _inside(project: Path, files: Files, span: Span) -> Files:
-    """Files of users' templates, which no link may lead out of the project: their text can be anything."""
+    """Yield files of users' templates; raise if a link leads a file out of the project.
+
+    Users' templates can contain any text, so they must not write outside.
+    """
     for path, text in files:
         if not (project / path).parent.resolve().is_relative_to(project.resolve()):
-            message = f"{path} would be written outside the project: a link leads out of it"
+            message = f"cannot write {path}: a link leads outside the project"
             raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield path, text

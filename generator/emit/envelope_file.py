@@ -1,4 +1,4 @@
-"""envelope.proto, where the table owns it."""
+"""Text of envelope.proto, if the table owns it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from roverlink.generator.emit.render import header, render
 
 
 def text(envelope: ir.Envelope, table: str) -> str:
-    """The envelope's .proto file: its imports, its oneof, and what is reserved."""
+    """Return the envelope's .proto file: its imports, its oneof, and its reserved numbers and names."""
     package, _, message = envelope.message.rpartition(".")
     return render(
         "envelope.proto.j2",
         header=header(table, "//"),
         package=package,
+        # protoc looks a name up from the innermost scope outwards; a leading dot makes it start at the outermost.
         outermost="." if package else "",
         message=message,
         oneof=envelope.oneof,

@@ -1,4 +1,4 @@
-"""The names of extra topics in generated code."""
+"""Names of extra topics in generated code."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from roverlink.generator.ir import StandardTopic, ros_names
 
 @dataclass(frozen=True, slots=True)
 class NamedExtraTopic:
-    """An extra topic of a row, with its names."""
+    """Extra topic of a row, with its names."""
 
     route: ir.Route
-    """The row, with the topic and the quality of service of the extra topic, and without the settings of its own."""
+    """Row with the extra topic's name and QoS, and without the settings that only the row's own topic has."""
     standard: StandardTopic
     file: str
-    """The name of its module, without a suffix: ``imu_data_raw``."""
+    """Name of the module, without a suffix: ``imu_data_raw``."""
     name: str
-    """The name of its class: ``ImuDataRawTopic``."""
+    """Name of the class: ``ImuDataRawTopic``."""
 
 
 def named_extra_topics(bridge: ir.Bridge) -> list[NamedExtraTopic]:
-    """Return every extra topic, named after the topic; an underscore tells apart what would have one name."""
+    """Return every extra topic. Names come from the topics; an underscore is added to a name that is taken."""
     found: list[NamedExtraTopic] = []
     names: set[str] = set()
     files: set[str] = set()

@@ -1,4 +1,4 @@
-"""Words for what fills a standard message, field by field."""
+"""Description in words of the sources of a standard message's fields."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from roverlink.generator.ir.interfaces import (
 
 
 def fields(standard: StandardTopic) -> list[tuple[str, str]]:
-    """Return each field that something fills, and the words for it."""
+    """Return the name and the description of each filled field."""
     return list(_rows(standard.fields, ()))
 
 
@@ -45,13 +45,13 @@ def _words(value: Expression) -> str:
         return "roll {}, pitch {}, yaw {}".format(*(_words(part) for part in (value.roll, value.pitch, value.yaw)))
     if isinstance(value, Moment):
         if value.source is None:
-            return "when it was received"
+            return "time of reception"
         return f"`{value.source.dotted}`, each {value.nanoseconds} ns"
     return _constant(value) if isinstance(value, Constant) else ""
 
 
 def _taken(value: Taken) -> str:
-    default = f"; {value.default} where it is absent" if value.default is not None else ""
+    default = f"; {value.default} if it is absent" if value.default is not None else ""
     return f"`{value.source.dotted}`{_scaled(value.scaling)}{default}"
 
 

@@ -1,4 +1,4 @@
-"""The JSON Schema of mapping.yaml, by which editors complete and check it."""
+"""JSON Schema of mapping.yaml. Editors complete and check the table with it."""
 
 from __future__ import annotations
 
@@ -26,12 +26,13 @@ from roverlink.generator.table.value_types import (
 
 FILE = "mapping.schema.json"
 
+# YAML 1.1, and so PyYAML, needs a dot in a float: 1.0e-7 is a number, 1e-7 a string.
 _POWER_OF_TEN = r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"
-"""A number such as 1e-7, which YAML 1.1 reads as a text."""
+"""Pattern of a number such as 1e-7, which YAML 1.1 reads as a text."""
 
 
 def text() -> str:
-    """Return the text of the schema's file; it says what any table may hold, whatever this one does."""
+    """Return the text of the schema's file; it is the same for every table."""
     return json.dumps({"$comment": REGENERATE, **json_schema()}, indent=2) + "\n"
 
 
@@ -48,7 +49,7 @@ def json_schema() -> dict[str, Any]:
 
 
 class _Schemas:
-    """Spells types, and collects the definitions of those that have a name."""
+    """Speller of types. It collects the definitions of named types."""
 
     def __init__(self, definitions: dict[str, Any]) -> None:
         self._definitions = definitions
@@ -57,7 +58,7 @@ class _Schemas:
         """Return the schema of a type."""
         if isinstance(type, Named):
             if type.name not in self._definitions:
-                self._definitions[type.name] = {}  # it holds itself
+                self._definitions[type.name] = {}  # ends the recursion: the type contains itself
                 self._definitions[type.name] = self.of(type.definition())
             return {"$ref": f"#/$defs/{type.name}"}
         if isinstance(type, AnyOf):
@@ -96,7 +97,8 @@ def _description(key: Key) -> str:
 
 
 def _default(key: Key) -> dict[str, Any]:
-    """Return the default of a key that has one which the file can say."""
+    """Return the default of a key, if YAML can write it as a scalar."""
+    # A duration is a number here, but a text such as 500ms in the file.
     if key.meaning.default or not isinstance(key.default, (str, bool, int)) or isinstance(key.type, Duration):
         return {}
     return {"default": key.default}

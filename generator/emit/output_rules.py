@@ -1,4 +1,4 @@
-"""The rules of the phases that make files and write them."""
+"""Rules of the phases that make files and write them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ CANNOT_WRITE = Rule(
     "cannot-write",
     """A generated file cannot be written or compared.
 
-A folder stands in its place, or the file system does not allow it. Files that were written before stay as they are.
+A folder has the file's name, or the file system does not allow the access. Files that were written before are kept.
 
 Bad::
 
-    generated/registry.py: fatal[OUT101] cannot be written: Permission denied
+    generated/registry.py: fatal[OUT101] cannot write the file: Permission denied
 
 Good::
 
@@ -42,10 +42,10 @@ Good::
 TARGET_FAILED = Rule(
     "OUT103",
     "target-failed",
-    """A target that another package provides failed.
+    """A target from another package failed.
 
-The message is that package's own. The mistake is in the target, mostly an assumption about the table that does not
-hold.
+The message comes from that package. The mistake is in the target; usually the target assumes something that is not true
+for this table.
 
 Bad::
 
@@ -60,9 +60,9 @@ Good::
 FORBIDDEN_PATH = Rule(
     "OUT104",
     "forbidden-path",
-    """Two targets or templates make the same file, or one would write outside `generated/`.
+    """Two targets or templates write the same file, or one would write outside `generated/`.
 
-One file would replace the other, or a file that somebody wrote by hand.
+One file would replace the other, or a hand-written file.
 
 Bad::
 
@@ -107,9 +107,9 @@ TEMPLATE_FAILED = Rule(
     "template-failed",
     """A template cannot be parsed or rendered.
 
-It has a syntax error, or it uses an attribute that the bridge does not have. A misspelt attribute must not become an
-empty text in a generated file. Templates run in Jinja's sandbox, with limits on time, memory and output; what the
-sandbox forbids or a limit ends is reported here as well.
+The template has a syntax error, or it uses an attribute that does not exist. (A misspelt attribute must not become an
+empty text in a generated file.) Templates run in Jinja's sandbox with limits on time, memory and output; forbidden
+operations and exceeded limits are also reported here.
 
 Bad::
 
@@ -132,8 +132,8 @@ FOREIGN_TEMPLATE = Rule(
     "foreign-template",
     """A template is not a file of its folder, or the folder is not in the project.
 
-A link can lead to any file of the machine, and the text of that file would end up in a generated one. Templates come
-with pull requests, so links out of the folder are refused, and so are links to hidden files such as `.git/config`.
+A link can lead to any file of the computer, whose text would then be in a generated file. Templates also come with pull
+requests from strangers. Links out of the folder are therefore refused, and links to hidden files such as `.git/config`.
 
 Bad::
 

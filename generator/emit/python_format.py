@@ -1,8 +1,8 @@
-"""Formatting of generated Python with black, which formats only texts that it has not formatted before.
+"""Formatting of generated Python with black, restricted to texts that have changed.
 
-black takes longer than the rest of a run, so its results are kept between runs in the user's cache folder, by the
-checksum of the unformatted text. The file can be deleted at any time; without it, or where it is damaged or cannot be
-written, everything is formatted again.
+black takes longer than the rest of a run. Its results are therefore kept between runs in the user's cache folder, by
+the checksum of the unformatted text and black's version. The cache can be deleted at any time; if it is missing,
+damaged or read-only, all texts are formatted again.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from multiprocessing import get_context
 from roverlink.generator.user_cache import cache_folder
 
 _LARGEST = 256 * 2**20  # bytes of the cache; a table of 1,000 rows takes 10 MB
-_WORTH_PROCESSES = 300  # texts; a new process takes as long to start as to format fifty
-_AT_ONCE = 20  # texts that a process gets at once
+_LEAST_FOR_PROCESSES = 300  # texts; a new process takes as long to start as to format fifty
+_TEXTS_PER_TASK = 20  # texts that a process gets at once
 _NO_CACHE = (OSError, sqlite3.Error)
 
 
 def format_python(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the modules as black lays them out in 88 columns, by their paths."""
+    """Return the modules by path, formatted by black with its default of 88 columns."""
     salt = version("black").encode()
     keys = {path: hashlib.sha256(salt + text.encode()).hexdigest() for path, text in texts.items()}
     with contextlib.ExitStack() as stack:
@@ -40,11 +40,11 @@ def format_python(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _format_all(texts: Mapping[str, str]) -> dict[str, str]:
-    if len(texts) < _WORTH_PROCESSES:
+    if len(texts) < _LEAST_FOR_PROCESSES:
         return {key: _format(text) for key, text in texts.items()}
     longest_first = sorted(texts, key=lambda key: len(texts[key]), reverse=True)  # so that all processes end together
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as workers:
-        made = workers.map(_format, [texts[key] for key in longest_first], chunksize=_AT_ONCE)
+        made = workers.map(_format, [texts[key] for key in longest_first], chunksize=_TEXTS_PER_TASK)
         return dict(zip(longest_first, made))
 
 
@@ -66,7 +66,7 @@ def _open_cache() -> Iterator[sqlite3.Connection]:
         path.unlink()
     with contextlib.closing(sqlite3.connect(path)) as connection:
         try:
-            connection.execute("PRAGMA synchronous = OFF")  # what a power cut damages is formatted again
+            connection.execute("PRAGMA synchronous = OFF")  # faster; a cache damaged by a power cut is deleted below
             connection.execute("CREATE TABLE IF NOT EXISTS formatted (key TEXT PRIMARY KEY, text TEXT) WITHOUT ROWID")
         except sqlite3.OperationalError:  # read-only, or locked by a slow process
             raise

@@ -1,4 +1,4 @@
-"""The templates, and the header that every generated file starts with."""
+"""Templates, and the header of every generated file."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 Files = Iterator[tuple[str, str]]
-"""What a target makes: the path of each file, relative to the table, and its text."""
+"""Output of a target: each file's path, relative to the table, and its text."""
 
 REGENERATE = "Regenerate with: roverlink generate"
 
 
 def shipped(folder: str) -> Path:
-    """Return a folder that is installed together with the generator: ``templates`` or ``cpp``."""
+    """Return a folder that is installed with the generator: ``templates`` or ``cpp``."""
     return Path(__file__).parents[2] / folder
 
 
+# trim_blocks and lstrip_blocks: a line with only a block tag leaves no empty line in the output. keep_trailing_newline:
+# Jinja drops the last newline by default, but files must end with one.
 SETTINGS: dict[str, Any] = {
     "trim_blocks": True,
     "lstrip_blocks": True,
@@ -27,19 +29,19 @@ SETTINGS: dict[str, Any] = {
     "undefined": StrictUndefined,
     "autoescape": False,
 }
-"""Jinja's settings for our templates and for those of users: a name that is not there is an error."""
+"""Settings of Jinja for shipped and users' templates. An undefined name is an error, not an empty text."""
 
 
 @cache
 def environment() -> Environment:
-    """Return Jinja for the templates that are installed together with the generator."""
+    """Return the Jinja environment of the shipped templates."""
     own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
     own.filters |= {"docstring": _docstring, "literal": repr}
     return own
 
 
 def render(template: str, **view: Any) -> str:
-    """Return the text of a template."""
+    """Return the rendered text of a template."""
     return environment().get_template(template).render(view)
 
 
@@ -57,5 +59,5 @@ def _docstring(text: str) -> str:
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:
-    """The two lines that say where a file comes from, as comments of its language."""
+    """Return the two comment lines that open a generated file and name its origin."""
     return "\n".join(f"{open} {line}{close}" for line in (f"Generated from {origin}; do not edit.", f"{REGENERATE}"))

@@ -1,9 +1,9 @@
-"""The process in which users' templates are rendered: jinja's sandbox, with limits on time, memory and output.
+"""Process that renders users' templates: Jinja's sandbox, with limits on time, memory and output.
 
-A pull request can bring a template, and CI renders it. The sandbox refuses everything that leads from the bridge to
-Python's internals. It has no limits: a loop that never ends, or a text that doubles 40 times, is stopped by the limits
-of the process. `user_templates` starts the process with a pickled `Request`; the process answers with JSON lines, so
-that nothing it writes can run code in the process that reads them.
+A pull request can bring a template, and CI renders it. The sandbox refuses access from the bridge to Python's
+internals, but it has no limits. The limits of the process stop an endless loop, or a text that doubles 40 times.
+`user_templates` starts the process with a pickled `Request`. The process answers with JSON lines, which cannot run code
+in the reading process as a pickle could.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ from roverlink.generator.emit.render import SETTINGS, header
 from roverlink.generator.ir import ros_names
 
 SUFFIX = ".j2"
-_SPARE_S = 2  # after the time limit: then the system ends the process, if Python could not
-_LARGEST_POWER = 4096  # bits of an integer that `**` may make
+_SPARE_S = 2  # after the time limit, the kernel kills the process if Python did not end it
+_LARGEST_POWER = 4096  # largest result of `**` in bits
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The limits of a folder of templates."""
+    """Limits for rendering a folder of templates."""
 
     seconds: int = 10
-    """Processor time; the other process waits for six times as long."""
+    """Processor time; the starting process waits six times as long."""
     memory: int = 1 << 30
-    """Bytes of address space."""
+    """Address space in bytes."""
     output: int = 64 << 20
     """Characters of all files together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A folder of templates to be rendered."""
+    """Folder of templates to render."""
 
     root: Path
     templates: tuple[str, ...]
-    """Relative to the root."""
+    """Paths relative to the root."""
     bridge: ir.Bridge
     limits: Limits
 
@@ -57,8 +57,8 @@ class Request:
 def main() -> None:
     """Render the request on standard input; write JSON lines to standard output.
 
-    ``["template", name]`` comes before the files of a template, ``["file", path, text]`` is one of them. The last line
-    is ``["failed", file, line, message]`` for the first template that fails, or ``["done"]``.
+    ``["template", name]`` announces a template, and ``["file", path, text]`` is one of its files. The last line is
+    ``["failed", file, line, message]`` for the first template that fails, or ``["done"]``.
     """
     request: Request = pickle.load(sys.stdin.buffer)  # noqa: S301  # written by the process that started this one
     _limit(request.limits)
@@ -67,19 +67,19 @@ def main() -> None:
 
 
 def _limit(limits: Limits) -> None:
-    """Limit this process; on Windows, only the time that the other process waits is limited."""
+    """Limit this process. On Windows, only the waiting time of the starting process is limited."""
     if sys.platform == "win32":
         return
-    import resource  # Windows has none
+    import resource  # the module does not exist on Windows
 
     signal.signal(signal.SIGXCPU, _out_of_time)
     resource.setrlimit(resource.RLIMIT_CPU, (limits.seconds, limits.seconds + _SPARE_S))
-    with contextlib.suppress(ValueError, OSError):  # macOS knows no limit of the address space
+    with contextlib.suppress(ValueError, OSError):  # macOS does not limit the address space
         resource.setrlimit(resource.RLIMIT_AS, (limits.memory, limits.memory))
 
 
 def _out_of_time(*_: object) -> None:
-    raise TimeoutError("it takes too long")
+    raise TimeoutError("the time limit is exceeded")
 
 
 def _answers(request: Request) -> Iterator[list[str | int]]:
@@ -107,7 +107,7 @@ def _environment(root: Path) -> Environment:
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):
-    """Jinja's sandbox; `**` makes no number whose computation could not be interrupted."""
+    """Jinja's sandbox. It refuses large powers, because Python cannot interrupt their computation."""
 
     intercepted_binops = frozenset({"**"})
 
@@ -119,7 +119,7 @@ class _Sandbox(ImmutableSandboxedEnvironment):
 
 
 class _InsideFolder(FileSystemLoader):
-    """Loads templates of one folder, and nothing to which a link leads out of it."""
+    """Loader for the templates of one folder. It refuses links that lead out of it."""
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         root = Path(self.searchpath[0]).resolve()
@@ -129,9 +129,9 @@ class _InsideFolder(FileSystemLoader):
 
 
 def is_inside(path: Path, root: Path) -> bool:
-    """Tell if a path leads, by way of any links, to a template or a visible file below a folder.
+    """Return True if a path leads to a template or a visible file below a folder, after resolving links.
 
-    The folder may be the project itself, and ``.git/config`` may hold a password.
+    Hidden files are refused because the folder may be the project, and ``.git/config`` may contain a password.
     """
     found = path.resolve()
     if not found.is_relative_to(root):
@@ -140,7 +140,7 @@ def is_inside(path: Path, root: Path) -> bool:
 
 
 def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The path and the view of each file that a template makes."""
+    """Yield path and variables of each file that a template produces."""
     if "{route}" in template:
         for route in bridge.routes:
             yield template.replace("{route}", route.name), {"bridge": bridge, "route": route}
@@ -152,29 +152,29 @@ def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[st
 
 
 def _rendered(own: Environment, template: str, view: dict[str, Any], budget: int) -> str:
-    """Render a template. Raises `SecurityError` for a text of more characters than the budget."""
+    """Render a template. Raises `SecurityError` if the text is longer than the budget."""
     parts, length = [], 0
     stream = cast(Generator[str, None, None], own.get_template(template).generate(view))
     for part in stream:
         parts.append(part)
         length += len(part)
         if length > budget:  # raised inside, so that the error has the template's line
-            stream.throw(SecurityError("the templates of the folder make too much text"))
+            stream.throw(SecurityError("the templates of the folder produce too much text"))
     return "".join(parts)
 
 
 def _failure(error: Exception, template: str) -> tuple[str, int, str]:
-    """The template that failed, its line (0 for the whole file), and the reason."""
+    """Return the failed template, its line (0 for the whole file), and the reason."""
     if isinstance(error, TemplateSyntaxError):
-        return error.name or template, error.lineno, f"not a template: {error.message}"
+        return error.name or template, error.lineno, f"cannot parse the template: {error.message}"
     if isinstance(error, UnicodeDecodeError):
-        return template, 0, f"not a template: it is not UTF-8: {error.reason}"
-    reason = "it needs too much memory" if isinstance(error, MemoryError) else error
-    return template, _line(error, template), f"cannot be rendered: {reason}"
+        return template, 0, f"cannot read the template: it is not UTF-8: {error.reason}"
+    reason = "the memory limit is exceeded" if isinstance(error, MemoryError) else error
+    return template, _line(error, template), f"cannot render the template: {reason}"
 
 
 def _line(error: BaseException, template: str) -> int:
-    """The template's line that raised an error; 0 where that is not known. Jinja puts it into the traceback."""
+    """Return the template's line that raised an error; 0 if unknown. Jinja adds the line to the traceback."""
     found, step = 0, error.__traceback__
     while step is not None:
         if step.tb_frame.f_code.co_filename.endswith(f"/{template}"):

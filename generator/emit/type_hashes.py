@@ -1,8 +1,8 @@
-"""Type hashes: by them, ROS 2 from Iron on tells whether two nodes mean the same by the name of a type (REP-2016).
+"""Type hashes of ROS 2 (REP 2016): from Iron on, nodes compare them to know if they have the same message definition.
 
-A hash is SHA-256 over a JSON text that describes the type and every type inside: names and types of the fields in
-their order, and neither comments, constants nor defaults. rosidl computes it when it builds the interface package;
-here, for a bridge that needs no such build.
+A hash is SHA-256 over a JSON text that describes the type and all nested types: names and types of the fields in order,
+without comments, constants and defaults. rosidl computes it when it builds the interface package. It is computed here
+for bridges that run without such a build.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ _TYPES = {
     "bool": 15,
     "string": 17,
 }
-"""The numbers that type_description_interfaces/msg/FieldType gives types."""
+"""Numbers of types in type_description_interfaces/msg/FieldType."""
 _UNBOUNDED_SEQUENCE = 144
-"""What is added to them where a field holds any number of values."""
+"""Offset of these numbers for an unbounded sequence."""
 _EMPTY = ir.RosField("structure_needs_at_least_one_member", ir.RosType("uint8"), "")
-"""What rosidl gives a message without fields, since C has no empty structs."""
+"""Field that rosidl adds to a message without fields, because C has no empty structs."""
 
 
 _SECONDS = (ir.RosField("sec", ir.RosType("int32"), ""), ir.RosField("nanosec", ir.RosType("uint32"), ""))
-_OF_OTHERS = {"builtin_interfaces/msg/Duration": _SECONDS, "builtin_interfaces/msg/Time": _SECONDS}
-"""The messages of other packages that fields can have."""
+_MESSAGES_OF_OTHER_PACKAGES = {"builtin_interfaces/msg/Duration": _SECONDS, "builtin_interfaces/msg/Time": _SECONDS}
+"""Messages of other packages that fields can have."""
 
 
 def type_hashes(bridge: ir.Bridge) -> dict[str, str]:
-    """The hash of each message of the package, by its name."""
+    """Return the hash of each message of the package, by its name."""
     own = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
-    messages = {**_OF_OTHERS, **own}
+    messages = {**_MESSAGES_OF_OTHER_PACKAGES, **own}
     return {
         message.name: _hash(f"{bridge.package}/msg/{message.name}", messages, bridge.package)
         for message in bridge.messages
@@ -73,7 +73,7 @@ def _hash(name: str, messages: _Messages, package: str) -> str:
 
 
 def _description(name: str, messages: _Messages, package: str) -> dict[str, Any]:
-    """A type without those inside; the order of the keys is a part of the standard."""
+    """Describe a type without its nested types; the order of the keys is part of the standard."""
     fields = messages[name] or (_EMPTY,)
     return {"type_name": name, "fields": [{"name": one.name, "type": _type(one.type, package)} for one in fields]}
 

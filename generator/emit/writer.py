@@ -1,4 +1,4 @@
-"""The last phase: the one place that compares with the disk, and the one that writes."""
+"""Last phase: comparison with the disk, and writing. No other module writes generated files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MARK_WITHIN = 400  # bytes; the header is at the top
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A file that is not what it should be. ``before`` or ``after`` is None where there is no file."""
+    """File whose content on disk differs from the wanted one. ``before`` or ``after`` is None if there is no file."""
 
     path: str
     before: str | None
@@ -28,28 +28,28 @@ class Change:
 
     @property
     def verb(self) -> str:
-        """What becomes of the file."""
+        """Kind of the change: "added", "changed" or "removed"."""
         if self.before is None:
             return "added"
         return "removed" if self.after is None else "changed"
 
     def diff(self) -> str:
-        """The change as a unified diff."""
+        """Return the change as a unified diff."""
         before = f"a/{self.path}" if self.before is not None else os.devnull
         after = f"b/{self.path}" if self.after is not None else os.devnull
         return "".join(difflib.unified_diff(_lines(self.before), _lines(self.after), before, after))
 
 
 def _lines(text: str | None) -> list[str]:
-    """The lines of a text as a diff has them."""
+    """Return the lines of a text for a diff, which marks a missing newline at the end."""
     lines = re.findall(r"[^\n]*\n|[^\n]+", text or "")
     return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
 def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> list[Change]:
-    """How the disk differs from the files that should be there, generated files that should not be included.
+    """Return the differences between the disk and the wanted files.
 
-    ``folders`` are those of the project in which generated files are looked for.
+    Generated files that are not wanted any more are removed; they are searched in the project's ``folders``.
     """
     changes = [Change(path, _text(project, path), text) for path, text in files.items()]
     stale = [Change(path, _text(project, path), None) for path in _generated(project, folders) if path not in files]
@@ -59,35 +59,36 @@ def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> 
 
 
 def write(project: Path, changes: Iterable[Change]) -> None:
-    """Make the disk what it should be; each file is replaced as a whole, and none before all could be prepared.
+    """Apply changes to the disk.
 
-    Raises `DiagnosticsError` for a file that cannot be written.
+    Each file is replaced atomically, and only after all texts are written to temporary files. Raises `DiagnosticsError`
+    for a file that cannot be written.
     """
     changes = list(changes)
     with contextlib.ExitStack() as prepared:
         replacements = []
         for change in changes:
             if change.after is not None:
-                with _reporting(change.path, "written"):
+                with _reporting(change.path, "write"):
                     temporary = _prepare(project / change.path, change.after)
                 prepared.callback(temporary.unlink, missing_ok=True)
                 replacements.append((change.path, temporary))
         for path, temporary in replacements:
-            with _reporting(path, "written"):
+            with _reporting(path, "write"):
                 temporary.replace(project / path)
     for change in changes:
         if change.after is None:
-            with _reporting(change.path, "removed"):
+            with _reporting(change.path, "remove"):
                 _remove(project / change.path, project / Path(change.path).parts[0])
 
 
 @contextlib.contextmanager
-def _reporting(path: str, done: str) -> Iterator[None]:
-    """Make a finding of what the operating system refuses."""
+def _reporting(path: str, action: str) -> Iterator[None]:
+    """Convert an error of the operating system to a diagnostic; ``action`` is a verb."""
     try:
         yield
     except OSError as error:
-        raise DiagnosticsError([CANNOT_WRITE.at(Span(path), f"cannot be {done}: {error.strerror}")]) from error
+        raise DiagnosticsError([CANNOT_WRITE.at(Span(path), f"cannot {action} the file: {error.strerror}")]) from error
 
 
 def _text(project: Path, path: str) -> str | None:
@@ -99,7 +100,7 @@ def _text(project: Path, path: str) -> str | None:
 
 
 def _generated(project: Path, folders: Iterable[str]) -> Iterable[str]:
-    """The files that an earlier run generated, known by their header; what users put beside them is not ours."""
+    """Yield the files that an earlier run generated, known by their header. Other files belong to the user."""
     for folder in folders:
         for path in sorted((project / folder).rglob("*")):
             if path.is_file() and path.suffix != ".pyc" and _is_ours(path):
@@ -110,12 +111,12 @@ def _is_ours(path: Path) -> bool:
     try:
         with path.open("rb") as file:
             return REGENERATE.encode() in file.read(_MARK_WITHIN)
-    except PermissionError:  # what we wrote, we can read
+    except PermissionError:  # files that roverlink wrote are readable
         return False
 
 
 def _prepare(path: Path, text: str) -> Path:
-    """The text in a file of its own, beside the one that it is to replace."""
+    """Write the text to a temporary file in the same folder, because replacing across file systems is not atomic."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     temporary = Path(name)
@@ -136,7 +137,7 @@ def _umask() -> int:
 
 
 def _remove(path: Path, stop: Path) -> None:
-    """Remove a file, and the folders that it leaves empty."""
+    """Remove a file, and folders that are empty afterwards."""
     path.unlink()
     for folder in path.parents:
         if folder == stop or any(child.name != "__pycache__" for child in folder.iterdir()):

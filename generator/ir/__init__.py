@@ -1,6 +1,7 @@
-"""The intermediate representation: the bridge between the table and the emitted files.
+"""Intermediate representation (IR): the result of compiling the table, and the input of every template.
 
-`model` holds rows, messages and conversions; `interfaces` the standard messages of ROS 2 and what fills them.
+`model` has routes, messages and conversions; `interfaces` has ROS 2's standard messages and the sources of their
+fields.
 """
 
 from roverlink.generator.ir.model import (

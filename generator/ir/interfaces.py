@@ -1,6 +1,6 @@
-"""The part of the IR that is about messages of ROS 2's common interfaces: their definitions, and what fills them.
+"""IR of ROS 2's standard messages: their definitions, and the expressions that fill their fields.
 
-As in `roverlink.generator.ir.model`, nothing here knows YAML, protobuf, or how any language spells an expression.
+As in `roverlink.generator.ir.model`, nothing here knows YAML, protobuf, or how a language spells an expression.
 """
 
 from __future__ import annotations
@@ -9,37 +9,37 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 Path = tuple[str, ...]
-"""The name of a field, after those of the messages that hold it."""
+"""Names of the enclosing messages' fields, then the field's own name."""
 
 Scalar = bool | int | float | str
 Value = Scalar | tuple[Scalar, ...]
-"""What a field can hold that stands in the table."""
+"""Value of a field, as written in the table."""
 
 
-# --- the definitions --------------------------------------------------------------------------------------------
+# --- definitions ------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class InterfaceType:
-    """A field's type: a primitive, ``string``, or a message by its full name; or many of it."""
+    """Type of a field: a primitive, ``string`` or a message by its full name; or an array or sequence of it."""
 
     name: str
     length: int | None = None
-    """Of an array."""
+    """Length of an array; None if it is not an array."""
     is_sequence: bool = False
     bound: int | None = None
-    """The largest length of a sequence."""
+    """Largest length of a sequence; None if unbounded."""
     text_bound: int | None = None
-    """The largest length of a string."""
+    """Largest length of a string; None if unbounded."""
 
     @property
     def is_message(self) -> bool:
-        """Whether it is a message, or many."""
+        """True for a message, and for an array or sequence of messages."""
         return "/" in self.name
 
     @property
     def is_many(self) -> bool:
-        """Whether it is an array or a sequence."""
+        """True for an array or a sequence."""
         return self.is_sequence or self.length is not None
 
     def __str__(self) -> str:
@@ -50,7 +50,7 @@ class InterfaceType:
 
 @dataclass(frozen=True, slots=True)
 class InterfaceField:
-    """A field of a message."""
+    """Field of a standard message."""
 
     name: str
     type: InterfaceType
@@ -58,7 +58,7 @@ class InterfaceField:
 
 @dataclass(frozen=True, slots=True)
 class InterfaceConstant:
-    """A constant of a message."""
+    """Constant of a standard message."""
 
     name: str
     type: str
@@ -67,121 +67,124 @@ class InterfaceConstant:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """A message of a package that is not ours."""
+    """Standard message: a message of another package."""
 
     name: str
-    """``sensor_msgs/msg/Imu``."""
+    """Full name, such as ``sensor_msgs/msg/Imu``."""
     fields: tuple[InterfaceField, ...]
     constants: tuple[InterfaceConstant, ...]
 
     @property
     def package(self) -> str:
-        """The package that it is of."""
+        """Package of the message, such as ``sensor_msgs``."""
         return self.name.partition("/")[0]
 
     @property
     def local_name(self) -> str:
-        """Its name within the package."""
+        """Name within the package, such as ``Imu``."""
         return self.name.rpartition("/")[2]
 
 
-# --- what fills a field -----------------------------------------------------------------------------------------
+# --- expressions that fill fields -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A field of the payload."""
+    """Field of the payload, as the source of a value."""
 
     path: Path
     type: str
-    """The ROS primitive with the same values; ``string``, or ``bytes``."""
+    """ROS primitive type with the same values; ``string`` or ``bytes``."""
     repeated: bool = False
     optional: bool = False
-    """Whether it tells *absent* from *zero*."""
+    """True if the field distinguishes *absent* from *zero*."""
     enum: str = ""
-    """Full name of its enum; empty for none."""
+    """Full name of the field's enum; empty if it has another type."""
     oneof: str = ""
-    """The oneof that it, or a message that holds it, stands in; empty for none."""
+    """Oneof that contains the field, or a message that holds it; empty if there is none."""
 
     @property
     def dotted(self) -> str:
-        """Its path as the table writes it."""
+        """Path with dots, as the table writes it."""
         return ".".join(self.path)
 
     @property
     def is_integer(self) -> bool:
-        """Whether it holds whole numbers."""
+        """True if the field holds integers."""
         return "int" in self.type
 
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
-    """``(number * factor + offset) * pi ** pi``; the offset is zero where pi takes part."""
+    """Conversion of a number: ``(number * factor + offset) * π ** pi``.
+
+    `pi` is -1, 0 or 1, so that factors such as 180/π stay exact fractions. If it is not 0, the offset is 0.
+    """
 
     factor: Fraction = Fraction(1)
     offset: Fraction = Fraction(0)
     pi: int = 0
     unit: str = ""
-    """The unit of the number, as the table writes it; empty for none."""
+    """Unit of the number, as the table writes it; empty if there is none."""
     to: str = ""
-    """The unit of the result."""
+    """Unit of the result."""
 
     @property
     def is_identity(self) -> bool:
-        """Whether it changes nothing."""
+        """True if the conversion changes nothing."""
         return self.factor == 1 and not self.offset and not self.pi
 
     @property
     def is_whole(self) -> bool:
-        """Whether it makes whole numbers of whole numbers."""
+        """True if integers are converted to integers."""
         return self.factor.denominator == self.offset.denominator == 1 and not self.pi
 
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A field of the payload, scaled."""
+    """Field of the payload after scaling."""
 
     source: Source
     scaling: Scaling = Scaling()
     rounded: bool = False
-    """Whether a number with a fraction becomes the nearest whole one."""
+    """True if a fraction is rounded to the nearest integer."""
     default: bool | int | float | str | None = None
-    """What stands for an absent field."""
+    """Value for an absent field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A value of an enum and what it becomes."""
+    """Value of an enum, and the value that replaces it."""
 
     number: int
     name: str
     value: int | float | str | bool
     constant: str
-    """The constant of the target's message that has the value; empty for none."""
+    """Constant of the ROS message that has the value; empty if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """What a table says of an enum's value."""
+    """Value that the table chooses by the value of an enum."""
 
     source: Source
     cases: tuple[Case, ...]
     holder: str
-    """Full name of the message whose constants they are."""
+    """Full name of the message that has the constants."""
     default: Case | None = None
-    """For every other value."""
+    """Value for every other enum value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """The same in every message."""
+    """Constant value, the same in every message."""
 
     value: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
-    """A quaternion, from angles about the fixed axes x, y and z in this order (REP-103), in radians."""
+    """Quaternion from angles in radians about the fixed axes x, y and z, in this order (REP 103)."""
 
     roll: Taken | Constant
     pitch: Taken | Constant
@@ -190,21 +193,21 @@ class Rotation:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A time, or a duration: of a field of the payload, or, of none, when the datagram was received."""
+    """Time or duration: a field of the payload, or, without a source, the time at which the datagram was received."""
 
     source: Source | None
     nanoseconds: Fraction = Fraction(1)
-    """In one of what the field counts."""
+    """Nanoseconds in one unit of the field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unset:
-    """What the field has in a new message."""
+    """Default value that the field has in a new message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """A message, field by field."""
+    """Nested message, field by field."""
 
     fields: tuple[TargetField, ...]
 
@@ -214,7 +217,7 @@ Expression = Taken | Chosen | Constant | Rotation | Moment | Unset | Parts
 
 @dataclass(frozen=True, slots=True)
 class TargetField:
-    """A field of a message, and what fills it."""
+    """Field of a standard message, and the expression that fills it."""
 
     name: str
     type: InterfaceType
@@ -223,10 +226,10 @@ class TargetField:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """An expression from whose value in a message the payload's fields can be told."""
+    """Expression that can be inverted: the payload's fields are computed from its value in a message."""
 
     path: Path
-    """Of the target's field."""
+    """Path of the field in the standard message."""
     type: InterfaceType
-    """That field's type."""
+    """Type of that field."""
     value: Taken | Chosen | Rotation | Moment

@@ -1,6 +1,7 @@
-"""The bridge as the generator knows it, between the table and the files.
+"""IR of the bridge: routes, messages, conversions, and the wire schema.
 
-Nothing here knows YAML, protobuf's Python classes, Jinja or any target's spelling; a target computes those for itself.
+Nothing here knows YAML, protobuf's Python classes, Jinja or a target's spelling. All classes are frozen and hold
+tuples, so that targets cannot change the input of other targets.
 """
 
 from __future__ import annotations
@@ -15,18 +16,18 @@ from roverlink.generator.ir.interfaces import Interface, Recovered, TargetField
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A payload in the envelope's oneof."""
+    """Payload in the envelope's oneof."""
 
     number: int
     name: str
     proto: str
     file: str
-    """The .proto file of the payload, relative to the proto root."""
+    """.proto file of the payload, relative to the proto root."""
 
 
 @dataclass(frozen=True, slots=True)
 class Retired:
-    """A payload that is gone."""
+    """Retired payload. The envelope reserves its number and its name."""
 
     number: int
     name: str
@@ -35,22 +36,22 @@ class Retired:
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """A number that stood for several payloads in the past, and will for none any more."""
+    """Burned number: it had several meanings in the past, and must not be used again."""
 
     number: int
     uses: tuple[str, ...]
-    """Their protos."""
+    """Full names of the messages that had the number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """The message that carries every payload."""
+    """Message that contains every payload."""
 
     file: str
     message: str
     oneof: str
     ours: bool
-    """Whether its file is written from the table."""
+    """True if roverlink writes the envelope's file from the table."""
     members: tuple[Member, ...]
     retired: tuple[Retired, ...]
     burned: tuple[Burned, ...] = ()
@@ -58,82 +59,82 @@ class Envelope:
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """A machine at the other end of the datagrams."""
+    """Machine that exchanges datagrams with the bridge."""
 
     name: str
     parameter: str
     port: int
     strip_trailing_zeros: bool
     prefixes: tuple[str, ...] = ()
-    """Starts of the names of its messages, one for each of its boards; empty for any."""
+    """Prefixes of its messages' names, one for each of its boards; empty if any name is allowed."""
     sources: tuple[str, ...] = ()
-    """Addresses and networks from which it speaks; empty for any."""
+    """Addresses and networks of the peer; empty if any address is allowed."""
     source_rate: int | None = None
-    """Datagrams a second that are taken from each of its addresses; None for any number."""
+    """Most datagrams a second from each of its addresses; None for no limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """A field's type: a ROS primitive, ``string``, or a message; or a sequence of it."""
+    """Type of a ROS field: a ROS primitive, ``string`` or a message; or a sequence of it."""
 
     name: str
     is_message: bool = False
     is_sequence: bool = False
     package: str = ""
-    """Of a message of another package; empty for one of the table's own."""
+    """Package of a message of another package; empty for the table's own package."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosField:
-    """A field of a ROS message."""
+    """Field of a ROS message."""
 
     name: str
     type: RosType
     comment: str
     enum: str = ""
-    """Full name of the proto enum, or of the oneof, whose constants it takes; empty for none."""
+    """Full name of the proto enum or oneof whose constants are the field's values; empty if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosConstant:
-    """A constant of a ROS message."""
+    """Constant of a ROS message."""
 
     name: str
     type: str
     value: int
     comment: str
     enum: str
-    """Full name of the proto enum, or of the oneof."""
+    """Full name of the proto enum or oneof."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosMessage:
-    """A message of the ROS 2 interface package."""
+    """Message of the generated ROS 2 interface package."""
 
     name: str
     fields: tuple[RosField, ...]
     constants: tuple[RosConstant, ...]
     comment: str
     source: str
-    """Full name of the proto message or enum from which it is made."""
+    """Full name of the proto message or enum from which it is generated."""
 
 
 class ConversionKind(Enum):
-    """How one value is converted; each applies element by element to a repeated field, and to a map's values."""
+    """Kind of conversion of a value. A repeated field, or a map's values, are converted one by one."""
 
     VALUE = "the same value"
-    MESSAGE = "a nested message, converted by its own conversion"
-    HELD = "a value in a message of its own, which holds nothing else"
-    WELL_KNOWN = "a type of google.protobuf, converted by the runtime"
-    JSON = "a google.protobuf.Struct, Value or ListValue, as a text that is empty where it is absent"
-    PRESENCE = "whether the field is set"
-    EMPTY = "whether the field is set, which is all that a google.protobuf.Empty says"
-    WHICH = "which member of a oneof is set"
+    MESSAGE = "a nested message, converted by its own `Conversion`"
+    HELD = "a value inside a ROS message that has no other field"
+    WELL_KNOWN = "a well-known type of google.protobuf, converted by the runtime"
+    JSON = "a google.protobuf.Struct, Value or ListValue, as JSON text; empty if the field is absent"
+    PRESENCE = "true if the field is set"
+    EMPTY = "true if the google.protobuf.Empty field is set; it has no other content"
+    WHICH = "the number of the oneof's member that is set"
 
 
 @dataclass(frozen=True, slots=True)
 class Wrapping:
-    """A proto message that stands for the one field in it."""
+    """Proto message that wraps a single field."""
 
     proto: str
     field: str
@@ -141,42 +142,45 @@ class Wrapping:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A member of a oneof."""
+    """Member of a oneof."""
 
     proto: str
-    """The field's name."""
+    """Name of the proto field."""
     constant: str
-    """The constant of the ROS message that says that it is set."""
+    """Constant of the ROS message for this member."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldConversion:
-    """What a ROS field takes from a payload."""
+    """Conversion between a proto field and a ROS field."""
 
     proto_path: tuple[str, ...]
-    """The field's name, after those of the messages that hold it; the oneof's for `WHICH`."""
+    """Names of the enclosing proto fields, then the field's own name; for `WHICH`, the oneof's name."""
     ros: RosField
     kind: ConversionKind
     repeated: bool = False
     entry: MapEntry | None = None
-    """Of a map: what becomes of its entries. The kind is that of their message then, and says nothing."""
+    """Conversion of a map's entries; None if the field is not a map.
+
+    If set, `kind` describes the entry message and can be ignored.
+    """
     presence: str = ""
-    """The ROS field that says whether it is set; empty where it always is."""
+    """Boolean ROS field that is true if the proto field is set; empty if there is none."""
     which: str = ""
-    """For a member of a oneof: the ROS field that says which is set."""
+    """For a member of a oneof: ROS field that contains the number of the member that is set."""
     converter: str = ""
-    """For `MESSAGE` the ROS message, for `WELL_KNOWN` and `JSON` the runtime's module."""
+    """Name of the ROS message for `MESSAGE`; name of the runtime's module for `WELL_KNOWN` and `JSON`."""
     member: str = ""
-    """The field of the message that holds the value, for `HELD`."""
+    """Field of the ROS message that contains the value, for `HELD`."""
     wrapping: Wrapping | None = None
-    """The proto message around the value."""
+    """Proto message that wraps the value; None if there is none."""
     choices: tuple[Choice, ...] = ()
-    """The members, for `WHICH`."""
+    """Members of the oneof, for `WHICH`."""
 
 
 @dataclass(frozen=True, slots=True)
 class MapEntry:
-    """What becomes of a map's entries: a ROS message with a key and a value."""
+    """Conversion of a map's entries to a ROS message with a key and a value."""
 
     ros: str
     key: FieldConversion
@@ -185,35 +189,35 @@ class MapEntry:
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """Between a proto message and a ROS message, both ways."""
+    """Conversion between a proto message and a ROS message, in both directions."""
 
     proto: str
     proto_package: str
-    """What the full name starts with; empty for none."""
+    """Proto package, the start of the full name; empty if there is none."""
     file: str
     ros: str
     fields: tuple[FieldConversion, ...]
 
     @property
     def local_name(self) -> str:
-        """The proto message's name within its file."""
+        """Name of the proto message without its package."""
         return self.proto.removeprefix(f"{self.proto_package}.")
 
 
 @dataclass(frozen=True, slots=True)
 class AnyMember:
-    """A message that a google.protobuf.Any may hold."""
+    """Message that a google.protobuf.Any may contain."""
 
     proto: str
     ros: str
-    """The ROS message that it becomes."""
+    """ROS message to which it is converted."""
     field: str
     constant: str
 
 
 @dataclass(frozen=True, slots=True)
 class AnyConversion:
-    """Between a google.protobuf.Any of which the table says what it may hold, and a ROS message."""
+    """Conversion between a ROS message and a google.protobuf.Any, whose possible messages the table lists."""
 
     source: str
     """Full name of the proto field."""
@@ -223,7 +227,7 @@ class AnyConversion:
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """The quality of service of a topic; the defaults are rclcpp's."""
+    """Quality of service (QoS) of a topic; the defaults are rclcpp's."""
 
     reliability: Literal["reliable", "best_effort"] = "reliable"
     durability: Literal["volatile", "transient_local"] = "volatile"
@@ -233,83 +237,83 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class Deadman:
-    """What a peer is told when the topic that commands it falls silent."""
+    """Payload that is sent to a peer when the commanding topic is silent."""
 
     after_ms: int
     repeat_ms: int
     send: tuple[tuple[str, bool | int | float | str | bytes], ...]
-    """Values by the dotted path of the proto field."""
+    """Values by the proto field's path, with dots."""
 
 
 @dataclass(frozen=True, slots=True)
 class StandardTopic:
-    """What a payload becomes on a topic with a message of the common interfaces."""
+    """Topic with a standard message, and the conversion between it and the payload."""
 
     topic: str
     qos: Qos
     proto: str
     """Full name of the payload's message."""
     proto_package: str
-    """What the full name starts with; empty for none."""
+    """Proto package, the start of the full name; empty if there is none."""
     file: str
-    """The .proto file of the payload, relative to the proto root."""
+    """.proto file of the payload, relative to the proto root."""
     message: str
-    """``sensor_msgs/msg/Imu``."""
+    """Full name of the standard message, such as ``sensor_msgs/msg/Imu``."""
     fields: tuple[TargetField, ...]
     recovered: tuple[Recovered, ...]
-    """What the way back takes, in the order of the payload's fields; empty where there is none."""
+    """Expressions that compute the payload from the message, by the order of its fields; empty if impossible."""
     obstacle: str = ""
-    """Why there is no way back; empty where there is one."""
+    """Reason why the payload cannot be computed from the message; empty if it can."""
     lost: tuple[str, ...] = ()
-    """Fields of the payload that the message does not tell."""
+    """Fields of the payload that the message does not contain."""
 
     @property
     def local_name(self) -> str:
-        """The proto message's name within its file."""
+        """Name of the proto message without its package."""
         return self.proto.removeprefix(f"{self.proto_package}.")
 
 
 @dataclass(frozen=True, slots=True)
 class WireSize:
-    """The largest encodings of a row, in bytes."""
+    """Largest encoded sizes of a row in bytes."""
 
     payload: int | None
-    """None where a field has no bound."""
+    """Size of the payload; None if a field is unbounded."""
     datagram: int | None
-    """The envelope with the payload."""
+    """Size of the envelope with the payload; None if a field is unbounded."""
     unbounded: str = ""
-    """The first field without a bound, from the payload on, with dots; empty where there is none."""
+    """Path from the payload to the first unbounded field, with dots; empty if all are bounded."""
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """One row of the table, resolved."""
+    """Resolved row of the table."""
 
     number: int
     name: str
     topic: str
     direction: str
     inbound: bool
-    """Whether the payload comes from a peer and goes to the topic."""
+    """True if the payload comes from a peer and goes to the topic."""
     qos: Qos
     forward: tuple[str, ...]
     proto: str
     """Full name of the payload's message."""
     conversion: Conversion | None
-    """To a message of the package; None where the row becomes a standard message."""
+    """Conversion to a message of the own package; None if the row's topic has a standard message."""
     comment: str = ""
-    """The comment of the payload's message."""
+    """Comment of the payload's message in the .proto file."""
     deadman: Deadman | None = None
     max_rate: int | None = None
-    """Most messages a second; None for any number."""
+    """Most messages a second; None for no limit."""
     size: WireSize | None = None
     priority: int = 0
     expect_rate: int | None = None
-    """Messages a second that diagnostics expect at least."""
+    """Least messages a second; diagnostics warn below it."""
     standard: StandardTopic | None = None
-    """To a standard message."""
+    """Row's own topic, if it has a standard message."""
     extra_topics: tuple[StandardTopic, ...] = ()
-    """Further topics."""
+    """Topics with standard messages from `also`."""
 
     @property
     def peer(self) -> str:
@@ -328,44 +332,44 @@ class Route:
 
     @property
     def standard_topics(self) -> tuple[StandardTopic, ...]:
-        """Everything that it becomes of standard messages."""
+        """Every topic of the route that has a standard message."""
         return (self.standard, *self.extra_topics) if self.standard else self.extra_topics
 
 
 @dataclass(frozen=True, slots=True)
 class WireField:
-    """A field as it is on the wire."""
+    """Field of a proto message."""
 
     number: int
     name: str
     type: str
-    """The scalar's name, or the full name of the message or enum."""
+    """Name of the scalar type, or full name of the message or enum."""
     label: str
-    """``optional`` (it tells *absent* from *zero*), ``required``, ``repeated``; or empty."""
+    """``optional`` (the field distinguishes *absent* from *zero*), ``required``, ``repeated``; or empty."""
     oneof: str
-    """The oneof it stands in; empty for none."""
+    """Oneof that contains the field; empty if there is none."""
     comment: str = field(default="", compare=False)
-    """The .proto file's; the ledger has none."""
+    """Comment in the .proto file; empty for a field from the ledger, which stores no comments."""
 
 
 @dataclass(frozen=True, slots=True)
 class WireMessage:
-    """A message as it is on the wire."""
+    """Proto message."""
 
     name: str
     fields: tuple[WireField, ...]
-    """In the order of the numbers."""
+    """Fields, sorted by number."""
     reserved: tuple[tuple[int, int], ...]
-    """Ranges of numbers, both ends included."""
+    """Ranges of reserved numbers, both ends included."""
     reserved_names: tuple[str, ...]
     map_entry: bool = False
-    """Whether it is key and value of a map, and not declared by itself."""
+    """True for the message that protoc generates for the entries of a map."""
     comment: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class WireValue:
-    """A declared value of an enum."""
+    """Declared value of an enum."""
 
     number: int
     name: str
@@ -374,67 +378,67 @@ class WireValue:
 
 @dataclass(frozen=True, slots=True)
 class WireEnum:
-    """An enum as it is on the wire."""
+    """Proto enum."""
 
     name: str
     values: tuple[WireValue, ...]
-    """In the order of the numbers."""
+    """Values, sorted by number."""
     reserved: tuple[tuple[int, int], ...]
-    """Ranges of numbers, both ends included."""
+    """Ranges of reserved numbers, both ends included."""
     reserved_names: tuple[str, ...]
     comment: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class FieldBound:
-    """How much a microcontroller has room for in a field."""
+    """Size limit of a field on a microcontroller."""
 
     file: str
-    """The .proto file, relative to the proto root."""
+    """.proto file, relative to the proto root."""
     message: str
     """Full name of the message."""
     field: str
     is_bytes: bool
     length: int | None
-    """Largest number of bytes of a text or of `bytes`."""
+    """Largest number of bytes of a `string` or `bytes` field."""
     count: int | None
-    """Largest number of values."""
+    """Largest number of values of a repeated field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bridge:
-    """Everything that a target needs."""
+    """Complete IR: the input of every target."""
 
     table: str
-    """The table's file name."""
+    """File name of the table."""
     package: str
     python_package: str
     """Import name of the generated package."""
     maintainer: str
-    """``Name <address>``, of the package."""
+    """Maintainer of the ROS 2 package, as ``Name <address>``."""
     envelope: Envelope
     peers: tuple[Peer, ...]
     routes: tuple[Route, ...]
     messages: tuple[RosMessage, ...]
     nested: tuple[Conversion, ...]
-    """Conversions of messages that are in payloads, but are no payload of a row."""
+    """Conversions of nested messages that are not themselves the payload of a row."""
     anys: tuple[AnyConversion, ...]
     wire_messages: tuple[WireMessage, ...]
     wire_enums: tuple[WireEnum, ...]
     bounds: tuple[FieldBound, ...]
-    """What the table bounds; options files beside the .proto files may bound more."""
+    """Size limits from the table; options files beside the .proto files may set more."""
     interfaces: tuple[Interface, ...]
-    """The standard messages that the rows need, by name."""
+    """Standard messages that the rows need, sorted by name."""
     modules: Mapping[str, str]
     """Text of each module that protoc generated, by path."""
     descriptors: bytes
-    """The serialized FileDescriptorSet of the envelope and of all that it imports, without comments."""
+    """Serialized FileDescriptorSet of the envelope and its imports, without comments."""
 
     @property
     def folder(self) -> str:
-        """The folder of everything that is generated, relative to the table: that of the Python package."""
+        """Folder of all generated files, relative to the table; it follows from the Python package."""
         return self.python_package.replace(".", "/")
 
     def conversions(self) -> dict[str, Conversion]:
-        """Every conversion, by its ROS message."""
+        """Return every conversion, by the name of its ROS message."""
         return {c.ros: c for c in (*self.nested, *(route.conversion for route in self.routes if route.conversion))}

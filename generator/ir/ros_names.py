@@ -1,18 +1,30 @@
-"""What ROS 2 allows as a name, and the name that a thing gets where the table gives none."""
+"""ROS 2 naming rules, and the default names of messages, fields and constants.
+
+The rules are those of rosidl_adapter's parser and, for topics, of rcl:
+
+- A message is in CamelCase, without underscores.
+- A field is in lower case with single underscores, and ends in a letter or digit.
+- A constant is in upper case, with the same rule for underscores.
+- A topic has parts separated by slashes; no part is empty or starts with a digit.
+
+rosidl accepts some names that its generators then cannot compile: keywords of C++ and Python. `unusable` refuses them.
+"""
 
 from __future__ import annotations
 
 import keyword
 import re
 
-# The patterns of rosidl_adapter and of rcl's topic rules.
+# Patterns of rosidl_adapter (VALID_FIELD_NAME_PATTERN, ...) and of rcl's rules for topics.
 _MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*")
 _PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _FIELD = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _CONSTANT = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TOPIC = re.compile(r"(/|~/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
+# The body of a generated dataclass uses these names; a field of the same name would hide them.
 _NEEDED_IN_CLASSES = frozenset({"bytes", "dataclasses", "list", "str"})
+# rosidl generates a struct member for each field, so a keyword of C++ breaks the build of the interface package.
 _CPP_KEYWORDS = frozenset(
     {
         *("alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case"),
@@ -30,48 +42,50 @@ _CPP_KEYWORDS = frozenset(
 
 
 def is_message_name(name: str) -> bool:
-    """Whether ROS allows it as the name of a message."""
+    """Return True if ROS allows the name for a message."""
     return _MESSAGE.fullmatch(name) is not None
 
 
 def is_package_name(name: str) -> bool:
-    """Whether ROS allows it as the name of a package."""
+    """Return True if ROS allows the name for a package."""
     return _PACKAGE.fullmatch(name) is not None
 
 
 def is_field_name(name: str) -> bool:
-    """Whether ROS allows it as the name of a field."""
+    """Return True if ROS allows the name for a field."""
     return _FIELD.fullmatch(name) is not None
 
 
 def is_cpp_keyword(name: str) -> bool:
-    """Whether C++ has another use for it, in any version up to C++20."""
+    """Return True if the name is a keyword of C++, in any version up to C++20."""
     return name in _CPP_KEYWORDS
 
 
 def unusable(name: str) -> str:
-    """Why a ROS field cannot have a name; empty where it can."""
+    """Return the reason why a ROS field cannot have the name; empty if it can."""
     if keyword.iskeyword(name):
-        return "it is a keyword of Python"
+        return "it is a Python keyword"
     if is_cpp_keyword(name):
-        return "it is a keyword of C++"
+        return "it is a C++ keyword"
     if name in _NEEDED_IN_CLASSES:
-        return "the generated class needs Python's own"
-    return "" if is_field_name(name) else "lower case, digits, single underscores"
+        return "the generated class needs Python's built-in of that name"
+    return "" if is_field_name(name) else "a field name has lower-case letters, digits and single underscores"
 
 
 def is_constant_name(name: str) -> bool:
-    """Whether ROS allows it as the name of a constant."""
+    """Return True if ROS allows the name for a constant."""
     return _CONSTANT.fullmatch(name) is not None
 
 
 def is_topic_name(name: str) -> bool:
-    """Whether ROS allows it as the name of a topic."""
+    """Return True if ROS allows the name for a topic."""
     return _TOPIC.fullmatch(name) is not None
 
 
 def snake_case(name: str) -> str:
-    """A CamelCase name in lower case with underscores, by the rule of rosidl.
+    """Convert a CamelCase name to lower case with underscores, by the rule of rosidl.
+
+    rosidl names the header of a message by this rule, so generated C++ must include the same name.
 
     >>> snake_case("SensorBoardPHInfo")
     'sensor_board_ph_info'
@@ -81,7 +95,7 @@ def snake_case(name: str) -> str:
 
 
 def field_name(proto: str) -> str:
-    """The ROS name of a proto field that no row renames.
+    """Return the default ROS name of a proto field: in lower case, and changed if ROS does not allow it.
 
     >>> field_name("wheelSpeed"), field_name("two__underscores_"), field_name("class"), field_name("_1st")
     ('wheel_speed', 'two_underscores', 'class_field', 'field_1st')
@@ -93,12 +107,12 @@ def field_name(proto: str) -> str:
 
 
 def lowered(proto: str) -> str:
-    """A name in lower case with single underscores."""
+    """Convert a name to lower case with single underscores."""
     return _single_underscores(snake_case(proto))
 
 
 def constant_name(proto: str) -> str:
-    """The ROS name of an enum value; it is none that ROS allows where nothing but underscores and digits are left.
+    """Return the default ROS name of an enum value; ROS does not allow the result if it has no letter.
 
     >>> constant_name("kIdle"), constant_name("MODE__OFF_"), constant_name("IDLE")
     ('K_IDLE', 'MODE_OFF', 'IDLE')
@@ -111,7 +125,7 @@ def _single_underscores(name: str) -> str:
 
 
 def camel_case(name: str) -> str:
-    """A name with underscores in CamelCase.
+    """Convert a name with underscores to CamelCase.
 
     >>> camel_case("imu_info")
     'ImuInfo'
@@ -120,7 +134,9 @@ def camel_case(name: str) -> str:
 
 
 def distinct(name: str) -> str:
-    """What is left of a field's name where capitals and underscores do not count, as in a class and in protobuf's JSON.
+    """Return a key that is equal for two field names which collide in class names and in protobuf's JSON.
+
+    Both drop underscores and change capitals.
 
     >>> distinct("imu_info") == distinct("ImuInfo")
     True
@@ -129,7 +145,7 @@ def distinct(name: str) -> str:
 
 
 def message_name(proto: str, package: str) -> str:
-    """The ROS name of a proto message that no row names: its nesting joined, without the proto package.
+    """Return the default ROS name of a proto message: its enclosing messages and its name, without the proto package.
 
     >>> message_name("rover.Arm.Joint", "rover")
     'ArmJoint'

@@ -1,1 +1,1 @@
-"""The table and the proto schema, resolved to the IR."""
+"""Resolution of the table and the proto schema to the IR."""

@@ -1,4 +1,4 @@
-"""The rules of the phase that makes ROS messages and conversions of proto messages."""
+"""Rules of the conversion from proto messages to ROS messages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ CANNOT_CONVERT = Rule(
     "cannot-convert",
     """A message cannot become a ROS message.
 
-A ROS message cannot contain itself, a name can hide what the generated code needs, and an optional message whose
+A ROS message cannot contain itself. A name can hide a name that the generated code needs. An optional message whose
 fields are moved into the outer message loses its presence.
 
 Bad::
@@ -30,9 +30,9 @@ Good::
 UNMAPPED_FIELD = Rule(
     "CNV102",
     "unmapped-field",
-    """`fields` takes a nested message apart, and one of its fields has no place.
+    """`fields` moves fields of a nested message into the outer one, but one of them has no ROS field.
 
-No field is dropped without a line in the table that says so.
+To drop a field, list it under `ignore`; no field is dropped silently.
 
 Bad::
 
@@ -58,7 +58,7 @@ UNKNOWN_FIELD = Rule(
     "unknown-field",
     """A path under `fields`, `ignore`, `presence` or `any` names no field of the payload.
 
-The override would have no effect, and the field that was meant would keep its usual conversion.
+The setting would have no effect, and the intended field would keep its default conversion.
 
 Bad::
 
@@ -75,7 +75,8 @@ FIELD_NAME_FORBIDDEN = Rule(
     "field-name-forbidden",
     """A name under `fields` or `enums` cannot be a field of a ROS message.
 
-ROS fields are lower case, with digits and single underscores; keywords of Python and C++ break the generated classes.
+ROS fields have lower-case letters, digits and single underscores. Keywords of Python and C++ would break the generated
+classes.
 
 Bad::
 
@@ -154,7 +155,7 @@ CONSTANT_NAME = Rule(
     "constant-name",
     """An enum value cannot be a constant of a ROS message, or two values would get the same constant.
 
-ROS constants are capitals, digits and single underscores; the values of an enum are translated to that spelling.
+ROS constants have capitals, digits and single underscores. The names of enum values are converted to that spelling.
 
 Bad::
 
@@ -196,7 +197,7 @@ Good::
 EXTENSIONS = Rule(
     "CNV110",
     "extensions-not-carried",
-    """A proto2 message can be extended, and no ROS field carries its extensions.
+    """A proto2 message can be extended, but its extensions have no ROS fields.
 
 An extension that a peer sends is dropped by the bridge.
 
@@ -218,8 +219,8 @@ CONTRADICTING_PATHS = Rule(
     "contradicting-paths",
     """Paths under `fields`, `ignore`, `presence` and `any` contradict each other.
 
-A field cannot be renamed and ignored, and a field inside a message cannot be placed if the message is placed as a
-whole.
+A field cannot be both renamed and ignored. If a message becomes a field as a whole, a field inside it cannot be placed
+separately.
 
 Bad::
 
@@ -236,8 +237,8 @@ WITHOUT_EFFECT = Rule(
     "setting-without-effect",
     """`presence` or `any` is set for a field to which it does not apply.
 
-Only an optional field can be absent, and only a google.protobuf.Any needs a list of messages. These settings shape
-messages of the table's own package; a standard message has its shape already.
+Only an optional field can be absent, and only a google.protobuf.Any needs a list of messages. Both settings change
+messages of the table's own package; a standard message cannot be changed.
 
 Bad::
 

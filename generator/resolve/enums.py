@@ -1,4 +1,4 @@
-"""What an enum becomes in ROS: an integer, and constants."""
+"""Conversion of enums to ROS: an integer field, and constants."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from roverlink.generator.ir import ros_names
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, commented
 from roverlink.generator.resolve.conversion_rules import CONSTANT_NAME
 
+# An enum of proto is an int32; the smallest ROS type saves bytes in every message.
 _INTEGERS = (("uint8", 0, 2**8), ("uint16", 0, 2**16), ("uint32", 0, 2**32))
 _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32", -(2**31), 2**31))
 
 
 def integer_type(enum: ProtoEnum) -> str:
-    """The smallest ROS integer that holds every declared value; signed only where one is negative."""
+    """Return the smallest ROS integer type for all declared values; it is signed only if a value is negative."""
     numbers = [value.number for value in enum.values]
     for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
         if low <= min(numbers) and max(numbers) < end:
@@ -24,19 +25,25 @@ def integer_type(enum: ProtoEnum) -> str:
 
 
 def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
-    """An enum's values as constants of a ROS message."""
+    """Yield an enum's values as constants of a ROS message."""
     type = integer_type(enum)
     seen: dict[str, ProtoEnumValue] = {}
     for value in enum.values:
         name = prefix + ros_names.constant_name(value.name)
         first = seen.setdefault(name, value)
         if not ros_names.is_constant_name(name):
-            message = f"{enum.full_name}.{value.name} cannot be a constant: ROS wants capitals, digits and single _"
-            report(CONSTANT_NAME.at(enum.span, message, "rename it: no wire has its name"))
+            message = f"{enum.full_name}.{value.name} cannot be a ROS constant, which has capitals, digits and single _"
+            report(
+                CONSTANT_NAME.at(enum.span, message, "rename it; the name is not sent, so the encoding does not change")
+            )
         elif first.number != value.number:
-            message = f"{enum.full_name}.{value.name} would be the constant {name}, which {first.name} is already"
-            report(CONSTANT_NAME.at(enum.span, message, "rename one of them: no wire has its name"))
-        elif first is value:  # an alias may differ in its capitals alone
+            message = f"{enum.full_name}.{value.name} and {first.name} would both become the constant {name}"
+            report(
+                CONSTANT_NAME.at(
+                    enum.span, message, "rename one of them; names are not sent, so the encoding does not change"
+                )
+            )
+        elif first is value:  # with allow_alias, two names of one number may differ only in capitals
             yield ir.RosConstant(name, type, value.number, commented(value), enum.full_name)
 
 
@@ -47,9 +54,9 @@ def constants_of(
     span: Span,
     report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
-    """The constants of a ROS message that stands at a place: its enums' values, and those of its oneofs.
+    """Yield the constants of a ROS message: the values of its enums and of its oneofs.
 
-    Where two share a name, those of an enum get the enum's name before them.
+    If two constants share a name, those of an enum get the enum's name as a prefix. `span` is the place of the message.
     """
     enums, others = tuple(enums), tuple(dict.fromkeys(others))
     names = [other.name for other in others]
@@ -75,5 +82,5 @@ def _unless_taken(
     if holder == constant.enum:
         yield constant
         return
-    message = f"{ros} would have {constant.name} twice, of {holder} and of {constant.enum}"
+    message = f"{ros} would have the constant {constant.name} twice: from {holder} and from {constant.enum}"
     report(CONSTANT_NAME.at(span, message, "give one of the enums a message of its own, or rename it"))

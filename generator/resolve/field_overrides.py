@@ -1,7 +1,7 @@
-"""What the rows say of single fields: whether their presence is kept, and what an Any may hold.
+"""Settings of single fields in the rows: `presence` and `any`.
 
-A path leads through nested messages, lists and maps to a field of some message. What is said of it holds wherever that
-message stands: it becomes one ROS message.
+A path leads through nested messages, lists and maps to a field of a message. A proto message becomes one ROS message,
+so a setting applies wherever the message is used.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from roverlink.generator.table import Row, Table
 T = TypeVar("T")
 
 Key = tuple[str, str]
-"""A field, by the full name of its message and its own."""
+"""Full name of a message, and the name of its field."""
 
 
 class FieldSettings:
-    """The settings of fields, by message and field."""
+    """Settings of fields, by message and field."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._report = schema, report
@@ -39,7 +39,7 @@ class FieldSettings:
     def _collected(
         self, group: str, rows: Iterator[tuple[Row, Mapping[str, T]]], obstacle: Callable[[ProtoField, T], str]
     ) -> dict[Key, T]:
-        """What all rows say in one group; each path must lead to a field to which the setting applies."""
+        """Collect a group of settings from all rows; each path must lead to a field to which the setting applies."""
         settings: dict[Key, T] = {}
         said: dict[Key, Row] = {}
         for row, paths in rows:
@@ -53,20 +53,22 @@ class FieldSettings:
                     continue
                 key, field = found
                 if why := obstacle(field, value):
-                    self._report(WITHOUT_EFFECT.at(span, f"{path} {why}", f"take it out of `{group}`"))
+                    self._report(WITHOUT_EFFECT.at(span, f"{path} {why}", f"remove it from `{group}`"))
                 elif settings.setdefault(key, value) != value:
-                    message = f"{'.'.join(key)} is said to be something else in another row"
+                    message = f"{'.'.join(key)} has another setting in another row"
                     also = [(said[key].span, f"the row {said[key].name}")]
-                    self._report(DISAGREEING_ROWS.at(span, message, "say the same in both, or leave out one", also))
+                    self._report(
+                        DISAGREEING_ROWS.at(span, message, "use the same setting in both rows, or remove one", also)
+                    )
                 said.setdefault(key, row)
         return settings
 
     def _field(self, row: Row, group: str, path: str) -> tuple[Key, ProtoField] | None:
-        """The field that a path leads to; None, with a finding, where it leads to none."""
+        """Return the field that a path leads to; report the path and return None if there is none."""
         for whole in itertools.accumulate(path.split("."), "{}.{}".format):
             if whole in row.ignore:
-                told = f"{path} is named under `{group}`, and {whole} is ignored"
-                self._report(CONTRADICTING_PATHS.at(row.at(f"{group}.{path}"), told, "keep one of them"))
+                fault = f"{path} is listed under `{group}`, but {whole} is ignored"
+                self._report(CONTRADICTING_PATHS.at(row.at(f"{group}.{path}"), fault, "keep one of them"))
                 return None
         message: ProtoMessage | None = self._schema.messages[row.proto]
         *holders, name = path.split(".")
@@ -75,45 +77,45 @@ class FieldSettings:
         field = _field_of(message, name)
         if message is None or field is None:
             known = [] if message is None else [one.name for one in message.fields]
-            told = f"{row.proto} has no field {path!r}"
-            self._report(UNKNOWN_FIELD.at(row.at(f"{group}.{path}"), told, nearest(name, known)))
+            fault = f"{row.proto} has no field {path!r}"
+            self._report(UNKNOWN_FIELD.at(row.at(f"{group}.{path}"), fault, nearest(name, known)))
             return None
         return (message.full_name, name), field
 
     def _held(self, message: ProtoMessage | None, name: str) -> ProtoMessage | None:
-        """The message in a field: of a map that in its values."""
+        """Return the message type of a field; for a map, the message type of its values."""
         field = _field_of(message, name)
         held = self._schema.messages.get(field.type_name) if field else None
         return self._held(held, "value") if held and held.map_entry else held
 
     def _no_presence(self, field: ProtoField, keep: bool) -> str:
-        """Why a field's presence cannot be chosen; empty where it can."""
+        """Return the reason why a field's presence cannot be chosen; empty if it can."""
         if field.repeated:
-            return "is repeated: it is never absent, only empty"
+            return "is repeated, so it can be empty but not absent"
         if field.oneof:
-            return f"stands in the oneof {field.oneof}, which says which of its members is set"
+            return f"belongs to the oneof {field.oneof}, which already tells which member is set"
         if field.label == "required":
-            return "is required: it is never absent"
+            return "is required, so it is never absent"
         if field.type_name in well_known.TEXTS:
-            return "becomes a text, which is empty where it is absent"
+            return "becomes a text, which is empty if the field is absent"
         if field.type_name == well_known.EMPTY and not keep:
-            return "says nothing but that it is set"
+            return "has no content except its presence"
         if field.label != "optional":
-            return "does not tell absent from zero: it is not `optional`"
+            return "does not distinguish absent from zero, because it is not `optional`"
         return ""
 
     def _no_any(self, field: ProtoField, _: object) -> str:
-        """Why a field holds no Any; empty where it does."""
+        """Return the reason why a field contains no Any; empty if it contains one."""
         held = self._schema.messages.get(field.type_name)
         if held is not None and held.map_entry:
             field = held.fields[1]
-        return "" if field.type_name == well_known.ANY else "is no google.protobuf.Any"
+        return "" if field.type_name == well_known.ANY else "is not a google.protobuf.Any"
 
 
 def without_effect_on_standard(key: str, row: Row) -> tuple[str, str]:
-    """What is wrong with a key that shapes messages of our own in a row with a standard one, and what to do."""
-    message = f"`{key}` shapes messages of our own, and {row.ros} is a standard message"
-    return message, "take it out, or put it into a row that has a message of our own"
+    """Return message and help for a key that changes own messages, in a row with a standard message."""
+    message = f"`{key}` has no effect, because {row.ros} is a standard message"
+    return message, "remove it, or give the row a message of your own package"
 
 
 def _field_of(message: ProtoMessage | None, name: str) -> ProtoField | None:

@@ -1,4 +1,4 @@
-"""One proto message to one ROS message: which field becomes which, and by which conversion."""
+"""Conversion of one proto message to one ROS message, field by field."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from roverlink.generator.resolve.row_overrides import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
-"""What generated code asks of a payload; a field of that name would be found in its place."""
-_RENAME = "rename it in the .proto: no wire has its name"
+"""Methods of Python protobuf messages that generated code calls; a field of the same name would hide the method."""
+_RENAME = "rename it in the .proto; the name is not sent, so the encoding does not change"
 
 
 class MessageBuilder:
-    """The fields, constants and conversions of one ROS message, from one proto message."""
+    """Builder of the fields, constants and conversions of one ROS message."""
 
     def __init__(self, messages: MessageMaker, message: ProtoMessage, shape: Shape) -> None:
         self._messages, self._message, self._shape = messages, message, shape
@@ -40,7 +40,7 @@ class MessageBuilder:
         self.conversions: list[ir.FieldConversion] = []
 
     def message(self) -> ir.RosMessage:
-        """The ROS message."""
+        """Return the ROS message."""
         declared, ros = self._types.enums.values(), self._shape.ros
         return ir.RosMessage(
             ros,
@@ -59,42 +59,46 @@ class MessageBuilder:
             if dotted in self._shape.ignore:
                 continue
             if field.name in _HIDING:
-                self._report(CANNOT_CONVERT.at(field.span, f"{dotted} would hide what Python's protobuf has", _RENAME))
-            if self._taken_apart(dotted):
-                self._take_apart(message, field, full_path)
+                self._report(
+                    CANNOT_CONVERT.at(
+                        field.span, f"{dotted} would hide a method of Python's protobuf messages", _RENAME
+                    )
+                )
+            if self._is_flattened(dotted):
+                self._flatten(message, field, full_path)
             elif path and dotted not in self._shape.fields:
-                help = f"give it a ROS field under `fields`, or name {dotted} under `ignore`"
-                self._report(UNMAPPED_FIELD.at(field.span, f"no ROS field of {self._shape.ros} takes {dotted}", help))
+                help = f"give it a ROS field under `fields`, or list {dotted} under `ignore`"
+                self._report(UNMAPPED_FIELD.at(field.span, f"{dotted} has no ROS field in {self._shape.ros}", help))
             else:
                 self._convert(message, field, full_path)
 
-    def _taken_apart(self, dotted: str) -> bool:
-        """Whether the table names fields inside this one."""
+    def _is_flattened(self, dotted: str) -> bool:
+        """Return True if the table names fields inside this field."""
         return any(path.startswith(f"{dotted}.") for path in (*self._shape.fields, *self._shape.ignore))
 
-    def _take_apart(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
-        """Fields of a nested message become fields of this one."""
+    def _flatten(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
+        """Convert the fields of a nested message to fields of this message."""
         dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
         if self._keeps_presence(message, field):
-            told = f"{dotted} is optional; taken apart, nothing would say whether it is set"
-            help = f"let it be a message of its own, or say `presence: {{{dotted}: false}}` where absent means zero"
-            self._report(CANNOT_CONVERT.at(field.span, told, help))
+            fault = f"{dotted} is optional; if its fields are moved out, its presence is lost"
+            help = f"keep it as a message, or set `presence: {{{dotted}: false}}` if absent means zero"
+            self._report(CANNOT_CONVERT.at(field.span, fault, help))
         if nested is None or field.repeated or field.oneof:
             self._report_paths_into(dotted, field)
         else:
             self.add_fields(nested, path)
 
     def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
-        """Report the table's paths into a field that has no fields of its own."""
+        """Report paths in the table that lead into a field without fields."""
         for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
             for path in paths:
                 if path.startswith(f"{dotted}."):
                     self._paths_seen.add(path)
-                    message = f"{dotted} is no single message, so that no field in it can be named"
+                    message = f"{dotted} is not a single message, so a path cannot lead into it"
                     self._report(UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message))
 
     def check_paths(self) -> None:
-        """Every path that the row names must lead to a field, and none must say otherwise than another."""
+        """Report paths of the row that lead to no field, and paths that contradict each other."""
         row = self._shape.row
         if row is None:
             return
@@ -109,15 +113,15 @@ class MessageBuilder:
                     self._report(UNKNOWN_FIELD.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
-        """What else the row says of a path, or of the field that it leads into; empty for nothing."""
+        """Return another setting that contradicts a path, in words; empty if there is none."""
         fields, ignore = self._shape.fields, self._shape.ignore
         if group == "ignore" and path in fields:
-            return f"{path} is renamed to {fields[path]}, and ignored"
+            return f"{path} is renamed to {fields[path]}, and also ignored"
         for whole in itertools.accumulate(path.split(".")[:-1], "{}.{}".format):
             if whole in ignore:
-                return f"{path} is named, and {whole} is ignored as a whole"
+                return f"{path} has a setting, but {whole} is ignored as a whole"
             if whole in fields:
-                return f"{path} is named, and {whole} is renamed to {fields[whole]} as a whole"
+                return f"{path} has a setting, but {whole} is renamed to {fields[whole]} as a whole"
         return ""
 
     def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
@@ -128,20 +132,20 @@ class MessageBuilder:
         if field.oneof:
             conversion = dataclasses.replace(conversion, which=self._discriminator(message, field, path[:-1]))
         elif self._keeps_presence(message, field) and name not in self._fields:
-            presence = ir.RosField(f"has_{name}", ir.RosType("bool"), f"Whether {name} is set.")
+            presence = ir.RosField(f"has_{name}", ir.RosType("bool"), f"True if {name} is set.")
             self._add(ir.FieldConversion(path, presence, ir.ConversionKind.PRESENCE), field)
             conversion = dataclasses.replace(conversion, presence=presence.name)
         self._add(conversion, field)
 
     def _keeps_presence(self, message: ProtoMessage, field: ProtoField) -> bool:
-        """Whether a ROS field says that this one is set."""
+        """Return True if a ROS field tells that this field is set."""
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
         said = self._messages.settings.presence.get((message.full_name, field.name))
         return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-        """The ROS field that says which member of a field's oneof is set; made for the first of them."""
+        """Return the ROS field that tells which member of the field's oneof is set; add it for the first member."""
         full_path = (*path, field.oneof)
         if full_path not in self._which:
             dotted = ".".join(full_path)
@@ -156,7 +160,7 @@ class MessageBuilder:
         return self._which[full_path]
 
     def _placed(self, field: ProtoField, path: tuple[str, ...]) -> bool:
-        """Whether a ROS field takes a member of a oneof."""
+        """Return True if a member of a oneof gets a ROS field."""
         dotted = ".".join((*path, field.name))
         return dotted not in self._shape.ignore and (not path or dotted in self._shape.fields)
 
@@ -173,6 +177,6 @@ class MessageBuilder:
             help = "give one of them another name under `fields` of its row"
             if self._shape.row is None:
                 help = f"rename one in the .proto, or give {self._message.full_name} a row with `fields`"
-            self._report(FIELD_NAME_TAKEN.at(span, f"{self._shape.ros} has a field {name} already", help))
+            self._report(FIELD_NAME_TAKEN.at(span, f"{self._shape.ros} already has a field {name}", help))
         self._fields[name] = conversion.ros
         self.conversions.append(conversion)

@@ -1,4 +1,4 @@
-"""Locating the messages that the table names: which .proto file declares each of them."""
+"""Location of messages: the .proto file that declares each message of the table."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from roverlink.generator.table import Table
 
 
 def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
-    """The file of each message that a row names; a message that cannot be told is a finding."""
+    """Return the file of each row's message; a message without one clear declaration is reported."""
     files: dict[str, str] = {}
     for row in table.rows:
         declared = index.files.get(row.proto, [])
         if row.proto == table.envelope.message:
-            message = f"{row.proto} is the envelope, which cannot be its own payload"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "name the payload's message"))
+            message = f"{row.proto} is the envelope, which cannot contain itself as a payload"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "write the payload's message"))
         elif len(declared) != 1:
             findings.append(_not_located(row.at("proto"), row.proto, declared, index))
         elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
-            message = f"{row.proto} is declared in {declared[0]}, which is written from {table.file}"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to a file of its own"))
+            message = f"{row.proto} is declared in {declared[0]}, which is generated from {table.file}"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to another file"))
         else:
             files[row.proto] = declared[0]
     return files
 
 
 def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
-    """The file of each message that a row lists for an Any; a message that cannot be told is a finding."""
+    """Return the file of each message that a row lists for an Any; unclear messages are reported."""
     files: dict[str, str] = {}
     for row in table.rows:
         for path, types in row.anys.items():
@@ -49,10 +49,10 @@ def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic
 
 def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Diagnostic:
     if declared:
-        help = "name all but one of them under proto.exclude"
+        help = "list all of these files except one under proto.exclude"
         return AMBIGUOUS_PROTO.at(span, f"{proto} is declared in {' and in '.join(declared)}", help)
     if proto in index.excluded:
         file = index.excluded[proto][0]
-        return EXCLUDED_PROTO.at(span, f"{proto} is declared in {file}, which proto.exclude leaves out")
-    help = nearest(proto, index.files, "is its file below proto.root?")
+        return EXCLUDED_PROTO.at(span, f"{proto} is declared in {file}, which is excluded by proto.exclude")
+    help = nearest(proto, index.files, "check the name, and that its file is below proto.root")
     return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto}", help)

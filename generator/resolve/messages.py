@@ -1,4 +1,4 @@
-"""The ROS messages and the conversions of a table, each made once, from the protos that its rows reach."""
+"""ROS messages and conversions for all protos that the rows reach."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from roverlink.generator.table import EnumSettings, Row, Table
 
 
 class RosMessages:
-    """Makes ROS messages and conversions, each once, from the protos that the rows reach."""
+    """Builder of ROS messages and conversions; each is made once, for all rows that share it."""
 
     def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
         self.schema, self.report = schema, findings.append
@@ -41,18 +41,18 @@ class RosMessages:
 
     @property
     def conversions(self) -> dict[str, ir.Conversion]:
-        """Those that were made, by their ROS messages."""
+        """Conversions by the name of their ROS message."""
         return {conversion.ros: conversion for conversion in self._made.values()}
 
     def route(self, row: Row) -> ir.Route:
-        """A row, with the conversion of its payload to a message of the package, where it becomes one."""
+        """Return a row's route; its conversion is None if the row has a standard message."""
         payload = self.schema.messages[row.proto]
         conversion = None if row.standard else self._conversion(payload)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
 
     def check_enums(self) -> None:
-        """An enum that the table names, but no payload has, is a mistake."""
+        """Report enums in the table that no payload has."""
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
                 help = nearest(settings.proto, self.enums_used, "remove it, or correct its name")
@@ -68,11 +68,15 @@ class RosMessages:
         shape = self._shapes.get(proto) or Shape(ros_names.message_name(proto, package))
         self.claim(shape.ros, proto, _place(shape, message), shape.row)
         if any(keyword.iskeyword(part) for part in proto.split(".")):
-            told = f"{proto} is named by a keyword of Python, so that generated code cannot reach it"
-            self.report(CANNOT_CONVERT.at(message.span, told, "rename it: no wire has its name"))
+            fault = f"{proto} contains a Python keyword, so generated code cannot access it"
+            self.report(
+                CANNOT_CONVERT.at(
+                    message.span, fault, "rename it; the name is not sent, so the encoding does not change"
+                )
+            )
         if message.extendable:
-            told = f"extensions of {proto} are not carried: no ROS field takes them"
-            self.report(EXTENSIONS.at(message.span, told, "make them fields of the message to carry them"))
+            fault = f"extensions of {proto} are lost, because they have no ROS fields"
+            self.report(EXTENSIONS.at(message.span, fault, "make them ordinary fields of the message"))
         self._in_progress.append(proto)
         builder = MessageBuilder(self, message, shape)
         builder.add_fields(message, ())
@@ -83,45 +87,50 @@ class RosMessages:
         return self._made[proto]
 
     def _package_of(self, message: ProtoMessage) -> str:
-        """The proto package: what is left of the full name without the nesting messages."""
+        """Return the proto package: the full name without the message's name and the messages around it."""
         outer = message.full_name.rpartition(".")[0]
         while outer in self.schema.messages:
             outer = outer.rpartition(".")[0]
         return outer
 
     def claim(self, ros: str, source: str, span: Span, row: Row | None = None) -> None:
-        """Two sources must not become ROS messages of one name, nor of two whose files have one name."""
-        if not ros_names.is_message_name(ros) and row is None:  # a row's own name has a rule of its own
-            told = f"{source} cannot become the ROS message {ros!r}: ROS forbids the name"
-            self.report(CANNOT_CONVERT.at(span, told, "rename it in the .proto: no wire has its name"))
+        """Register the name of a ROS message; report a name that ROS forbids, or that collides with another.
+
+        rosidl names header files in snake_case, so two names collide if their snake_case forms are equal.
+        """
+        if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
+            fault = f"{source} cannot become the ROS message {ros!r}: ROS does not allow the name"
+            self.report(
+                CANNOT_CONVERT.at(
+                    span, fault, "rename it in the .proto; the name is not sent, so the encoding does not change"
+                )
+            )
         taken, holder = self._names.setdefault(ros_names.snake_case(ros), (ros, source))
         if holder != source:
-            why = (
-                f"which {holder} is already" if taken == ros else f"which is too much like {taken}, made from {holder}"
-            )
+            why = f"like {holder}" if taken == ros else f"which differs from {taken} ({holder}) only in capitals"
             help = "give one of them another `ros`"
             self.report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Make the ROS message of what a field holds; report a message that holds itself, and return None."""
-        if self._is_recursive(field, proto, "name this field, or one that leads to it, under `ignore`"):
+        """Return the ROS message for the message in a field; report a message that contains itself, and return None."""
+        if self._is_recursive(field, proto, "list this field, or one that leads to it, under `ignore`"):
             return None
         return self._conversion(self.schema.messages[proto]).ros
 
     def _is_recursive(self, field: ProtoField, proto: str, help: str) -> bool:
-        """Report a field that leads back to a message around it: a ROS message cannot contain itself."""
+        """Report a field whose message contains it again: a ROS message cannot contain itself."""
         if proto not in self._in_progress:
             return False
         cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
-        told = f"the field {field.name} makes a message contain itself, which no ROS message can: {cycle}"
-        self.report(CANNOT_CONVERT.at(field.span, told, help))
+        fault = f"the field {field.name} makes a message contain itself, which ROS does not allow: {cycle}"
+        self.report(CANNOT_CONVERT.at(field.span, fault, help))
         return True
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """The ROS message of an Any of which the table says what it may hold."""
+        """Return the ROS message for an Any whose messages the table lists."""
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
-        which = ir.RosField("which", ir.RosType(smallest(len(types))), "Which of them it holds.", source)
+        which = ir.RosField("which", ir.RosType(smallest(len(types))), "The message that it contains.", source)
         fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
         members: list[ir.AnyMember] = []
         for number, type in enumerate(types, start=1):
@@ -131,9 +140,11 @@ class RosMessages:
             last = ros_names.snake_case(type.rpartition(".")[2])
             member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
             if member.field in [one.name for one in fields] or member.constant == NONE:
-                told = f"{ros} would have a second {member.field}, for {type}"
+                fault = f"{ros} would have a second field {member.field}, for {type}"
                 self.report(
-                    FIELD_NAME_TAKEN.at(field.span, told, "rename one in the .proto: but for Any, no wire has it")
+                    FIELD_NAME_TAKEN.at(
+                        field.span, fault, "rename one in the .proto; only an Any sends the name of a message"
+                    )
                 )
             members.append(member)
             fields.append(ir.RosField(member.field, ir.RosType(held, is_message=True), ""))
@@ -143,14 +154,14 @@ class RosMessages:
         return ros
 
     def bytes_message(self) -> str:
-        """The ROS message of bytes in a list."""
+        """Return the ROS message for an item of a list of bytes; ROS has no sequences of sequences."""
         self.claim("Bytes", "bytes in a list", Span(""))
         field = ir.RosField("data", ir.RosType("uint8", is_sequence=True), "")
         self.messages["Bytes"] = ir.RosMessage("Bytes", (field,), (), "", "bytes")
         return "Bytes"
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
-        """The table's settings of an enum that is a message of its own; that message is made."""
+        """Return the table's settings of an enum with its own message, and make that message; None if it has none."""
         settings = self._enum_settings.get(enum.full_name)
         if settings is not None and enum.full_name not in self.enums_used:
             self._make_enum_message(enum, settings)

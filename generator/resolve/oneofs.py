@@ -1,4 +1,4 @@
-"""A oneof in a payload: its members are fields, and one more says which of them is set."""
+"""Conversion of oneofs: the members become fields, and a discriminator tells which member is set."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ NONE = "NONE"
 def discriminator(
     message: ProtoMessage, oneof: str, members: Sequence[ProtoField], name: str | None
 ) -> tuple[ir.RosField, list[ir.RosConstant], tuple[ir.Choice, ...]]:
-    """The ROS field that says which member of a oneof is set, and the constants that it takes.
+    """Return the discriminator field of a oneof, and its constants.
 
-    A member's constant is its field number, so that another member, or another order, changes none.
+    A member's constant is its field number, so that adding or reordering members does not change the others.
     """
     source, prefix = f"{message.full_name}.{oneof}", ros_names.constant_name(oneof)
     type = smallest(max(member.number for member in members))
     ros = ir.RosField(
         name or f"which_{ros_names.lowered(oneof)}".rstrip("_"),
         ir.RosType(type),
-        f"Which member of {oneof} is set.",
+        f"The member of {oneof} that is set.",
         source,
     )
     choices = tuple(ir.Choice(member.name, f"{prefix}_{ros_names.constant_name(member.name)}") for member in members)
@@ -32,5 +32,5 @@ def discriminator(
 
 
 def smallest(number: int) -> str:
-    """The smallest unsigned ROS integer that holds a number and those below it."""
+    """Return the smallest unsigned ROS integer type for numbers from 0 to a number."""
     return "uint8" if number < 2**8 else "uint16" if number < 2**16 else "uint32"

@@ -1,6 +1,6 @@
-"""The table and the proto descriptors to the IR.
+"""Resolver: the table and the proto descriptors to the IR.
 
-What the table or a proto asks for, and this version cannot convert, is a finding; no field is dropped in silence.
+A construct that cannot be converted is reported; no field is dropped silently.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from roverlink.generator.protos.proto_rules import (
 from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.messages import RosMessages
-from roverlink.generator.resolve.safety import check_peers, guarded
+from roverlink.generator.resolve.safety import check_peers, with_safety_settings
 from roverlink.generator.resolve.standard import StandardTopics
 from roverlink.generator.table import Table
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
-    """The envelope, with a member for every row whose message was located."""
+    """Return the envelope, with a member for every row whose message was located."""
     burned = published.burned_in(table.envelope.message)
     members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
     return ir.Envelope(
@@ -55,13 +55,18 @@ def resolve(
     sizes: Mapping[str, ir.WireSize],
     findings: list[Diagnostic],
 ) -> ir.Bridge:
-    """The IR of a table, with the sizes of its rows by name. Where findings were added, it is not fit to be emitted."""
+    """Return the IR of a table; `sizes` are by row name.
+
+    It must not be emitted if errors were added to the findings.
+    """
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
     standard_topics = StandardTopics(table, schema, findings.append)
     located = [row for row in table.rows if row.proto in schema.messages]
     routes = tuple(
-        guarded(_completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), row, schema, findings)
+        with_safety_settings(
+            _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), row, schema, findings
+        )
         for row in sorted(located, key=lambda row: row.number)
     )
     carried = {route.conversion.ros for route in routes if route.conversion}
@@ -110,17 +115,20 @@ def _completed(
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Files whose Python modules could not be imported by name."""
+    """Report files whose Python modules cannot be imported."""
     for file in schema.files:
         parts = file.removesuffix(".proto").split("/")
         if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
             span = Span(f"{table.proto.root}/{file}")
-            yield UNIMPORTABLE_PROTO.at(span, f"{bad[0]!r} in its path cannot be a Python module", "rename it")
+            yield UNIMPORTABLE_PROTO.at(
+                span, f"{bad[0]!r} in the path cannot be the name of a Python module", "rename it"
+            )
 
 
 def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Files that the table leaves out, and that what it needs imports all the same."""
+    """Report excluded files that a compiled file imports."""
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
-            yield EXCLUDED_PROTO.at(span, f"{path} is left out, but what the rows name imports it")
+            message = f"{path} is excluded, but a file that the rows need imports it"
+            yield EXCLUDED_PROTO.at(span, message, "remove it from proto.exclude, or remove the import")

@@ -1,4 +1,4 @@
-"""What the rows say of the ROS messages that their protos become."""
+"""Overrides of the rows for the ROS messages of their protos."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.generator.table import Row, Table
 
 @dataclass(slots=True)
 class Shape:
-    """What a row says of the ROS message that its proto becomes."""
+    """Name and fields of a ROS message, as a row sets them."""
 
     ros: str
     fields: Mapping[str, str] = dataclasses.field(default_factory=dict)
@@ -21,12 +21,12 @@ class Shape:
     row: Row | None = None
 
     def at(self, group: str, path: str, otherwise: Span) -> Span:
-        """Where the row names a path, under ``fields`` or ``ignore``."""
+        """Return the place of a path under ``fields`` or ``ignore`` in the row."""
         return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
 
 
 def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
-    """By proto message; rows that carry the same one must agree on what it becomes."""
+    """Return the shape of each proto message; rows with the same message must agree on it."""
     shapes: dict[str, Shape] = {}
     for row in table.rows:
         if row.standard:
@@ -34,7 +34,7 @@ def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
         shape = Shape(row.ros, row.renames, row.ignore, row)
         first = shapes.setdefault(row.proto, shape)
         if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):
-            message = f"{row.proto} becomes {row.ros} here, and something else in another row"
+            message = f"another row has other settings for {row.proto}, which becomes one ROS message"
             also = [(first.row.span, f"the row {first.row.name}")] if first.row else []
             help = "give both rows the same ros, fields and ignore"
             findings.append(DISAGREEING_ROWS.at(row.at("proto"), message, help, also))

@@ -1,4 +1,4 @@
-"""What a row asks for so that a rover is safe: the payload that stops it, a limit of rate, a priority."""
+"""Safety settings of a row: the payload that stops the rover, the rate limit, and the priority."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ _FLOATS = {"float": "f", "double": "d"}
 _LONGEST_NUMBER = 40  # characters
 
 
-def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
-    """A route with what its row says of deadman, rate and priority; what cannot be is added to the findings."""
+def with_safety_settings(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Route:
+    """Return a route with its row's deadman, rate limit and priority; mistakes are added to the findings."""
     findings += _misplaced(row)
     findings += _too_slow(row)
     deadman = _deadman(row.deadman, row, schema, findings) if row.deadman else None
@@ -46,11 +46,11 @@ def guarded(route: ir.Route, row: Row, schema: Schema, findings: list[Diagnostic
 
 
 def check_peers(table: Table) -> Iterator[Diagnostic]:
-    """A rate of sources that are not named: nobody would know whose rate an address has."""
+    """Report a `source_rate` without `sources`, because the rate is counted for each source."""
     for peer in table.peers:
         if peer.source_rate is not None and not peer.sources:
-            message = f"{peer.name} has a rate for each of its sources, but names none"
-            help = "name its `sources`; [0.0.0.0/0] for any address"
+            message = f"{peer.name} has a `source_rate`, but no `sources`"
+            help = "list its `sources`; [0.0.0.0/0] allows any address"
             yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
 
 
@@ -66,15 +66,19 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         also = [(row.at(key), f"`{key}` is set here") for key in outgoing]
         yield MISPLACED.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
-        message = f"{row.name} has further topics under `also`: `deadman` would stop the peer while one of them speaks"
-        yield MISPLACED.at(row.at("deadman"), message, "let one topic command the peer")
+        message = (
+            f"{row.name} has extra topics under `also`, so `deadman` could stop the peer while one of them is active"
+        )
+        yield MISPLACED.at(
+            row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
+        )
 
 
 def _too_slow(row: Row) -> Iterator[Diagnostic]:
-    """A rate at which a topic that speaks all the time would be taken for silent."""
+    """Report a rate limit at which the topic always counts as silent between two messages."""
     if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
         message = f"at {row.max_rate} messages a second, {row.name} counts as silent after {row.deadman.after_ms} ms"
-        also = [(row.deadman.at("after"), "said here")]
+        also = [(row.deadman.at("after"), "set here")]
         yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate`, or `after`", also)
 
 
@@ -87,8 +91,8 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
             continue
         value, wanted = _value(field, text, schema)
         if value is None:
-            message = f"{path} of {row.name} cannot be {text!r}: it is {wanted}"
-            findings.append(STOP_VALUE.at(span, message, "write the value that stops it"))
+            message = f"{path} of {row.name} cannot be {text!r}; it must be {wanted}"
+            findings.append(STOP_VALUE.at(span, message, "write the value that stops the peer"))
         else:
             values.append((path, value))
     return ir.Deadman(settings.after_ms, settings.repeat_ms, tuple(values))
@@ -97,14 +101,14 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
 def _field(
     message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
 ) -> ProtoField | None:
-    """The field at the end of a path; None, with a finding, where there is none that holds one value."""
+    """Return the field at the end of a path; report the path and return None if it does not exist."""
     *outer, name = path.split(".")
     for part in outer:
         field = _member(message, part, path, span, findings)
         if field is None:
             return None
         if field.type not in ("message", "group") or field.repeated:
-            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part} in {path} is no nested message"))
+            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part} in {path} is not a nested message"))
             return None
         message = schema.messages[field.type_name]
     return _member(message, name, path, span, findings)
@@ -113,17 +117,17 @@ def _field(
 def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Diagnostic]) -> ProtoField | None:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
-        help = nearest(name, fields, f"it has {', '.join(fields)}" if fields else "it has none")
+        help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "it has no fields")
         findings.append(UNKNOWN_STOP_FIELD.at(span, f"{path}: {message.full_name} has no field {name}", help))
     return fields.get(name)
 
 
 def _value(field: ProtoField, text: str, schema: Schema) -> tuple[Value | None, str]:
-    """What a text says in a field, or None; and what the field takes."""
+    """Convert a text to the field's value, or None; also return the kind of value that the field needs, in words."""
     if field.repeated:
-        return None, "a list, which is left empty"
+        return None, "an empty list, so remove it"
     if field.type in ("message", "group"):
-        return None, "a message; name its fields with dots"
+        return None, "given by the message's fields, with dots in the path"
     if field.type == "enum":
         values = {value.name: value.number for value in schema.enums[field.type_name].values}
         return values.get(text), f"one of {', '.join(values)}"

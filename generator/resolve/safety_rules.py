@@ -1,4 +1,4 @@
-"""The rules of the settings that keep a rover from moving by mistake: deadman, rates, sources."""
+"""Rules of the settings that keep a rover from moving by mistake: deadman, rates, sources."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from roverlink.generator.diagnostics import Rule
 MISPLACED = Rule(
     "SAF101",
     "misplaced-guard",
-    """A row has `deadman` or `priority` where it cannot work.
+    """A row has `deadman` or `priority`, but cannot use it.
 
-Both are for topics that are sent to a peer. A row from a peer has nothing to send; and with further topics under
-`also`, a silent commander would go unnoticed while another topic speaks.
+Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a row to a peer has extra
+topics under `also`, `deadman` would not notice that one topic is silent while another one is active.
 
 Bad::
 
@@ -45,7 +45,7 @@ STOP_VALUE = Rule(
     "stop-value",
     """A field cannot hold the value that `deadman.send` gives it.
 
-The stop message must be valid at start, not on the day on which it is needed.
+A wrong stop message must be found now, not when the rover has to stop.
 
 Bad::
 
@@ -90,9 +90,9 @@ Good::
 RATE_WITHOUT_SOURCES = Rule(
     "SAF105",
     "rate-without-sources",
-    """A peer has a `source_rate`, but names no `sources`.
+    """A peer has a `source_rate`, but no `sources`.
 
-The rate is a limit for each source; without a list of sources no datagram can be counted against it.
+The rate is a limit for each source. Without a list of sources, datagrams cannot be counted by source.
 
 Bad::
 

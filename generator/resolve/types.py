@@ -1,4 +1,4 @@
-"""What the value of one proto field becomes in ROS: its type, and the kind of conversion."""
+"""Conversion of one proto field's value: its ROS type, and the kind of conversion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from roverlink.generator.table import EnumSettings
 
 
 class MessageMaker(Protocol):
-    """Makes the ROS messages that fields need; a message is made of fields, and a field may need a further message."""
+    """Maker of the ROS messages that fields need.
+
+    A message is made of fields, and a field may need another message. This protocol breaks the import cycle.
+    """
 
     schema: Schema
     settings: FieldSettings
@@ -26,16 +29,16 @@ class MessageMaker(Protocol):
     messages: dict[str, ir.RosMessage]
 
     def claim(self, ros: str, source: str, span: Span) -> None:
-        """Take a name for a ROS message; report it if another source has it."""
+        """Register the name of a ROS message; report it if another source has it."""
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Make the ROS message of what a field holds; None, with a diagnostic, if there can be none."""
+        """Return the ROS message for the message in a field; None, with a diagnostic, if it cannot be made."""
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """Make the ROS message of an Any that may hold some types."""
+        """Return the ROS message for an Any that may contain `types`."""
 
     def bytes_message(self) -> str:
-        """Make the ROS message of bytes in a list."""
+        """Return the ROS message for an item of a list of bytes."""
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
         """Make the ROS message of an enum if the table gives it one, and return the table's settings."""
@@ -43,7 +46,7 @@ class MessageMaker(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """What one value becomes."""
+    """ROS side of a single value."""
 
     kind: ConversionKind
     type: ir.RosType
@@ -54,7 +57,7 @@ class _Value:
 
 
 class FieldTypes:
-    """Converts the fields of one ROS message, and collects the enums whose constants it needs."""
+    """Converter of the fields of one ROS message. It collects the enums whose constants the message needs."""
 
     def __init__(self, messages: MessageMaker, ros: str) -> None:
         self._messages, self._schema, self._ros = messages, messages.schema, ros
@@ -63,9 +66,9 @@ class FieldTypes:
     def conversion(
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
-        """The conversion of a field of a message; None, with a finding, where it has none.
+        """Return the conversion of a field; report a field that cannot be converted, and return None.
 
-        ``path`` leads to it from the payload, ``name`` is the ROS field's.
+        ``path`` leads from the payload to the field; ``name`` is the name of the ROS field.
         """
         held = self._schema.messages.get(field.type_name)
         if held is not None and held.map_entry:
@@ -123,7 +126,7 @@ class FieldTypes:
         return _Value(ConversionKind.VALUE, ir.RosType(enums.integer_type(enum)), enum=enum.full_name)
 
     def _message(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str | None:
-        """The ROS message of a message field."""
+        """Return the ROS message of a message field."""
         holder, owner = self._owner(message, field)
         types = self._messages.settings.anys.get((holder.full_name, owner.name))
         if field.type_name == well_known.ANY and types:
@@ -132,7 +135,10 @@ class FieldTypes:
         return self._messages.nested_message(owner, field.type_name)
 
     def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
-        """The message and the field that somebody wrote: for a map's entry, whose it is."""
+        """Return the message and the field that the .proto file declares.
+
+        protoc generates an entry message for each map. For a field of an entry, the map's field is returned.
+        """
         if not message.map_entry:
             return message, field
         holder = self._schema.messages[message.full_name.rpartition(".")[0]]
@@ -157,7 +163,10 @@ class FieldTypes:
 
 
 def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-    """A field's comment; those in protobuf's own messages explain how its libraries are used."""
+    """Return a field's comment.
+
+    The comments in protobuf's own messages are left out; they explain protobuf's libraries.
+    """
     return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
 
 

@@ -1,6 +1,7 @@
-"""What the types of google.protobuf become that mean more than the fields in them.
+"""Well-known types of google.protobuf that have a conversion of their own.
 
-The others (Any, Empty and FieldMask in a repeated field, and whatever else is there) are messages like a user's own.
+All other types of google.protobuf are converted like a user's messages, and so are Any, Empty and FieldMask in a
+repeated field.
 """
 
 from __future__ import annotations
@@ -15,14 +16,14 @@ TIMES = {
     "google.protobuf.Timestamp": ("timestamp", "Time"),
     "google.protobuf.Duration": ("duration", "Duration"),
 }
-"""The runtime's module, and the message of builtin_interfaces."""
+"""Runtime module and message of builtin_interfaces, by proto type."""
 
 TEXTS = {
     "google.protobuf.Struct": "json_struct",
     "google.protobuf.Value": "json_value",
     "google.protobuf.ListValue": "json_list",
 }
-"""The runtime's module."""
+"""Runtime module, by proto type. The ROS side is a JSON text."""
 
 WRAPPERS = {
     "google.protobuf.DoubleValue": "double",
@@ -35,7 +36,7 @@ WRAPPERS = {
     "google.protobuf.StringValue": "string",
     "google.protobuf.BytesValue": "bytes",
 }
-"""The scalar in each."""
+"""Scalar type in each wrapper."""
 
 SCALARS = {
     "double": "float64",
@@ -53,10 +54,10 @@ SCALARS = {
     "bool": "bool",
     "string": "string",
 }
-"""The ROS type of each scalar but bytes."""
+"""ROS type of each scalar type except bytes."""
 
 
 def time_type(proto: str) -> tuple[str, ir.RosType]:
-    """The runtime's module and the ROS type of a time."""
+    """Return the runtime module and the ROS type of a time."""
     module, name = TIMES[proto]
     return module, ir.RosType(name, is_message=True, package="builtin_interfaces")

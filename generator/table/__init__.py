@@ -1,4 +1,4 @@
-"""mapping.yaml: what it may hold, and the table that it is read as."""
+"""Table of mapping.yaml: the declarations of its keys, its reader, and edits of its text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edits of mapping.yaml in its text, whose comments and layout stay: rows are added, and payloads retired."""
+"""Edits of mapping.yaml as text, so that comments and layout are kept: adding a row, retiring a payload."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 
 Edit = tuple[int, int, list[str]]
-"""Lines from the first to before the last, counted from 0, become other lines."""
+"""Replacement of the lines from the first up to, but not including, the last (counted from 0)."""
 
 _MARKS = frozenset("{}[],:#&*!|>'\"%@`")
 _KEPT = ("number", "name", "proto")
-"""The keys of a row that it keeps when it is retired."""
+"""Keys that an entry under `retired` keeps from its row."""
 
 
 def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
-    """Return the table's text with a row behind the last one, written as that one is.
+    """Return the table's text with a row added after the last one, in the same style.
 
-    ``file`` is how findings call the table. Raises `DiagnosticsError` where the rows are not a list of one a line.
+    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if the rows are not a block list.
     """
     messages = _value_of(yaml.compose(text, Loader=yaml.SafeLoader), "messages")
     last = messages.value[-1] if isinstance(messages, SequenceNode) and messages.value else None
     if not isinstance(messages, SequenceNode) or messages.flow_style or not isinstance(last, MappingNode):
-        message = "there is no list of rows, one below the other, under `messages`"
+        message = "`messages` has no list of rows with one row per line"
         raise DiagnosticsError([NO_PLACE_FOR_A_ROW.at(Span(file), message, "write the first row by hand")])
     lines = text.splitlines(keepends=True)
     entries = [f"{key}: {value if isinstance(value, int) else scalar(value)}" for key, value in row.items()]
@@ -40,14 +40,14 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
 def with_retired(text: str, number: int, file: str) -> str:
     """Return the table's text with the row of a number moved to ``retired``.
 
-    ``file`` is how findings call the table. Raises `DiagnosticsError` where no row has the number.
+    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if no row has the number.
     """
     root = yaml.compose(text, Loader=yaml.SafeLoader)
     messages, retired = _value_of(root, "messages"), _value_of(root, "retired")
     rows = messages.value if isinstance(messages, SequenceNode) else []
     row = next((row for row in rows if _scalar_of(row, "number") == str(number)), None)
     if row is None:
-        known = f"there are {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
+        known = f"known numbers: {', '.join(_scalar_of(row, 'number') for row in rows)}" if rows else ""
         raise DiagnosticsError([NO_SUCH_ROW.at(Span(file), f"no row under `messages` has the number {number}", known)])
     entry = "{" + ", ".join(f"{key}: {_scalar_of(row, key)}" for key in _KEPT) + "}"
     lines = text.splitlines(keepends=True)
@@ -56,7 +56,7 @@ def with_retired(text: str, number: int, file: str) -> str:
 
 
 def scalar(text: str) -> str:
-    """Write a text so that YAML reads it back; in quotes where it would be taken for something else."""
+    """Write a text so that YAML reads it back as the same string; quote it if YAML would read something else."""
     return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
 
 
@@ -68,7 +68,7 @@ def quoted(text: str) -> str:
 
 def _edited(lines: list[str], edits: Iterable[Edit]) -> str:
     """Return the text after edits that do not overlap."""
-    # From the end to the start, so that the places of what is still to be changed stay true.
+    # From the end to the start, so that the line numbers of the remaining edits stay valid.
     for first, last, replacement in sorted(edits, key=lambda edit: edit[0], reverse=True):
         lines[first:last] = replacement
     return "".join(lines)
@@ -82,7 +82,7 @@ def _row(end: int, margin: str, entries: list[str], *, flow: bool) -> Edit:
 
 
 def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
-    """Put the entry behind what is retired already, in the style in which that is written."""
+    """Return the edit that adds an entry after the retired ones, in their style."""
     if retired is None or not isinstance(retired, SequenceNode):
         end = "" if not lines or lines[-1].endswith("\n") else "\n"
         return len(lines), len(lines), [f"{end}retired:\n", f"  - {entry}\n"]
@@ -99,7 +99,7 @@ def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
 
 
 def _value_of(node: Node | None, key: str) -> Node | None:
-    """Return the value of a mapping's key; None where there is none."""
+    """Return the value of a mapping's key, or None if the key is missing."""
     if isinstance(node, MappingNode):
         for key_node, value in node.value:
             if key_node.value == key:
@@ -113,7 +113,10 @@ def _scalar_of(row: Node, key: str) -> str:
 
 
 def _last_line(node: Node) -> int:
-    """Return the last line with something of a node; a block's own end is where the next thing starts."""
+    """Return the last line with content of a node.
+
+    YAML ends a block node where the next node starts, after blank lines and comments; a row must not be added there.
+    """
     if not isinstance(node, CollectionNode) or node.flow_style or not node.value:
         return int(node.end_mark.line)
     return max(_last_line(part) for part in _parts(node))

@@ -1,4 +1,4 @@
-"""The rules of the commands that edit the table or the ledger: add, retire, accept."""
+"""Rules of the commands that edit the table or the ledger: add, retire, accept."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ NO_SUCH_ROW = Rule(
     "no-such-row",
     """`roverlink retire` names a number that no row has.
 
-Nothing is retired, since the number might be a slip of the hand.
+Nothing is retired, because the number may be a typing error.
 
 Bad::
 
@@ -42,9 +42,9 @@ Good::
 NO_PLACE_FOR_A_ROW = Rule(
     "RET103",
     "no-place-for-a-row",
-    """`roverlink add` finds no list of rows under `messages` with one row below the other.
+    """`roverlink add` finds no list of rows under `messages` with one row per line.
 
-The new row is written like the rows that are there; without one it is not known how.
+The new row copies the style of the last row, so there must be one. Write the first row by hand.
 
 Bad::
 

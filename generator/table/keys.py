@@ -1,7 +1,9 @@
-"""The keys of mapping.yaml: one declaration each, as an attribute of the part of the table that holds it.
+"""Keys of mapping.yaml.
 
-The reader, the JSON Schema, the reference in docs/mapping.md and the defaults follow from these declarations
-(`roverlink.generator.table.parts` says how). A new key is one attribute here.
+Each key is declared once, as an attribute of the part of the table that contains it.
+
+The reader, the JSON Schema, the reference in docs/mapping.md and the defaults all come from these declarations;
+`roverlink.generator.table.parts` explains how. A new key is one attribute here.
 """
 
 from __future__ import annotations
@@ -35,31 +37,31 @@ from roverlink.generator.table.value_types import (
 FORMAT_VERSION = 1
 LARGEST_NUMBER = 536_870_911  # 2**29 - 1, protobuf's largest field number
 IMPLEMENTATION_NUMBERS = range(19_000, 20_000)
-"""Field numbers that protobuf keeps for itself; protoc refuses them."""
+"""Field numbers that protobuf reserves for its implementation; protoc refuses them."""
 LARGEST_DATAGRAM = 65_507
-"""Bytes; what UDP over IPv4 carries."""
+"""Largest payload of a UDP datagram over IPv4 in bytes: 65,535 minus the IP header (20) and the UDP header (8)."""
 USUAL_TARGETS = ("python", "ros2", "markdown")
 _QOS = Qos()
 
-# --- types of value that several keys have ---
+# --- types of value that several keys share ---
 
 
 def _network_fault(text: str) -> tuple[str, str]:
-    """Tell why a text is no IPv4 address or network."""
+    """Return the reason why a text is not an IPv4 address or network, and the help; both empty if it is one."""
     try:
         network = IPv4Network(text, strict=False)
     except ValueError:
         help = "an IPv4 address or network, such as 10.0.0.7 or 10.0.0.0/24"
     else:
         help = "" if text in (str(network), str(network.network_address)) else f"the network is {network}"
-    return ("which is no address and no network", help) if help else ("", "")
+    return ("which is not an address or a network", help) if help else ("", "")
 
 
 def _import_fault(name: str) -> tuple[str, str]:
-    """Tell why a dotted name cannot be that of the generated package."""
+    """Return the reason why a dotted name cannot be an import name, and the help; both empty if it can."""
     first, *_ = parts = name.split(".")
     if word := next(filter(keyword.iskeyword, parts), ""):
-        return f"but {word} is a keyword of Python", "choose another name"
+        return f"but {word} is a Python keyword", "choose another name"
     if first == "roverlink" or first in sys.stdlib_module_names:
         owner = "roverlink itself" if first == "roverlink" else "Python's standard library"
         return f"but {first} is a module of {owner}", "choose another name, such as my_rover.generated"
@@ -75,7 +77,10 @@ EnumName = Annotated[str, Text("enum name", _DOTTED, "SensorBoardIMUInfo")]
 FieldPath = Annotated[str, Text("field path", _DOTTED, "gps_sensor_1")]
 FieldName = Annotated[str, Text("field name", r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")]
 PeerName = Annotated[str, Text("peer", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware")]
-"""Neither ``ros`` nor with ``_to_`` in it, so that a direction reads in one way."""
+"""Pattern of a peer's name.
+
+``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
+"""
 Address = Annotated[
     str, Text("address", r"[0-9]{1,3}(\.[0-9]{1,3}){3}(/[0-9]{1,2})?", "10.0.0.0/24", fault=_network_fault)
 ]
@@ -89,47 +94,49 @@ Rate = Annotated[int, Integer(1, 1_000_000)]
 Size = Annotated[int, Integer(1, LARGEST_DATAGRAM)]
 SilenceMs = Annotated[int, Duration(10, 3_600_000)]
 
-# --- what fills a field of a standard message ---
+# --- sources of a standard message's fields ---
 
 _SOURCE = Text("field path", rf"-?{_DOTTED}", "accel_x")
 _FIELD_NAME = Text("field name", r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")
 _TARGET = Named("target", lambda: _target())
 OPTIONS = {
-    "from": Key(_SOURCE, Meaning("The proto field that it takes; with a - before it, negated.")),
-    "value": Key(AnyOf((Text(), Number(), Boolean())), Meaning("A constant, also a text.")),
+    "from": Key(_SOURCE, Meaning("The proto field that gives the value; a - before it negates the value.")),
+    "value": Key(AnyOf((Text(), Number(), Boolean())), Meaning("A constant: a number, a text, true or false.")),
     "unit": Key(AnyOf((Text(), Integer(1, 1))), Meaning("The unit of the proto field.")),
-    "to": Key(AnyOf((Text(), Integer(1, 1))), Meaning("The unit of the target, where its definition does not say.")),
-    "scale": Key(Number(), Meaning("What the number is multiplied by before its unit is converted.")),
-    "fixed_point": Key(Number(), Meaning("What it is divided by instead: 100 for a field of hundredths.")),
-    "offset": Key(Number(), Meaning("What is added after that.")),
-    "narrow": Key(Boolean(), Meaning("Whether a type that holds less may take it; what does not fit is refused.")),
+    "to": Key(
+        AnyOf((Text(), Integer(1, 1))), Meaning("The unit of the ROS field, if its definition does not give one.")
+    ),
+    "scale": Key(Number(), Meaning("A factor for the number, applied before its unit is converted.")),
+    "fixed_point": Key(Number(), Meaning("A divisor instead of `scale`: 100 for a field that counts hundredths.")),
+    "offset": Key(Number(), Meaning("A number that is added after `scale` or `fixed_point`.")),
+    "narrow": Key(
+        Boolean(), Meaning("If true, the ROS field may have a smaller range; a value that does not fit is an error.")
+    ),
     "default": Key(
-        AnyOf((Text(), Number(), Boolean())), Meaning("What stands for an absent field, or any other enum value.")
+        AnyOf((Text(), Number(), Boolean())), Meaning("The value for an absent field, or for every other enum value.")
     ),
-    "enum": Key(
-        MapOf(_FIELD_NAME, AnyOf((Text(), Number()))), Meaning("What each enum value becomes: a constant or a number.")
-    ),
+    "enum": Key(MapOf(_FIELD_NAME, AnyOf((Text(), Number()))), Meaning("The constant or number for each enum value.")),
     "axes": Key(
         AnyOf((Text(choices=("ned_to_enu", "frd_to_flu")), ListOf(Text("axis", r"-?[xyz]", "-z")))),
-        Meaning("Which axis of the source each of x, y, z is."),
+        Meaning("The source axis for each of x, y and z."),
     ),
     "euler": Key(
         Object(
             {
-                "roll": Key(_TARGET, Meaning("About x."), True),
-                "pitch": Key(_TARGET, Meaning("About y."), True),
-                "yaw": Key(_TARGET, Meaning("About z."), True),
+                "roll": Key(_TARGET, Meaning("Angle about x."), True),
+                "pitch": Key(_TARGET, Meaning("Angle about y."), True),
+                "yaw": Key(_TARGET, Meaning("Angle about z."), True),
                 "unit": Key(Text(), Meaning("The unit of the angles.")),
             }
         ),
-        Meaning("A quaternion from angles about the fixed axes."),
+        Meaning("A quaternion, computed from angles about the fixed axes."),
     ),
 }
-"""The options of a field; any other key of its mapping is a part of the field."""
+"""Options of a field. Any other key in the mapping names a part of the field."""
 
 
 def _target() -> AnyOf:
-    """Return what may fill a field of a standard message; the fields of a message in it are filled likewise."""
+    """Return the type of an entry under `fields`. It is recursive: a nested message is a mapping of entries."""
     parts = Object(OPTIONS, others=MapOf(_FIELD_NAME, _TARGET))
     return AnyOf((Text(), Number(), Boolean(), ListOf(Number(), unique=False), parts))
 
@@ -139,25 +146,25 @@ _STAMP = AnyOf(
         Text(choices=("receive",)),
         Object(
             {
-                "from": Key(_SOURCE, Meaning("The proto field: a time since 1970 in UTC."), True),
+                "from": Key(_SOURCE, Meaning("The proto field: the time since 1970-01-01 in UTC."), True),
                 "unit": Key(Text(), Meaning("Its unit."), True),
             }
         ),
     )
 )
 
-# --- the parts of the table ---
+# --- parts of the table ---
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoSettings(Part):
-    """The place of the .proto files."""
+    """Place of the .proto files."""
 
     root: Annotated[Folder, Meaning("Folder from which proto imports are resolved, relative to the table.")]
     exclude: Annotated[
         tuple[Annotated[str, Text("file", r"[^\\]+\.proto", "components/common/message_types.proto")], ...],
         Meaning(
-            "Files, relative to the root, that never take part in a build. A message that is declared in them cannot "
+            "Files, relative to the root, that are never compiled. Messages that are declared in them cannot "
             "be used."
         ),
     ] = ()
@@ -165,7 +172,7 @@ class ProtoSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvelopeSettings(Part):
-    """The message that carries every payload."""
+    """Envelope: the message that contains every payload."""
 
     file: Annotated[
         str,
@@ -177,41 +184,41 @@ class EnvelopeSettings(Part):
     owner: Annotated[
         Literal["mapping", "proto"],
         Meaning(
-            "`mapping`: generate writes the file; `proto`: it belongs to another repository, and generate compares it "
-            "with the rows (ENV105)."
+            "`mapping`: generate writes the file. `proto`: the file belongs to another repository, and generate "
+            "compares it with the rows (ENV105)."
         ),
     ] = "mapping"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosSettings(Part):
-    """The ROS 2 side."""
+    """Settings of the ROS 2 side."""
 
     package: Annotated[str, Text("package name"), Meaning("Name of the ROS 2 interface package.")]
     distro: Annotated[
         Literal["humble", "jazzy"] | None,
         Meaning(
-            "The distribution whose standard messages are meant, where they are not the same in both.",
-            default="what both have",
+            "The ROS 2 distribution whose standard messages are used, if humble and jazzy differ.",
+            default="only what is the same in both",
         ),
     ] = None
-    # package.xml wants somebody; example.com receives nothing (RFC 2606)
+    # package.xml requires a maintainer; example.com is reserved and receives no mail (RFC 2606, section 3)
     maintainer: Annotated[
         str,
         Text("`Name <address>`", _MAINTAINER, "Rover Team <rover@example.com>"),
-        Meaning("Who is asked about the package; stands in its package.xml.", default="nobody in particular"),
+        Meaning("Maintainer of the ROS 2 package, for its package.xml.", default="a placeholder"),
     ] = "unnamed <unnamed@example.com>"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PythonSettings(Part):
-    """The Python side."""
+    """Settings of the Python side."""
 
     package: Annotated[
         PythonPackage,
         Meaning(
-            "Import name of the generated package. Its folder follows from it: `my_rover.generated` stands in "
-            "`my_rover/generated/`, relative to the table, with everything else that is generated.",
+            "Import name of the generated package. It decides the folder of all generated files, relative to the "
+            "table: `my_rover.generated` is in `my_rover/generated/`.",
             see="targets.md#python",
         ),
     ] = "generated"
@@ -219,11 +226,11 @@ class PythonSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeerSettings(Part):
-    """A machine at the other end of the datagrams."""
+    """Peer: a machine that exchanges datagrams with the bridge."""
 
     name: Annotated[PeerName, NAME]
     prefixes: Annotated[
-        tuple[str, ...], Meaning("What the names of this peer's messages start with (TAB105, NAM102).")
+        tuple[str, ...], Meaning("Prefixes of the names of this peer's messages (TAB105, NAM102).")
     ] = ()
     parameter: Annotated[
         str,
@@ -239,20 +246,20 @@ class PeerSettings(Part):
     max_size: Annotated[
         Size | None,
         Meaning(
-            "Largest envelope in bytes that the peer can take or send, for a microcontroller. What travels there and "
-            "back must then have a bounded encoding.",
+            "Largest envelope in bytes that the peer can receive or send, for a microcontroller. Every message to and "
+            "from the peer must then have a bounded encoding.",
             see="lint.md#fixed-sizes",
         ),
     ] = None
     strip_trailing_zeros: Annotated[
-        bool, Meaning("Whether datagrams to this peer are sent without their trailing zero bytes.")
+        bool, Meaning("If true, datagrams to this peer are sent without their trailing zero bytes.")
     ] = False
     sources: Annotated[
         tuple[Address, ...],
         NOT_EMPTY,
         Meaning(
-            "IPv4 addresses and networks (`10.0.0.0/24`) from which this peer speaks. What comes from elsewhere, or "
-            "has another peer's payload, is dropped and counted.",
+            "IPv4 addresses and networks (`10.0.0.0/24`) of this peer. Datagrams from other addresses, and payloads "
+            "that belong to another peer, are dropped and counted.",
             default="any",
             see="security.md",
         ),
@@ -260,63 +267,67 @@ class PeerSettings(Part):
     source_rate: Annotated[
         Annotated[int, Integer(1, 10_000_000)] | None,
         Meaning(
-            "Datagrams a second that are taken from each of the peer's `sources`; more are dropped and counted.",
-            default="any number",
+            "Most datagrams a second from each of the peer's `sources`; more are dropped and counted.",
+            default="no limit",
         ),
     ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lowered(Part):
-    """A rule whose findings count for less."""
+    """Lower severity for a rule."""
 
     rule: Annotated[str, Text("rule id", r"[A-Z]{3}[0-9]{3}|[A-Z]+(_[A-Z0-9]+)+", "ENV106"), NAME]
-    severity: Annotated[Literal["warning", "hint", "off"], Meaning("What its findings count as.")]
-    reason: Annotated[str, Meaning("Why: for whoever reviews it.")]
+    severity: Annotated[Literal["warning", "hint", "off"], Meaning("The rule's new severity.")]
+    reason: Annotated[str, Meaning("The reason, for reviewers.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bound(Part):
-    """The room that a microcontroller has for a field."""
+    """Size limit of a field on a microcontroller."""
 
-    length: Annotated[Size | None, Meaning("Largest number of bytes of a text, or of `bytes`.")] = None
+    length: Annotated[Size | None, Meaning("Largest number of bytes of a `string` or `bytes` field.")] = None
     count: Annotated[Size | None, Meaning("Largest number of values of a repeated field.")] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeadmanSettings(Part):
-    """The payload that a peer is sent when the topic that commands it falls silent."""
+    """Payload that the bridge sends to a peer when the commanding topic is silent."""
 
     after_ms: Annotated[SilenceMs, Meaning("How long the topic may be silent, such as `500ms`.", key="after")]
     send: Annotated[
         Mapping[FieldPath, Annotated[str, Scalar()]],
         Meaning(
-            "What stops it: proto fields, with dots into nested messages, and their values, enum values by name and "
-            "bytes in hexadecimal. All other fields are zero."
+            "The payload that stops the peer: proto fields, with dots into nested messages, and their values. Enum "
+            "values are written by name, bytes in hexadecimal. All other fields are zero."
         ),
     ]
     repeat_ms: Annotated[
-        SilenceMs, Meaning("How often that is sent again while the topic is silent.", key="repeat")
+        SilenceMs, Meaning("Interval at which the payload is sent again while the topic is silent.", key="repeat")
     ] = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QosSettings(Part):
-    """The quality of service of a topic."""
+    """Quality of service (QoS) of a topic."""
 
     reliability: Annotated[
         Literal["reliable", "best_effort"],
-        Meaning("Whether lost messages are sent again. A best-effort publisher does not reach a reliable subscriber."),
+        Meaning("`reliable` sends lost messages again. A best-effort publisher does not reach a reliable subscriber."),
     ] = _QOS.reliability
     durability: Annotated[
-        Literal["volatile", "transient_local"], Meaning("Whether late subscribers get the last messages.")
+        Literal["volatile", "transient_local"],
+        Meaning("With `transient_local`, late subscribers get the last messages."),
     ] = _QOS.durability
-    history: Annotated[Literal["keep_last", "keep_all"], Meaning("What is kept for slow subscribers.")] = _QOS.history
+    history: Annotated[
+        Literal["keep_last", "keep_all"],
+        Meaning("Messages that are kept for slow subscribers: the last `depth`, or all."),
+    ] = _QOS.history
     depth: Annotated[
         Depth | None,
         Meaning(
-            "How many are kept with `keep_last`; the same as the row's `queue`. Over plain DDS the bridge's own "
-            "subscriptions keep 256 where that is more.",
+            "Number of messages that are kept with `keep_last`; the same as the row's `queue`. With plain DDS, the "
+            "bridge's own subscriptions keep at least 256.",
             default=str(_QOS.depth),
         ),
     ] = None
@@ -324,154 +335,157 @@ class QosSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StandardTopicSettings(Part):
-    """A topic with a message of ROS 2's common interfaces."""
+    """Topic with a standard message: one from a ROS 2 package such as sensor_msgs."""
 
     topic: Annotated[Topic, Meaning("ROS 2 topic, relative to the node's namespace unless it starts with a slash.")]
     ros: Annotated[RosName, Meaning("The standard message, with its package: `sensor_msgs/Imu`.")]
     queue: Annotated[
         Depth | None,
-        Meaning("Depth of the publisher's or subscription's queue; the same as `qos.depth`.", default=str(_QOS.depth)),
+        Meaning(
+            "Depth of the queue of the publisher or subscription; the same as `qos.depth`.", default=str(_QOS.depth)
+        ),
     ] = None
     qos: Annotated[
-        QosSettings, Meaning("Quality of service, where it is not rclcpp's default.", default="that of rclcpp")
+        QosSettings,
+        Meaning("Quality of service (QoS), if it differs from rclcpp's default.", default="rclcpp's default"),
     ] = field(default_factory=QosSettings)
     fields: Annotated[
         Mapping[FieldPath, Annotated[Form, _TARGET]],
-        Meaning("What each field of the message takes.", see="conversions.md#standard-messages-and-units"),
+        Meaning(
+            "The source of each field of the ROS message: a proto field, a constant, or a mapping of options.",
+            see="conversions.md#standard-messages-and-units",
+        ),
     ] = field(default_factory=dict)
     ignore: Annotated[
-        tuple[FieldPath, ...], Meaning("Paths of proto fields that the message does not tell, of a row to a peer.")
+        tuple[FieldPath, ...],
+        Meaning("Only for rows to a peer: paths of proto fields that the ROS message does not set."),
     ] = ()
     frame_id: Annotated[
         str | None,
         Meaning(
-            "The coordinate frame, where the standard message has a header.",
+            "The coordinate frame, if the standard message has a header.",
             see="conversions.md#standard-messages-and-units",
         ),
     ] = None
     stamp: Annotated[
         Annotated[Form, _STAMP] | None,
         Meaning(
-            "The time of a standard message's header: `receive`, when the datagram came, or a proto field.",
+            "The time in the header of a standard message: `receive` (when the datagram arrived) or a proto field.",
             default="`receive`",
         ),
     ] = None
     unset: Annotated[
-        tuple[FieldPath, ...], Meaning("Fields of the standard message that are left as they are in a new one.")
+        tuple[FieldPath, ...], Meaning("Fields of the standard message that keep the value of a new message.")
     ] = ()
 
     @property
     def profile(self) -> Qos:
-        """The quality of service with its depth, wherever that is said."""
+        """Quality of service; its depth comes from `queue` or `qos.depth`."""
         depth = self.queue or self.qos.depth or _QOS.depth
         return Qos(self.qos.reliability, self.qos.durability, self.qos.history, depth)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row(StandardTopicSettings):
-    """One message: what travels under which number, between which peer and which topic."""
+    """Row of the table: one message with its number, direction, peer and topic."""
 
-    number: Annotated[FieldNumber, Meaning("Field number in the envelope's oneof. Permanent.")]
+    number: Annotated[FieldNumber, Meaning("Field number in the envelope's oneof. It must never change.")]
     name: Annotated[
         str,
         Text("field name", r"[A-Za-z][A-Za-z0-9_]*", "imu_info"),  # a class is named after it
-        Meaning("Field name in the envelope's oneof; the commands know the message by it."),
+        Meaning("Field name in the envelope's oneof; the commands use it as the message's name."),
     ]
-    proto: Annotated[
-        ProtoName, Meaning("The protobuf message, by its full name (with the proto package, where there is one).")
-    ]
+    proto: Annotated[ProtoName, Meaning("Full name of the protobuf message, with its proto package if it has one.")]
     ros: Annotated[
         RosName,
         Meaning(
-            "Name of the ROS 2 message; with another package before it (`geometry_msgs/Twist`) a standard one.",
+            "Name of the ROS 2 message. With a package (`geometry_msgs/Twist`) it is a standard message.",
             default="the last part of `proto`, in CamelCase",
         ),
     ] = ""
     direction: Annotated[
         str,
         Text("direction", r"[a-z][a-z0-9_]*_to_ros|ros_to_[a-z][a-z0-9_]*", "hardware_to_ros", checked_by_rule=True),
-        Meaning("Who sends: `<peer>_to_ros` or `ros_to_<peer>`."),
+        Meaning("The direction: `<peer>_to_ros` or `ros_to_<peer>`."),
     ]
     fields: Annotated[
         Mapping[FieldPath, Annotated[Form, _TARGET]],
         Meaning(
-            "Renames: path of a proto field to the ROS field that takes it. Of a standard message: what each of its "
-            "fields takes, as in `also`.",
+            "Renamed fields: the path of a proto field, and the ROS field that gets its value. For a standard message: "
+            "the source of each of its fields, as under `also`.",
             see="conversions.md#standard-messages-and-units",
         ),
     ] = field(default_factory=dict)
-    ignore: Annotated[tuple[FieldPath, ...], Meaning("Paths of proto fields that no ROS field takes.")] = ()
-    also: Annotated[
-        tuple[StandardTopicSettings, ...], Meaning("Further topics, with messages of ROS 2's common interfaces.")
-    ] = ()
+    ignore: Annotated[tuple[FieldPath, ...], Meaning("Paths of proto fields that have no ROS field.")] = ()
+    also: Annotated[tuple[StandardTopicSettings, ...], Meaning("Extra topics with standard messages.")] = ()
     presence: Annotated[
         Mapping[FieldPath, bool],
         Meaning(
-            "Whether a field `has_<field>` of the ROS message says that a proto field is set, by its path.",
-            default="that of the construct",
+            "By the path of a proto field: true if the ROS message has a field `has_<field>`, which is true if the "
+            "proto field is set.",
+            default="depends on the kind of field",
             see="conversions.md#presence",
         ),
     ] = field(default_factory=dict)
     anys: Annotated[
         Mapping[FieldPath, Annotated[tuple[ProtoName, ...], NOT_EMPTY]],
         Meaning(
-            "The messages that a `google.protobuf.Any` may hold, by its path.",
-            default="a type URL and bytes",
+            "By the path of a `google.protobuf.Any`: the messages that it may contain.",
+            default="any message, as a type URL and bytes",
             see="conversions.md#any",
             key="any",
         ),
     ] = field(default_factory=dict)
     forward: Annotated[
         tuple[PeerName, ...],
-        Meaning(
-            "Peers that also get the raw datagram. Only for rows that come from a peer, and not back to the same one."
-        ),
+        Meaning("Other peers that also get the raw datagram. Only for rows from a peer."),
     ] = ()
     bounds: Annotated[
         Mapping[FieldPath, Bound],
         Meaning(
-            "What a microcontroller has room for, by the path of the proto field. The target `nanopb` writes it for "
-            "the firmware, and `roverlink lint` reckons with it.",
+            "Size limits of fields on a microcontroller, by the path of the proto field. The target `nanopb` writes "
+            "them for the firmware, and `roverlink lint` computes message sizes with them.",
             see="lint.md#fixed-sizes",
         ),
     ] = field(default_factory=dict)
     expect_rate: Annotated[
         Rate | None,
         Meaning(
-            "Messages a second below which diagnostics warn, in either direction. A row without it may be silent.",
+            "Least messages a second, in either direction; diagnostics warn below it. Without it, a silent row is "
+            "fine.",
             see="diagnostics.md",
         ),
     ] = None
     deadman: Annotated[
         DeadmanSettings | None,
         Meaning(
-            "What the peer is told when the topic that commands it falls silent. Only for rows that go to a peer.",
+            "The payload for the peer when its topic is silent. Only for rows to a peer.",
             see="operations.md#when-a-command-falls-silent",
         ),
     ] = None
     max_rate: Annotated[
         Rate | None,
         Meaning(
-            "Most messages a second that pass on, in either direction. What comes too early waits until its time, and "
-            "only the newest waits."
+            "Most messages a second, in either direction. A message that comes too early waits for its time, and a "
+            "newer one replaces it."
         ),
     ] = None
     priority: Annotated[
         int,
         Integer(0, 9),
-        Meaning("Topics that are sent to peers are served by it, 9 first. Only for rows that go to a peer."),
+        Meaning("Order in which messages to peers are sent: 9 first. Only for rows to a peer."),
     ] = 0
     lint: Annotated[
         tuple[Lowered, ...],
         Meaning(
-            "Rules that count for less in what is about this row, its message and those in it.",
+            "Lower severities for diagnostics about this row, its message and nested messages.",
             see="lint.md#lower-the-severity-of-a-rule",
         ),
     ] = ()
 
     @property
     def standard(self) -> StandardTopicSettings | None:
-        """The row's own topic, if its message is a standard one."""
+        """Row's own topic if its message is a standard message, else None."""
         return self if "/" in self.ros else None
 
     @property
@@ -481,86 +495,90 @@ class Row(StandardTopicSettings):
 
     @property
     def renames(self) -> dict[str, str]:
-        """The ROS field that takes each proto field, of a row whose message is of the table's own package."""
+        """ROS field names by proto field, for a row without a standard message."""
         return {path: form.value for path, form in self.fields.items() if isinstance(form.value, str)}
 
     @property
     def inbound(self) -> bool:
-        """Whether the payload comes from a peer and goes to a topic."""
+        """True if the payload comes from a peer and goes to a topic."""
         return self.direction.endswith("_to_ros")
 
     @property
     def peer(self) -> str:
-        """The peer at the other end."""
+        """Name of the peer at the other end."""
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
     @property
     def ros_span(self) -> Span:
-        """The place of the ROS message's name, or of the proto's, from which it is taken."""
+        """Place of the ROS message's name, or of `proto` if the name comes from there."""
         return self.spans.get("ros", self.at("proto"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RetiredRow(Part):
-    """A payload that is gone; its number and its name never come back."""
+    """Retired payload. Its number and its name are never used again."""
 
-    number: Annotated[FieldNumber, Meaning("The number that never comes back.")]
-    name: Annotated[FieldName, Meaning("The name it had.")]
-    proto: Annotated[ProtoName, Meaning("The protobuf message it carried; its file need not exist any more.")]
+    number: Annotated[FieldNumber, Meaning("The number, which is never used again.")]
+    name: Annotated[FieldName, Meaning("The name that the row had.")]
+    proto: Annotated[ProtoName, Meaning("The protobuf message that the row had; its file may be deleted.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnumSettings(Part):
-    """An enum that is a ROS message of its own."""
+    """Enum that becomes a ROS message of its own."""
 
     proto: Annotated[EnumName, NAME]
     ros: Annotated[RosName, Meaning("Name of the ROS 2 message that holds the enum.")]
-    field: Annotated[str, Text("field name"), Meaning("The field of that message that holds the value.")]
+    field: Annotated[str, Text("field name"), Meaning("The field of that message for the value.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table(Part):
-    """mapping.yaml: all of it, or what of it is whole."""
+    """mapping.yaml as it was read. Items with mistakes are left out."""
 
     file: str
     whole: bool
-    """False if something was left out; what concludes from an absence must check this."""
+    """False if something was left out; rules about missing rows must check this."""
     numbers: frozenset[int]
-    """Every number that stands in the file, also in a row that is not whole."""
-    version: Annotated[int, Integer(FORMAT_VERSION, FORMAT_VERSION), Meaning("Version of this format.")]
-    proto: Annotated[ProtoSettings, Meaning("Where the `.proto` files are.")]
-    envelope: Annotated[EnvelopeSettings, Meaning("The message that carries every payload.")]
+    """Every number in the file, including numbers of rows that were left out."""
+    version: Annotated[int, Integer(FORMAT_VERSION, FORMAT_VERSION), Meaning("Version of the table's format.")]
+    proto: Annotated[ProtoSettings, Meaning("The place of the `.proto` files.")]
+    envelope: Annotated[EnvelopeSettings, Meaning("The message that contains every payload.")]
     ros: Annotated[RosSettings, Meaning("The ROS 2 side.")]
     python: Annotated[PythonSettings, Meaning("The Python side.")] = field(default_factory=PythonSettings)
-    peers: Annotated[tuple[PeerSettings, ...], Meaning("The machines at the other end of the datagrams, by name.")]
-    rows: Annotated[tuple[Row, ...], NOT_EMPTY, Meaning("The rows: one a message, in any order.", key="messages")]
+    peers: Annotated[
+        tuple[PeerSettings, ...], Meaning("The machines that exchange datagrams with the bridge, by name.")
+    ]
+    rows: Annotated[
+        tuple[Row, ...], NOT_EMPTY, Meaning("The rows: one for each message, in any order.", key="messages")
+    ]
     retired: Annotated[
         tuple[RetiredRow, ...],
-        Meaning("Payloads that are gone; their numbers and names are reserved in the envelope and never come back."),
+        Meaning("Removed payloads. Their numbers and names are reserved in the envelope and never used again."),
     ] = ()
     enums: Annotated[
         tuple[EnumSettings, ...],
         Meaning(
-            "Enums, by full name, that are a ROS 2 message of their own; any other is an integer with its constants "
-            "beside it."
+            "Enums, by full name, that become a ROS 2 message of their own. Any other enum becomes an integer field "
+            "with constants."
         ),
     ] = ()
     targets: Annotated[
         tuple[Annotated[str, Text("target", r"[a-z][a-z0-9_]*", "nanopb")], ...],
-        Meaning("What the table is compiled to.", see="targets.md"),
+        Meaning("The kinds of files that are generated.", see="targets.md"),
     ] = USUAL_TARGETS
     templates: Annotated[
         tuple[Annotated[str, Text("folder", r"(?!\.\.([/\\]|$)).+", "firmware/templates")], ...],
-        Meaning("Folders of Jinja templates of your own, below that of the table."),
+        Meaning("Folders with your own Jinja templates, relative to the table's folder."),
     ] = ()
-    lint: Annotated[tuple[Lowered, ...], Meaning("Rules that count for less everywhere.")] = ()
+    lint: Annotated[tuple[Lowered, ...], Meaning("Lower severities of rules, for the whole table.")] = ()
 
     def peers_by_name(self) -> dict[str, PeerSettings]:
-        """The peers by name."""
+        """Return the peers by name."""
         return {peer.name: peer for peer in self.peers}
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
-        """Return the same table with more targets and folders of templates, each once."""
+        """Return the same table with more targets and template folders, without duplicates."""
         return replace(
             self,
             targets=tuple(dict.fromkeys((*(self.targets or USUAL_TARGETS), *targets))),

@@ -1,12 +1,12 @@
-"""Parts of the table as dataclasses whose annotations declare the keys.
+"""Parts of the table: dataclasses whose annotations declare the keys.
 
-An attribute of a part with a `Meaning` among its annotations is a key; the rest follows from the annotation:
+An attribute with a `Meaning` among its annotations is a key. The rest comes from the annotation:
 
-- the type of value: the one that is among the annotations, else what belongs to the Python type (``bool``, ``str``,
-  ``Literal[...]``, another part, a tuple or a mapping of these);
-- whether the key is required: it is if the attribute has no default.
+- The type of value is the `Type` among the annotations. Without one it follows from the Python type (``bool``, ``str``,
+  ``Literal[...]``, another part, or a tuple or mapping of these).
+- A key is required if its attribute has no default.
 
-``NAME`` marks the attribute that holds the name of a part in a mapping of parts, and ``NOT_EMPTY`` a list that must
+``NAME`` marks the attribute that holds the name of a part in a mapping of parts. ``NOT_EMPTY`` marks a list that must
 have an item.
 """
 
@@ -27,7 +27,7 @@ from roverlink.generator.table.value_types import AnyOf, Boolean, Key, ListOf, M
 
 
 class Mark(Enum):
-    """What an annotation says besides the type of value and the meaning."""
+    """Note of an annotation, besides the type of value and the meaning."""
 
     NAME = "name"
     NOT_EMPTY = "not empty"
@@ -40,31 +40,31 @@ NOT_EMPTY = Mark.NOT_EMPTY
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """A part of the table that knows the places of its values."""
+    """Part of the table. It knows the places of its values."""
 
     span: Span = _NOWHERE
     spans: Mapping[str, Span] = field(default_factory=dict, repr=False)
-    """The place of each key's value, and of each entry or text below it as ``key.entry``."""
+    """Place of each key's value; ``key.entry`` is the place of an entry or text below it."""
 
     def at(self, key: str) -> Span:
-        """Return the place of a key's value, or the part's own place if the key is absent."""
+        """Return the place of a key's value, or the part's own place if the key is missing."""
         return self.spans.get(key, self.span)
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A value of a YAML file as it stands there, with its place: a scalar, a list or a mapping."""
+    """Value of a YAML file with its place: a scalar, a list or a mapping."""
 
     span: Span
     value: bool | str | int | Fraction | float | None = None
-    """Of a scalar."""
+    """Value of a scalar."""
     items: tuple[Form, ...] | None = None
-    """Of a list."""
+    """Items of a list."""
     entries: Mapping[str, Form] | None = field(default=None, hash=False)
-    """Of a mapping."""
+    """Entries of a mapping."""
 
     def spans(self) -> dict[str, Span]:
-        """Return the place of each entry, and of each entry or text in it as ``key.entry``."""
+        """Return the place of each entry; ``key.entry`` is the place of an entry or text below it."""
         spans = {}
         for key, form in (self.entries or {}).items():
             spans[key] = form.span
@@ -78,7 +78,7 @@ P = TypeVar("P", bound=Part)
 
 @cache
 def object_of(part: type[Any]) -> Object:
-    """Return the keys that a part declares: the required ones first, and its own before those that it inherits."""
+    """Return the keys that a part declares: required keys first, and own keys before inherited ones."""
     annotations = get_type_hints(part, include_extras=True)
     fields = {field.name: field for field in dataclasses.fields(part)}
     names = dict.fromkeys(name for base in part.__mro__ for name in inspect.get_annotations(base) if name in fields)
@@ -102,7 +102,7 @@ def _notes(annotation: Any) -> list[Any]:
 
 
 def _type_of(annotation: Any) -> Type:
-    """Return the type of value that an annotation says."""
+    """Return the type of value that an annotation declares."""
     notes = _notes(annotation)
     for note in notes:
         if isinstance(note, Type):
@@ -127,7 +127,7 @@ def _type_of(annotation: Any) -> Type:
 
 
 def _map_of_named(type: Type) -> MapOf | None:
-    """Return the mapping of parts that have a name; None for what is no such part."""
+    """Return a mapping type for parts that have a name; None for other types."""
     if isinstance(type, Object) and type.part:
         for name, annotation in get_type_hints(type.part, include_extras=True).items():
             key = _type_of(annotation) if NAME in _notes(annotation) else None
@@ -137,14 +137,14 @@ def _map_of_named(type: Type) -> MapOf | None:
 
 
 def build(part: type[P], form: Form, **further: Any) -> P:
-    """Make a part from what stands in the file; ``further`` are its attributes that are no keys.
+    """Build a part from its form in the file; ``further`` sets the attributes that are not keys.
 
-    Of a list or a mapping, items that lack a required key are left out. What a part lacks itself is empty, if it is
-    required, and the default if not.
+    Items of lists and mappings that lack a required key are left out. If the part itself lacks a key, the value is the
+    default, or empty for a required key.
     """
     values = {}
     entries = form.entries or {}
-    declared = object_of(part)  # type: ignore[arg-type]  # mypy takes a class that is generic for unhashable
+    declared = object_of(part)  # type: ignore[arg-type]  # mypy takes a generic class for unhashable
     for name, key in declared.keys.items():
         here = entries.get(name)
         if here is not None and (key.required or _is_whole(key.type, here)):
@@ -169,7 +169,7 @@ def _value(type: Type, form: Form) -> Any:
 
 
 def _empty(type: Type, span: Span) -> Any:
-    """Return what stands for a value that is not there, and has no default."""
+    """Return the empty value for a required key that is missing."""
     if isinstance(type, (Object, ListOf, MapOf)):
         return _value(type, Form(span))
     return "" if isinstance(type, Text) else 0

@@ -1,4 +1,4 @@
-"""The first phase: mapping.yaml to a `Table`, with every mistake in the file as a finding at its place."""
+"""Reader of mapping.yaml: text to `Table`, with every mistake in the file as a diagnostic at its place."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _FIRST_PORT = 6000
 
 
 def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Table:
-    """Read a table; ``name`` is how findings call the file.
+    """Read a table; ``name`` is the file's name in diagnostics.
 
-    Every mistake in the file is added to the findings. What is whole is read all the same, and `Table.whole` says
-    whether that is everything. Raises `DiagnosticsError` where there is nothing to read.
+    Every mistake in the file is added to the findings. Correct parts are still read; `Table.whole` is False if
+    something was left out. Raises `DiagnosticsError` if nothing can be read.
     """
     file = name or str(path)
     return parse(read_text(path, file), file, findings)
 
 
 def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
-    """Read the table that a text holds; as `read`."""
+    """Read a table from a text; as `read`."""
     before = len(findings)
     form = read_form(text, file, object_of(Table), "the table", findings)
     if form is None:
@@ -41,7 +41,7 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
 
 
 def _numbers(table: Form) -> Iterator[int]:
-    """Find the numbers of all rows, also of those that lack a key."""
+    """Yield the numbers of all rows, including rows that lack a key."""
     entries = table.entries or {}
     for key in ("messages", "retired"):
         for row in entries[key].items or () if key in entries else ():
@@ -50,7 +50,7 @@ def _numbers(table: Form) -> Iterator[int]:
 
 
 def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
-    """Sort the peers by name; the parameters and ports that the table does not name follow from the order."""
+    """Sort the peers by name, and set the parameters and ports that the table leaves to the default."""
     for index, peer in enumerate(sorted(peers, key=lambda peer: peer.name)):
         letter = ascii_lowercase[index % len(ascii_lowercase)]
         parameter = peer.parameter or f"dst_{letter}_port"
@@ -58,7 +58,7 @@ def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
 
 
 def _mistakes(row: Row) -> Iterator[Diagnostic]:
-    """Check keys of a row against each other."""
+    """Check the keys of a row against each other."""
     for standard in (row, *row.also):
         yield from _conflicting_depths(standard)
     if row.standard is None:
@@ -69,13 +69,13 @@ def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]
     depth = standard.qos.depth
     if standard.queue is not None and depth is not None and standard.queue != depth:
         message = f"queue is {standard.queue}, but the depth of qos is {depth}"
-        yield CONFLICTING_KEYS.at(standard.qos.at("depth"), message, "they mean the same; keep one of them")
+        yield CONFLICTING_KEYS.at(standard.qos.at("depth"), message, "both set the same depth; keep one of them")
 
 
 def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
-    """Find forms of `fields` that only a row with a standard message may have, in one of the table's own package."""
+    """Report values under `fields` that only a row with a standard message may have."""
     for path, form in row.fields.items():
         if path not in row.renames:
-            message = f"fields.{path} is no string; in a message of our own it is the name of the ROS field"
-            help = "a row with a standard message has its package in `ros`, as in sensor_msgs/Imu"
+            message = f"fields.{path} is not a string; without a standard message it must be the name of the ROS field"
+            help = "for a standard message, write its package in `ros`, as in sensor_msgs/Imu"
             yield WRONG_TYPE.at(form.span, message, help)

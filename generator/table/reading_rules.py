@@ -1,4 +1,4 @@
-"""The rules of the table reader: what mapping.yaml must look like before anything else can be checked."""
+"""Rules of the table reader: mistakes in mapping.yaml that are reported before any other check."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ UNREADABLE = Rule(
     "unreadable-table",
     """The table cannot be read: it is missing, empty, or not UTF-8.
 
-Nothing can be checked without the table. A file that another editor saved in Latin-1 or UTF-16 looks right there, but
-no YAML reader takes it.
+Nothing can be checked without the table. A file that an editor saved in Latin-1 or UTF-16 looks right in that editor,
+but the YAML reader needs UTF-8.
 
 Bad::
 
@@ -47,7 +47,7 @@ DUPLICATE_KEY = Rule(
     "duplicate-key",
     """A mapping has the same key twice.
 
-YAML readers keep the last value and say nothing, so the first one is lost.
+Most YAML readers keep the last value without a warning, so the first value would be lost.
 
 Bad::
 
@@ -62,9 +62,9 @@ Good::
 UNKNOWN_KEY = Rule(
     "MAP104",
     "unknown-key",
-    """A key is not part of the format; mostly it is misspelt.
+    """A key is not part of the format; usually it is misspelt.
 
-A key that is ignored in silence leaves its author believing that it has an effect.
+If an unknown key were ignored, its author would believe that it has an effect.
 
 Bad::
 
@@ -81,7 +81,7 @@ MISSING_KEY = Rule(
     "missing-key",
     """A required key is missing.
 
-There is no value that would be right for every rover, so there is no default.
+No value would be right for every rover, so the key has no default.
 
 Bad::
 
@@ -98,7 +98,7 @@ WRONG_TYPE = Rule(
     "wrong-type",
     """A value has the wrong kind: a text instead of a number, a list instead of a mapping, and so on.
 
-Quotes make a text of a number; brackets make a list, braces a mapping.
+In YAML, quotes turn a number into a text; square brackets make a list, and braces a mapping.
 
 Bad::
 
@@ -113,9 +113,10 @@ Good::
 SURPRISING_SCALAR = Rule(
     "MAP107",
     "surprising-scalar",
-    """YAML reads the value as something else than it looks: `off` as false, `012` as 10.
+    """YAML reads the value as something other than it looks like: `off` as false, `012` as 10.
 
-The value in the file and the value in the program would differ.
+YAML 1.1 reads `yes`, `no`, `on` and `off` as booleans, `012` as octal and `1:30` as base 60. The value in the program
+would differ from the value that you see in the file.
 
 Bad::
 
@@ -130,9 +131,9 @@ Good::
 BAD_VALUE = Rule(
     "MAP108",
     "bad-value",
-    """A value is out of range, not one of the choices, or not a name.
+    """A value is out of range, is not one of the choices, or is not a valid name.
 
-Numbers go into wire tags and ports, names into code and file names; each has a range or a spelling of its own.
+Numbers become wire tags and ports, and names become code and file names. Each has its own range or spelling.
 
 Bad::
 

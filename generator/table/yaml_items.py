@@ -1,6 +1,7 @@
-"""A YAML file along a format: its values with their places, and every mistake in it as a finding.
+"""Reader of a YAML file by its format: values with their places, and every mistake as a diagnostic.
 
-`yaml.compose` keeps line and column. What does not fit is reported and left out; what is around it is still read.
+`yaml.compose` is used instead of `yaml.load`, because its nodes keep line and column. A value with a mistake is
+reported and left out; the values around it are still read.
 """
 
 from __future__ import annotations
@@ -29,24 +30,26 @@ from roverlink.generator.table.value_types import AnyOf, ListOf, MapOf, Named, O
 from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
 
 
-def read_form(text: str, file: str, type: Type, what: str, findings: list[Diagnostic]) -> Form | None:
-    """The text of a file as a form, as far as it fits the format; what does not is added to the findings.
+def read_form(text: str, file: str, type: Type, subject: str, findings: list[Diagnostic]) -> Form | None:
+    """Parse a text and return its value as far as it fits the format; mistakes are added to the findings.
 
-    ``file`` and ``what`` are how findings call the file and its whole. None where the whole is of another type.
-    Raises `DiagnosticsError` where the text is not YAML.
+    ``file`` and ``subject`` are the names of the file and of its top-level value in diagnostics. Returns None if the
+    top-level value has another type. Raises `DiagnosticsError` if the text is not YAML.
     """
-    return _Reader(file, findings).value(_compose(text, file), type, what)
+    return _Reader(file, findings).value(_compose(text, file), type, subject)
 
 
 def read_text(path: Path, file: str) -> str:
-    """The text of the file. Raises `DiagnosticsError` where it cannot be read."""
+    """Return the file's text. Raises `DiagnosticsError` if it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
         help = "give the table with --table, run this in a project, or start one with `roverlink init`"
         raise DiagnosticsError([UNREADABLE.at(Span(file), f"cannot be read: {error.strerror}", help)]) from error
     except UnicodeDecodeError as error:
-        raise DiagnosticsError([UNREADABLE.at(Span(file), f"is not UTF-8: {error}")]) from error
+        raise DiagnosticsError(
+            [UNREADABLE.at(Span(file), f"is not UTF-8: {error}", "save the file in UTF-8")]
+        ) from error
 
 
 def _compose(text: str, file: str) -> Node:
@@ -55,15 +58,15 @@ def _compose(text: str, file: str) -> Node:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
-        raise DiagnosticsError([SYNTAX.at(span, f"not YAML: {error.problem or error.context}")]) from error
+        raise DiagnosticsError([SYNTAX.at(span, f"cannot parse the YAML: {error.problem or error.context}")]) from error
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         span = Span(file, before.count("\n") + 1, len(before) - before.rfind("\n"))
         raise DiagnosticsError(
-            [SYNTAX.at(span, f"not YAML: it cannot hold the character {error.character:#x}")]
+            [SYNTAX.at(span, f"cannot parse the YAML: the character {error.character:#x} is not allowed")]
         ) from error
     except RecursionError as error:
-        raise DiagnosticsError([SYNTAX.at(Span(file), "nested too deeply")]) from error
+        raise DiagnosticsError([SYNTAX.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
     if root is None:
         raise DiagnosticsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
     return root
@@ -71,38 +74,38 @@ def _compose(text: str, file: str) -> Node:
 
 @dataclass(slots=True)
 class _Reader(ScalarReader):
-    """Walks the YAML tree along the format, and collects what does not fit."""
+    """Reader that walks the YAML nodes by the format and collects mistakes."""
 
-    def value(self, node: Node, type: Type, what: str) -> Form | None:
-        """The form of a node, or None where it is not of the type."""
+    def value(self, node: Node, type: Type, subject: str) -> Form | None:
+        """Read a node; None if it is not of the type."""
         if isinstance(type, Named):
             type = type.definition()
         if isinstance(type, AnyOf):
             type = fitting_form(node, type)
         if isinstance(type, Object):
-            return self._object(node, type, what)
+            return self._object(node, type, subject)
         if isinstance(type, MapOf):
-            return self._map(node, type, what)
+            return self._map(node, type, subject)
         if isinstance(type, ListOf):
-            return self._list(node, type, what)
-        return self.scalar(node, type, what)
+            return self._list(node, type, subject)
+        return self.scalar(node, type, subject)
 
-    def _object(self, node: Node, type: Object, what: str) -> Form | None:
+    def _object(self, node: Node, type: Object, subject: str) -> Form | None:
         if not isinstance(node, MappingNode):
-            self.wrong(node, what, "a mapping")
+            self.wrong(node, subject, "a mapping")
             return None
         span, entries = self.span(node), dict[str, Form]()
         present: set[str] = set()
         unknown: dict[str, Span] = {}
-        for name, key_node, value_node in self._entries(node, what):
+        for name, key_node, value_node in self._entries(node, subject):
             present.add(name)
             if name not in type.keys and type.others and re.fullmatch(type.others.key.pattern, name):
-                if (value := self.value(value_node, type.others.value, f"{what}.{name}")) is not None:
+                if (value := self.value(value_node, type.others.value, f"{subject}.{name}")) is not None:
                     entries[name] = value
             elif name not in type.keys:
                 unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"{what} has no key {name!r}", help))
+                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"{subject} has no key {name!r}", help))
             elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
                 entries[name] = value
         for name, key in type.keys.items():
@@ -110,55 +113,57 @@ class _Reader(ScalarReader):
                 misspelt = [
                     span for other, span in unknown.items() if nearest(other, type.keys) == nearest(name, [name])
                 ]
-                message, help = f"{what} lacks the key {name!r}", f"{name}: {key.meaning.text}"
+                message, help = f"{subject} lacks the key {name!r}", f"{name}: {key.meaning.text}"
                 self.findings.append(MISSING_KEY.at(span, message, help, rests_on=misspelt))
         return Form(span, entries=entries)
 
-    def _map(self, node: Node, type: MapOf, what: str) -> Form | None:
+    def _map(self, node: Node, type: MapOf, subject: str) -> Form | None:
         if not isinstance(node, MappingNode):
-            self.wrong(node, what, "a mapping")
+            self.wrong(node, subject, "a mapping")
             return None
         entries = dict[str, Form]()
-        for name, key_node, value_node in self._entries(node, what):
+        for name, key_node, value_node in self._entries(node, subject):
             if type.key.pattern and not re.fullmatch(type.key.pattern, name):
-                self.bad(key_node, name, f"a key of {what}", type.key)
-            elif (value := self.value(value_node, type.value, f"{what}.{name}")) is not None:
+                self.bad(key_node, name, f"a key of {subject}", type.key)
+            elif (value := self.value(value_node, type.value, f"{subject}.{name}")) is not None:
                 entries[name] = value
         return Form(self.span(node), entries=entries)
 
-    def _entries(self, node: MappingNode, what: str) -> Iterator[tuple[str, Node, Node]]:
+    def _entries(self, node: MappingNode, subject: str) -> Iterator[tuple[str, Node, Node]]:
         first: dict[str, Span] = {}
         for key_node, value_node in node.value:
             span = self.span(key_node)
             if not isinstance(key_node, ScalarNode):
-                self.findings.append(WRONG_TYPE.at(span, f"a key of {what} is no name"))
+                self.findings.append(WRONG_TYPE.at(span, f"a key of {subject} is not a name"))
                 continue
             name = key_node.value
             if name in first:
                 also = [(first[name], "first here")]
                 self.findings.append(
-                    DUPLICATE_KEY.at(span, f"{what} has the key {name!r} twice", "keep one of them", also)
+                    DUPLICATE_KEY.at(span, f"{subject} has the key {name!r} twice", "keep one of them", also)
                 )
                 continue
             first[name] = span
             yield name, key_node, value_node
 
-    def _list(self, node: Node, type: ListOf, what: str) -> Form | None:
+    def _list(self, node: Node, type: ListOf, subject: str) -> Form | None:
         if not isinstance(node, SequenceNode):
-            self.wrong(node, what, "a list")
+            self.wrong(node, subject, "a list")
             return None
-        singular = {"messages": "a row of messages", "retired": "a row of retired"}.get(what, f"an item of {what}")
+        singular = {"messages": "a row of messages", "retired": "a row of retired"}.get(
+            subject, f"an item of {subject}"
+        )
         items = [self.value(child, type.item, singular) for child in node.value]
         if len(items) < type.least:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is empty"))
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is empty", "add an item"))
         form = Form(self.span(node), items=tuple(item for item in items if item is not None))
         if isinstance(type.item, Text) and type.unique:
-            self._check_unique(form, what)
+            self._check_unique(form, subject)
         return form
 
-    def _check_unique(self, texts: Form, what: str) -> None:
+    def _check_unique(self, texts: Form, subject: str) -> None:
         first: dict[Any, Span] = {}
         for item in texts.items or ():
             if (before := first.setdefault(item.value, item.span)) is not item.span:
-                message = f"{what} holds {item.value!r} twice"
+                message = f"{subject} contains {item.value!r} twice"
                 self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))

@@ -1,4 +1,10 @@
-"""The scalars of a YAML file as values; what looks like one thing and is another to YAML is a finding."""
+"""Reader of YAML scalars.
+
+Values that YAML reads as something other than they look like are reported.
+
+PyYAML follows YAML 1.1, in which ``no`` and ``off`` are booleans, ``012`` is octal, ``1:30`` is a number in base 60 and
+``2024-01-01`` is a date. MAP107 reports these instead of passing a surprising value on.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +31,7 @@ from roverlink.generator.table.value_types import (
     Type,
 )
 
-_LONGEST_INTEGER = 20  # digits; Python refuses to read thousands of them
+_LONGEST_INTEGER = 20  # digits; int() raises ValueError for more than 4300 digits
 _LONGEST_NUMBER = 40
 _LARGEST_EXPONENT = 400
 _NUMBER = re.compile(
@@ -45,7 +51,7 @@ _KINDS: dict[type, str] = {
 
 
 def kind_of(type: Type) -> str:
-    """What a type is called where something else stands in its place."""
+    """Return the words for a type in messages, as in "must be a list"."""
     if isinstance(type, Named):
         type = type.definition()
     if isinstance(type, AnyOf):
@@ -58,7 +64,7 @@ def kind_of(type: Type) -> str:
 
 
 def fitting_form(node: Node, type: AnyOf) -> Type:
-    """The form that a value has, by its kind; where it has none, the one that it looks like most."""
+    """Return the form that fits the kind of a value; if none fits, the most similar one."""
     by_kind = {kind_of(form): form for form in type.forms}
     kind = "a mapping" if isinstance(node, MappingNode) else "a list" if isinstance(node, SequenceNode) else "a string"
     if isinstance(node, ScalarNode) and not node.style:
@@ -73,118 +79,124 @@ def _exponent(text: str) -> int:
 
 @dataclass(slots=True)
 class ScalarReader:
-    """Reads scalars, and collects what does not fit."""
+    """Reader of scalars that collects mistakes."""
 
     file: str
     findings: list[Diagnostic]
 
     def span(self, node: Node) -> Span:
-        """Where a node starts."""
+        """Return the place at which a node starts."""
         return Span(self.file, node.start_mark.line + 1, node.start_mark.column + 1)
 
-    def wrong(self, node: Node, what: str, wanted: str) -> None:
-        """Report a value of another kind."""
+    def wrong(self, node: Node, subject: str, wanted: str) -> None:
+        """Report a value of the wrong kind."""
         kinds: dict[type[Node], str] = {MappingNode: "a mapping", SequenceNode: "a list"}
         found = kinds.get(type(node), "")
         found = found or (f"{node.value!r}" if node.value else "nothing")
-        self.findings.append(WRONG_TYPE.at(self.span(node), f"{what} is {found}; it must be {wanted}"))
+        self.findings.append(WRONG_TYPE.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
 
-    def scalar(self, node: Node, type: Type, what: str) -> Form | None:
-        """The form of a scalar, or None where it is not of the type."""
+    def scalar(self, node: Node, type: Type, subject: str) -> Form | None:
+        """Read a scalar; None if it is not of the type."""
         if not isinstance(node, ScalarNode):
-            self.wrong(node, what, kind_of(type))
+            self.wrong(node, subject, kind_of(type))
             return None
         if isinstance(type, Integer):
-            value: Any = self._integer(node, type, what)
+            value: Any = self._integer(node, type, subject)
         elif isinstance(type, Boolean):
-            value = self._boolean(node, what)
+            value = self._boolean(node, subject)
         elif isinstance(type, Number):
-            value = self._number(node, what)
+            value = self._number(node, subject)
         elif isinstance(type, Duration):
-            value = self._duration(node, type, what)
+            value = self._duration(node, type, subject)
         elif isinstance(type, Scalar):
-            value = self._as_written(node, what)
+            value = self._as_written(node, subject)
         else:
-            value = self._text(node, type if isinstance(type, Text) else Text(), what)
+            value = self._text(node, type if isinstance(type, Text) else Text(), subject)
         return None if value is None else Form(self.span(node), value)
 
-    def _integer(self, node: ScalarNode, type: Integer, what: str) -> int | None:
+    def _integer(self, node: ScalarNode, type: Integer, subject: str) -> int | None:
+        # A scalar with a style is quoted or a block, so YAML reads it as a string.
         if node.style or not re.fullmatch(r"-?(0|[1-9][0-9]*)", node.value):
             if not node.style and re.fullmatch(r"[-+0-9][-+0-9_xXobBa-fA-F:.]*", node.value):
-                message = f"{what} is {node.value}, which YAML does not read as a decimal number"
+                message = f"{subject} is {node.value}; YAML does not read this as a decimal number"
                 help = "write it in decimal, without leading zeros"
                 self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, help))
             else:
-                self.wrong(node, what, "a number")
+                self.wrong(node, subject, "a number")
             return None
         if len(node.value) > _LONGEST_INTEGER or not type.minimum <= int(node.value) <= type.maximum:
             allowed = f"from {type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
             shown = node.value if len(node.value) <= _LONGEST_INTEGER else f"{node.value[:_LONGEST_INTEGER]}..."
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is {shown}; it must be {allowed}"))
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is {shown}; it must be {allowed}"))
             return None
         return int(node.value)
 
-    def _number(self, node: ScalarNode, what: str) -> Fraction | float | None:
-        """An exact number, or one of the floats that are none."""
+    def _number(self, node: ScalarNode, subject: str) -> Fraction | float | None:
+        """Read a number: an exact fraction, or the float nan or infinity."""
         if node.style or not _NUMBER.fullmatch(node.value):
-            self.wrong(node, what, "a number")
+            self.wrong(node, subject, "a number")
             return None
         if len(node.value) > _LONGEST_NUMBER or abs(_exponent(node.value)) > _LARGEST_EXPONENT:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is {node.value[:20]}..., which no float holds"))
+            self.findings.append(
+                BAD_VALUE.at(
+                    self.span(node), f"{subject} is {node.value[:20]}..., which is too long or too large for a float"
+                )
+            )
             return None
         text = node.value.lower().replace(".inf", "inf").replace(".nan", "nan")
         return float(text) if text[-1] in "fn" else Fraction(text)
 
-    def _boolean(self, node: ScalarNode, what: str) -> bool | None:
+    def _boolean(self, node: ScalarNode, subject: str) -> bool | None:
         if node.value not in ("true", "false") or node.style:
-            self.wrong(node, what, "true or false")
+            self.wrong(node, subject, "true or false")
             return None
         return bool(node.value == "true")
 
-    def _duration(self, node: ScalarNode, type: Duration, what: str) -> int | None:
+    def _duration(self, node: ScalarNode, type: Duration, subject: str) -> int | None:
         milliseconds = type.read(node.value)
         if milliseconds is None:
-            message = f"{what} is {node.value!r}; it must be from {type.minimum} ms to {type.maximum // 1000} s"
-            help = "a whole number and its unit, such as 500ms or 2s"
+            message = f"{subject} is {node.value!r}; it must be from {type.minimum} ms to {type.maximum // 1000} s"
+            help = "write a whole number with its unit, such as 500ms or 2s"
             self.findings.append(BAD_VALUE.at(self.span(node), message, help))
         return milliseconds
 
-    def _as_written(self, node: ScalarNode, what: str) -> str | None:
+    def _as_written(self, node: ScalarNode, subject: str) -> str | None:
         if node.tag == _NULL:
-            self.wrong(node, what, kind_of(Scalar()))
+            self.wrong(node, subject, kind_of(Scalar()))
             return None
         return str(node.value)
 
-    def _text(self, node: ScalarNode, type: Text, what: str) -> str | None:
+    def _text(self, node: ScalarNode, type: Text, subject: str) -> str | None:
         if node.tag == _NULL:
-            self.wrong(node, what, "a string")
+            self.wrong(node, subject, "a string")
             return None
+        # PyYAML gives plain scalars a tag by the rules of YAML 1.1: yes, no, on and off are booleans, 1:30 is 90.
         if node.tag != "tag:yaml.org,2002:str":
             kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
             kind = kinds.get(node.tag[18:], node.tag[18:])
-            message = f"{what} is {node.value}, which YAML reads as {kind}, not as a string"
+            message = f"{subject} is {node.value}; YAML reads this as {kind}, not as a string"
             self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, f'quote it: "{node.value}"'))
             return None
-        return self._checked_text(node, type, what)
+        return self._checked_text(node, type, subject)
 
-    def _checked_text(self, node: ScalarNode, type: Text, what: str) -> str | None:
+    def _checked_text(self, node: ScalarNode, type: Text, subject: str) -> str | None:
         value: str = node.value
         if type.choices and value not in type.choices:
             help = nearest(value, type.choices)
-            message = f"{what} is {value!r}; it must be one of {', '.join(type.choices)}"
+            message = f"{subject} is {value!r}; it must be one of {', '.join(type.choices)}"
             self.findings.append(BAD_VALUE.at(self.span(node), message, help))
             return None
         message, help = type.fault(value) if type.fault else ("", "")
         if message:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{what} is {value!r}, {message}", help))
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is {value!r}, {message}", help))
             return None
         if not value or (type.pattern and not type.checked_by_rule and not re.fullmatch(type.pattern, value)):
-            self.bad(node, value, what, type)
+            self.bad(node, value, subject, type)
             return None
         return value
 
-    def bad(self, node: Node, value: str, what: str, type: Text) -> None:
-        """Report a text that does not fit its pattern."""
+    def bad(self, node: Node, value: str, subject: str, type: Text) -> None:
+        """Report a text that does not match its pattern."""
         help = f"for example {type.example}" if type.example else ""
-        message = f"{what} is {value!r}, which cannot stand there" if value else f"{what} is empty"
+        message = f"{subject} is {value!r}, which is not a valid {type.noun}" if value else f"{subject} is empty"
         self.findings.append(BAD_VALUE.at(self.span(node), message, help))

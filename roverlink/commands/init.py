@@ -9,7 +9,7 @@ from pathlib import Path
 
 from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, command, counted
 from roverlink.diagnostic_text import Sources, show, show_error
-from roverlink.generator.adopt import Adoption, Wanted, adopt
+from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, write
 from roverlink.generator.new_project import NewProject, new_project
@@ -71,7 +71,9 @@ def run(arguments: argparse.Namespace) -> int:
             if _write(started.changes, arguments.dry_run):
                 _print_started(started)
             return OK
-        wanted = Wanted(arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package)
+        wanted = AdoptionRequest(
+            arguments.root, arguments.envelope, arguments.message, arguments.oneof, arguments.package
+        )
         with progress("reading history") as report:
             adoption = adopt(table, wanted, report)
         if _write(adoption.changes, arguments.dry_run):

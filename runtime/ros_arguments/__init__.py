@@ -1,1 +1,1 @@
-"""What ROS 2 tells the node at its start: the arguments after ``--ros-args``, and the parameters among them."""
+"""ROS 2 arguments of the node: the arguments after ``--ros-args``, and the parameters among them."""

@@ -1,4 +1,4 @@
-"""The parameters of the node ``udp_forwarder``, as `node_parameters.yaml` declares them."""
+"""Parameters of the node ``udp_forwarder``, as `node_parameters.yaml` declares them."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from roverlink.runtime.text import strict_yaml
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """A parameter that the node has whatever the table says."""
+    """Declaration of a parameter that the node always has."""
 
     default: int | str
     description: str
     unit: str = ""
     minimum: int = 0
     maximum: int = 0
-    """The largest number, of a parameter that is one."""
+    """Largest number, for a parameter that is a number."""
     limits: str = ""
-    """What a number must be, for the error that says that it is not."""
+    """Error text for a number out of range; it tells the allowed range."""
     choices: tuple[str, ...] = ()
-    """Every text that it can be; empty for any."""
+    """Allowed texts; empty if any text is allowed."""
 
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` for a value that the parameter cannot have."""
         if self.choices and value not in self.choices:
-            raise SetupError(f"parameter {name} is {value!r}; it is one of {', '.join(self.choices)}")
+            raise SetupError(f"parameter {name} is {value!r}; it must be one of {', '.join(self.choices)}")
         if self.limits and not self.minimum <= int(value) <= self.maximum:
             raise SetupError(f"parameter {name} is {value}; {self.limits}")
 
@@ -39,13 +39,13 @@ _FILE = Path(__file__).with_name("node_parameters.yaml")
 DECLARED: Mapping[str, Declaration] = {
     name: Declaration(**said) for name, said in strict_yaml.load(_FILE.read_text(encoding="utf-8")).items()
 }
-"""The declarations, by name."""
+"""Declarations by name."""
 LISTEN_PORT = DECLARED["listen_port"].default
 
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """The parameters of a run; those that are declared have their names."""
+    """Parameters of a run. Declared parameters are attributes of the same name."""
 
     listen_port: int
     listen_address: str
@@ -61,19 +61,19 @@ class Parameters:
 
 
 def defaults(registry: Registry) -> dict[str, Any]:
-    """Return every parameter's name and default; the table names those that hold the peers' ports."""
+    """Return every parameter's name and default. The table names the parameters of the peers' ports."""
     ports = {peer.port_parameter: peer.port for peer in registry.peers}
     return {name: declared.default for name, declared in DECLARED.items()} | ports
 
 
 def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
-    """Return the parameters of a run. Raises `SetupError` for a name or a value that cannot be."""
+    """Return the parameters of a run. Raises `SetupError` for an unknown name or a wrong value."""
     values = defaults(registry)
     for name, value in given.items():
-        if name == "use_sim_time":  # every ROS 2 node has it; nothing here depends on time
+        if name == "use_sim_time":  # rclcpp and rclpy declare it for every node; this node does not use it
             continue
         if name not in values:
-            raise SetupError(f"no parameter {name!r}; {nearest(name, values)}")
+            raise SetupError(f"unknown parameter {name!r}; {nearest(name, values)}")
         if type(value) is not type(values[name]):
             raise SetupError(f"parameter {name} is {value!r}; it must be of type {type(values[name]).__name__}")
         values[name] = value

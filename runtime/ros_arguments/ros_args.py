@@ -1,9 +1,9 @@
-"""The command line of a ROS 2 node: what stands after ``--ros-args``.
+"""Command line of a ROS 2 node: the arguments after ``--ros-args``.
 
-As rcl has it: ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` with ``__ns`` and ``__node``, and
-``--log-level``, closed by ``--`` or by the end of the line. Of its switches, ``--disable-stdout-logs`` silences the
-console; those for what this node does not have are taken and have no effect. A rule or a parameter may name the node
-that it is for (``node:name:=value``).
+As in rcl, these are ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` (also with ``__ns`` and ``__node``) and
+``--log-level``. ``--`` or the end of the line closes them. ``--disable-stdout-logs`` silences the console; switches for
+features that this node does not have are accepted and have no effect. A remap or a parameter may name its node
+(``node:name:=value``).
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
 _TOPIC = re.compile(r"(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
-_LEFT_SIDE = re.compile(r"((?P<node>\w+):(?!//))?(?P<name>.+)")  # the colon of rostopic://topic names no node
+_LEFT_SIDE = re.compile(
+    r"((?P<node>\w+):(?!//))?(?P<name>.+)"
+)  # the colon of rostopic://topic does not separate a node's name
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,7 @@ class _Remap:
 
 @dataclass(slots=True)
 class RosArguments:
-    """What a ROS 2 command line says of one node."""
+    """ROS 2 command line, as far as it concerns one node."""
 
     node: NodeIdentity
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -42,7 +44,7 @@ class RosArguments:
     remaps: list[_Remap] = field(default_factory=list)
 
     def topic(self, name: str) -> str:
-        """The fully qualified name of a topic, remapped. The first rule that matches decides, as in rcl."""
+        """Return the fully qualified name of a topic after remapping. As in rcl, the first matching rule decides."""
         full = self.node.topic(name)
         for remap in self.remaps:
             if self.node.topic(remap.source) == full:
@@ -51,7 +53,7 @@ class RosArguments:
 
 
 def split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """A command line as the program's own arguments, and those between ``--ros-args`` and ``--``."""
+    """Split a command line into the program's own arguments and those between ``--ros-args`` and ``--``."""
     own: list[str] = []
     ros: list[str] = []
     target = own
@@ -66,7 +68,7 @@ def split(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def parse(arguments: list[str], default_name: str) -> RosArguments:
-    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes what it does not understand."""
+    """Read the arguments after ``--ros-args``. Raises `SetupError`, which quotes the wrong argument."""
     options = list(_options(arguments))
     parsed = RosArguments(_identity(options, default_name))
     for option, value in options:
@@ -83,7 +85,7 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
 
 
 def _last_of(switches: tuple[str, ...], arguments: list[str]) -> str:
-    """Which of some switches was given last; empty for none."""
+    """Return the last of some switches on the command line; empty if none is there."""
     return next((argument for argument in reversed(arguments) if argument in switches), "")
 
 
@@ -99,7 +101,8 @@ _OPTIONS = {
     "--log-config-file": "ignored",
 }
 _CONSOLE_SWITCHES = ("--enable-stdout-logs", "--disable-stdout-logs")
-# Every ROS 2 node takes these; they speak of what this one does not have: a security enclave, /rosout, rcl's log files.
+# rcl accepts these for every node, and launch files pass them. They concern features that this node does not have: a
+# security enclave, the topic /rosout, rcl's log files.
 _SWITCHES = (
     *_CONSOLE_SWITCHES,
     *("--enable-rosout-logs", "--disable-rosout-logs", "--enable-external-lib-logs", "--disable-external-lib-logs"),
@@ -114,15 +117,15 @@ def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
         option = _OPTIONS.get(argument)
         if option is None:
             known = ", ".join((*_OPTIONS, *_SWITCHES))
-            raise SetupError(f"--ros-args does not take {argument!r}; it takes {known}")
+            raise SetupError(f"unknown argument {argument!r} after --ros-args (known: {known})")
         value = next(remaining, None)
         if value is None:
-            raise SetupError(f"{argument} wants a value after it")
+            raise SetupError(f"{argument} needs a value after it")
         yield option, value
 
 
 def _assignment(text: str, what: str) -> tuple[str, str, str]:
-    """``[node:]name:=value`` as node (or empty), name and value."""
+    """Split ``[node:]name:=value`` into node (or empty), name and value."""
     left, separator, value = text.partition(":=")
     found = _LEFT_SIDE.fullmatch(left)
     if not separator or found is None:
@@ -167,21 +170,21 @@ def _add_remap(parsed: RosArguments, text: str) -> None:
 
 
 def _log_level(text: str) -> str:
-    """The level of ``level`` or ``logger:=level``; there is one logger."""
+    """Return the level of ``level`` or ``logger:=level``; all loggers share one level."""
     level = text.rpartition(":=")[2].lower()
     if level not in LOG_LEVELS:
-        raise SetupError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
+        raise SetupError(f"unknown log level {level!r} (known: {', '.join(LOG_LEVELS)})")
     return level
 
 
 def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
-    """The parameters that a file has for a node: under its name, its full name, or a wildcard."""
+    """Return a file's parameters for a node: under its name, its full name, or a wildcard."""
     try:
         content = strict_yaml.load(path.read_text(encoding="utf-8"))
     except strict_yaml.YamlTextError as error:
         raise SetupError(error.in_file(path)) from error
     except (OSError, UnicodeError) as error:
-        raise SetupError(f"{path}: cannot be read: {error}") from error
+        raise SetupError(f"{path}: cannot read the file: {error}") from error
     if not isinstance(content, Mapping):
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
     parameters: dict[str, Any] = {}
@@ -193,7 +196,7 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
 
 
 def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """The node sections of a parameter file, namespaces nested as mappings included."""
+    """Yield the node sections of a parameter file, also sections in nested namespaces."""
     for key, value in content.items():
         name = f"{prefix.rstrip('/')}/{str(key).strip('/')}" if prefix else str(key)
         if isinstance(value, Mapping) and "ros__parameters" not in value and value:

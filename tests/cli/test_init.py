@@ -108,9 +108,9 @@ _BOARD = 'syntax = "proto3";\n\nmessage BoardStatus {\n  float voltage = 1;\n}\n
     ("there", "expected"),
     [
         ({"mapping.yaml": "version: 1\n"}, "mapping.yaml exists already"),
-        ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] is there already, and was not generated"),
+        ({"docs/messages.md": "Ours.\n"}, "docs/messages.md: fatal[ADO103] the file exists and was not generated"),
         ({"proto/arm.proto": _BOARD}, "fatal[ADO104]"),
-        ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` takes the folder over"),
+        ({"proto/arm.proto": _BOARD}, "`roverlink init --from proto` drafts a table"),
     ],
 )
 def test_a_project_is_not_started_over_another(

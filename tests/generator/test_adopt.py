@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from trees import COLLIDING, FLAT, PACKAGES, PACKAGES_BEFORE, commit, plant
 
-from roverlink.generator.adopt import Adoption, Wanted, adopt
+from roverlink.generator.adopt import Adoption, AdoptionRequest, adopt
 from roverlink.generator.adopt.role_words import words
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.emit.writer import compare, write
@@ -46,7 +46,7 @@ _TREES = {"flat": _flat, "packages": _packages, "colliding": _colliding, "own": 
 
 
 def _adopted(folder: Path, **wanted: str) -> Adoption:
-    return adopt(folder / "mapping.yaml", Wanted(folder / "protos", **wanted))
+    return adopt(folder / "mapping.yaml", AdoptionRequest(folder / "protos", **wanted))
 
 
 def _table(adoption: Adoption) -> str:
@@ -114,15 +114,15 @@ def _file_in_the_way(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("prepare", "wanted", "expected"),
     [
-        (_no_protos, {}, "protos: fatal[ADO101] holds no .proto file"),
-        (_flat, {"file": "x.proto"}, "protos: fatal[ADO102] has no file x.proto"),
-        (_flat, {"message": "Missing"}, "declares no message Missing"),
-        (_flat, {"message": "Wheels"}, "Wheels has no oneof that holds messages"),
-        (_flat, {"oneof": "missing"}, "Envelope has no oneof missing that holds messages"),
-        (_no_oneof, {}, "declares no message with a oneof"),
+        (_no_protos, {}, "protos: fatal[ADO101] the folder contains no .proto file"),
+        (_flat, {"file": "x.proto"}, "protos: fatal[ADO102] the folder contains no file x.proto"),
+        (_flat, {"message": "Missing"}, "no message Missing is declared"),
+        (_flat, {"message": "Wheels"}, "Wheels has no oneof that contains messages"),
+        (_flat, {"oneof": "missing"}, "Envelope has no oneof missing that contains messages"),
+        (_no_oneof, {}, "no message with a oneof is declared"),
         (_broken_envelope, {}, '"sint33" is not defined'),
         (_flat, {"package": "No_Package"}, "No_Package"),
-        (_file_in_the_way, {}, "docs/messages.md: fatal[ADO103] is there already, and was not generated"),
+        (_file_in_the_way, {}, "docs/messages.md: fatal[ADO103] the file exists and was not generated"),
     ],
 )
 def test_what_cannot_be_taken_over_is_told(

@@ -260,7 +260,7 @@ def test_a_read_only_folder_is_a_finding(project: Path) -> None:
     done = _roverlink("generate", cwd=project, through=_WITHOUT_PRIVILEGES)
     (project / "generated" / "handlers").chmod(0o755)
     assert done.returncode == 2
-    assert "\ngenerated/handlers/arm.py: fatal[OUT101] cannot be written: Permission denied\n" in done.stderr
+    assert "\ngenerated/handlers/arm.py: fatal[OUT101] cannot write the file: Permission denied\n" in done.stderr
     assert snapshot(project) == before
 
 
@@ -270,7 +270,9 @@ def test_a_full_disk_is_a_finding(project: Path, monkeypatch: pytest.MonkeyPatch
     _fail_at_the_second(monkeypatch, tempfile, "mkstemp", OSError(28, "No space left on device"))
     outcome = generate(project)
     assert outcome.code == 2
-    assert "\ngenerated/handlers/arm.py: fatal[OUT101] cannot be written: No space left on device\n" in outcome.stderr
+    assert (
+        "\ngenerated/handlers/arm.py: fatal[OUT101] cannot write the file: No space left on device\n" in outcome.stderr
+    )
     assert snapshot(project) == before
 
 
@@ -284,7 +286,7 @@ def test_a_file_that_cannot_be_replaced_is_a_finding(project: Path, monkeypatch:
     assert generate(project).code == 0
     after = snapshot(project)
     assert outcome.code == 2
-    assert "fatal[OUT101] cannot be written: Operation not permitted\n" in outcome.stderr
+    assert "fatal[OUT101] cannot write the file: Operation not permitted\n" in outcome.stderr
     assert set(interrupted) == set(before)
     assert all(data in (before[path], after[path]) for path, data in interrupted.items())
 

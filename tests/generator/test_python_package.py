@@ -82,10 +82,10 @@ def test_a_project_follows_its_package(tmp_path: Path) -> None:
     [
         ("roverlink.mine", "roverlink is a module of roverlink itself"),
         ("json", "json is a module of Python's standard library"),
-        ("my_rover.import", "import is a keyword of Python"),
-        ("my-rover", "which cannot stand there"),
-        (".mine", "which cannot stand there"),
-        ("my_rover.2", "which cannot stand there"),
+        ("my_rover.import", "import is a Python keyword"),
+        ("my-rover", "which is not a valid import name"),
+        (".mine", "which is not a valid import name"),
+        ("my_rover.2", "which is not a valid import name"),
     ],
 )
 def test_a_name_that_cannot_be_imported_is_refused(tmp_path: Path, name: str, expected: str) -> None:

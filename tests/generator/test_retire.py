@@ -97,7 +97,7 @@ def test_any_rows_can_be_retired_one_after_the_other(numbers: list[int], count: 
 def test_a_number_that_no_row_has(tmp_path: Path) -> None:
     """Which numbers there are is said, and nothing is touched."""
     with pytest.raises(
-        DiagnosticsError, match=r"RET101.*no row under `messages` has the number 7\n  help: there are 1, 2, 3"
+        DiagnosticsError, match=r"RET101.*no row under `messages` has the number 7\n  help: known numbers: 1, 2, 3"
     ):
         with_retired(_HEAD + _ROWS, 7, "mapping.yaml")
 

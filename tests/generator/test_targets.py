@@ -81,7 +81,7 @@ def test_a_target_of_another_package_stays_in_the_folder(project: Path, install:
     before = snapshot(project)
     outcome = generate(project, "--target", "numbers")
     assert outcome.code == 1
-    assert f"error[OUT104] would write '{path}', which is not below generated/" in outcome.stderr
+    assert f"error[OUT104] cannot write '{path}': it is not below generated/" in outcome.stderr
     assert snapshot(project) == before
 
 
@@ -89,7 +89,7 @@ def test_a_target_that_is_not_installed_is_a_finding(project: Path) -> None:
     """A name that nobody brings gets the list of those that there are."""
     outcome = generate(project, "--target", "fortran")
     assert outcome.code == 1
-    assert "error[OUT102] there is no target 'fortran'" in outcome.stderr
+    assert "error[OUT102] unknown target 'fortran'" in outcome.stderr
 
 
 def test_templates_of_a_folder_anywhere_are_used_end_to_end(project: Path, tmp_path: Path) -> None:

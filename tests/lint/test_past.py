@@ -515,4 +515,4 @@ def test_accepting_needs_a_ledger(repository: RepositoryBuilder, run: Run) -> No
     """A tree without a table has nowhere to take note."""
     code, _, err = run("lint", "--history", _written(repository), *_TREE, "--accept")
     assert code == 2
-    assert "fatal[RET102] there is no ledger" in err
+    assert "fatal[RET102] --accept needs --history" in err

@@ -293,8 +293,8 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "expected"),
     [
-        ("listen_prt", 5000, "no parameter 'listen_prt'; did you mean listen_port?"),
-        ("zzz", 1, "no parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
+        ("listen_prt", 5000, "unknown parameter 'listen_prt'; did you mean listen_port?"),
+        ("zzz", 1, "unknown parameter 'zzz'; known: listen_port, listen_address, dst_ip"),
         ("listen_port", "5000", "listen_port is '5000'; it must be of type int"),
         ("listen_port", True, "listen_port is True; it must be of type int"),
         ("listen_port", 5000.0, "listen_port is 5000.0; it must be of type int"),
@@ -304,10 +304,10 @@ def test_given_parameters_are_taken(registry: Registry) -> None:
         ("listen_port", -1, "listen_port is -1"),
         ("dst_a_port", 0, "dst_a_port is 0; a UDP port is a number from 1 to 65535"),
         ("dst_b_port", 70_000, "dst_b_port is 70000"),
-        ("forward_policy", "none", "forward_policy is 'none'; it is one of mapping, all"),
+        ("forward_policy", "none", "forward_policy is 'none'; it must be one of mapping, all"),
         ("max_datagram", 0, "max_datagram is 0; a UDP datagram has 1 to 65507 bytes"),
         ("max_datagram", 65_508, "max_datagram is 65508"),
-        ("receive_buffer", 0, "receive_buffer is 0; it is a number of bytes"),
+        ("receive_buffer", 0, "receive_buffer is 0; it must be from 1 to"),
         ("receive_buffer", 2**31, "receive_buffer is 2147483648"),
     ],
 )

@@ -203,7 +203,7 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     for path in (tmp_path / "missing.yaml", tmp_path, binary):
         message = _refused("--params-file", str(path))
         assert str(path) in message
-        assert "cannot be read" in message
+        assert "cannot read the file" in message
 
 
 # --- remaps -----------------------------------------------------------------------------------------------------
@@ -275,11 +275,11 @@ def test_log_levels(level: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["--frobnicate"], "--ros-args does not take '--frobnicate'; it takes -p"),
-        (["imu_data:=imu"], "--ros-args does not take 'imu_data:=imu'"),
-        (["-p"], "-p wants a value after it"),
-        (["-r"], "-r wants a value after it"),
-        (["--params-file"], "--params-file wants a value after it"),
+        (["--frobnicate"], "unknown argument '--frobnicate' after --ros-args (known: -p"),
+        (["imu_data:=imu"], "unknown argument 'imu_data:=imu'"),
+        (["-p"], "-p needs a value after it"),
+        (["-r"], "-r needs a value after it"),
+        (["--params-file"], "--params-file needs a value after it"),
         (["-p", "listen_port=5000"], "the parameter 'listen_port=5000' is not of the form name:=value"),
         (["-p", ":=5000"], "the parameter ':=5000' is not of the form name:=value"),
         (["-p", "a:=[1"], "the value of the parameter a: not valid YAML: expected"),
@@ -299,7 +299,7 @@ def test_log_levels(level: str) -> None:
         (["-r", "__ns:=rover"], "'rover' is not a namespace"),
         (["-r", "__ns:=/rover/"], "'/rover/' is not a namespace"),
         (["-r", "__ns:="], "'' is not a namespace"),
-        (["--log-level", "loud"], "no log level 'loud'; there are debug, info, warn, error, fatal"),
+        (["--log-level", "loud"], "unknown log level 'loud' (known: debug, info, warn, error, fatal)"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

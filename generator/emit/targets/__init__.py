@@ -1,8 +1,8 @@
-"""The targets: what a table can be compiled to, each found by its name.
+"""Targets: the kinds of output that a table can be compiled to, found by name.
 
-A module of this folder is a target of its name: its `emit` is a function from the IR to files, as path and text, and
-writes nothing. Any installed package adds more through the entry-point group `roverlink.targets`. Which targets a
-project wants, its table says; nothing in the generator knows one of them by name.
+Each module of this folder is a target with the module's name. Its `emit` is a function from the IR to files (path and
+text); it writes nothing to disk. Installed packages add targets through the entry-point group `roverlink.targets`. The
+table lists the targets of a project; no other code of the generator knows a target by name.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from roverlink.generator.emit.render import Files
 Target = Callable[[ir.Bridge], Files]
 
 GROUP = "roverlink.targets"
-"""The entry-point group of the targets that other packages bring."""
+"""Entry-point group of targets in other packages."""
 
 
 def built_in(name: str) -> Target | None:
-    """The target of this folder that has a name; None for none."""
+    """Return the built-in target of a name; None if there is none."""
     if name not in _modules():
         return None
     return cast(Target, importlib.import_module(f"{__name__}.{name}").emit)
 
 
 def installed(name: str) -> EntryPoint | None:
-    """The target that another package brings under a name, not loaded yet; None for none."""
+    """Return the entry point of another package's target, not loaded yet; None if there is none."""
     return next(iter(entry_points(group=GROUP, name=name)), None)
 
 
 def names() -> list[str]:
-    """Those of all targets."""
+    """Return the names of all targets."""
     return sorted({*_modules(), *(found.name for found in entry_points(group=GROUP))})
 
 

@@ -1,6 +1,6 @@
-"""A JSON Schema of each payload, in protobuf's JSON form with the names of the .proto file.
+"""JSON Schema of each payload, in protobuf's JSON format with the names of the .proto file.
 
-That is what `roverlink listen` prints. The form is the one of https://protobuf.dev/programming-guides/json.
+`roverlink listen` prints this format, which is defined in https://protobuf.dev/programming-guides/json.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _SCALARS: Mapping[str, Schema] = {
     "float": {"anyOf": [{"type": "number"}, {"enum": [*_WORDS]}]},
     "int32": {"type": "integer", "minimum": -(2**31), "maximum": 2**31 - 1},
     "uint32": {"type": "integer", "minimum": 0, "maximum": 2**32 - 1},
-    # Written as texts, since many readers of JSON hold numbers as doubles.
+    # Protobuf writes 64-bit integers as strings, because many JSON readers keep numbers as doubles.
     "int64": {"anyOf": [{"type": "string", "pattern": _DECIMAL["int64"]}, {"type": "integer"}]},
     "uint64": {"anyOf": [{"type": "string", "pattern": _DECIMAL["uint64"]}, {"type": "integer", "minimum": 0}]},
 }
@@ -57,7 +57,7 @@ _WELL_KNOWN: Mapping[str, Schema] = {
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """A schema for each row, with everything in it that its payload holds."""
+    """Yield a schema for each row, with the schemas of all types that its payload uses."""
     schemas = _Schemas(bridge)
     for route in bridge.routes:
         proto = route.proto
@@ -72,7 +72,7 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 class _Schemas:
-    """The schemas of the messages and enums of a bridge, by full name."""
+    """Schemas of a bridge's messages and enums, by full name."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._messages = {message.name: message for message in bridge.wire_messages}
@@ -85,7 +85,7 @@ class _Schemas:
         }
 
     def reached(self, name: str) -> set[str]:
-        """A message, and every message and enum that a reference in it leads to."""
+        """Return a message, and every message and enum that it uses."""
         reached: set[str] = set()
         waiting = [name]
         while waiting:
@@ -102,7 +102,7 @@ class _Schemas:
         return name in self._messages and self._messages[name].map_entry
 
     def of(self, name: str) -> Schema:
-        """The schema of a message or of an enum."""
+        """Return the schema of a message or an enum."""
         if name in self._enums:
             names = list(dict.fromkeys(value.name for value in self._enums[name].values))
             return {"anyOf": [{"enum": names}, _SCALARS["int32"]]}
@@ -140,7 +140,7 @@ def _scalar(type: str) -> Schema | None:
 
 
 def _keys(type: str) -> Schema:
-    """What the keys of a map look like: in JSON, they are all texts."""
+    """Return the schema of a map's keys; in JSON all keys are strings."""
     if type == "string":
         return {}
     return {"propertyNames": {"pattern": "^(true|false)$" if type == "bool" else r"^-?[0-9]+$"}}
@@ -155,6 +155,6 @@ def _oneofs(message: ir.WireMessage) -> Iterator[list[str]]:
 
 
 def _at_most_one(names: list[str]) -> Schema:
-    """That no two members of a oneof are there."""
+    """Return a schema that allows at most one member of a oneof."""
     given = [{"required": [name]} for name in names]
     return {"oneOf": [*given, {"not": {"anyOf": given}}]}

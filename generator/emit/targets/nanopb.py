@@ -1,4 +1,4 @@
-"""Options files for nanopb, with the bounds of the table: so that firmware has the buffers that the table promises.
+"""Target `nanopb`: options files with the table's size limits, so that the firmware has buffers of these sizes.
 
 `nanopb_generator --options-path generated/nanopb -I proto FILE.proto` reads them.
 """
@@ -13,7 +13,7 @@ from roverlink.generator.nanopb import as_options, options_file_of
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """A .options file for each .proto file that has fields with bounds."""
+    """Yield an options file for each .proto file that has fields with size limits."""
     in_order = sorted(bridge.bounds, key=lambda bound: (bound.file, bound.message, bound.field))
     for file, bounds in itertools.groupby(in_order, lambda bound: bound.file):
         lines = [f"{bound.message}.{bound.field} {_options(bound)}" for bound in bounds]

@@ -1,4 +1,4 @@
-"""The ROS 2 interface package: its messages, what builds it, and how the bridge is launched."""
+"""Target `ros2`: the ROS 2 interface package with its messages, build files, launch file and parameters."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from roverlink.generator.node_parameters import node_parameters
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """The package's files."""
+    """Yield the files of the package."""
     folder = f"generated/ros/{bridge.package}"
     for message in bridge.messages:
         yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
     names = sorted(message.name for message in bridge.messages)
     comment = header(bridge.table)
+    # Packages whose messages are fields; rosidl needs them as DEPENDENCIES when it generates code.
     others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
     yield f"{folder}/CMakeLists.txt", render(
         "CMakeLists.txt.j2",
@@ -60,15 +61,16 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
 
 
 def _heading(message: ir.RosMessage, enum: str) -> str:
-    """What stands above an enum's constants: which fields take them."""
+    """Return the comment above an enum's constants; it names the fields that use them."""
     return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
 
 
 def _comment(text: str) -> list[str]:
-    """The lines of a comment, so that they do no harm in C either.
+    """Return the lines of a comment, escaped for rosidl.
 
-    rosidl decodes backslashes in them twice, and one that it cannot decode ends its build; and one at the end of a line
-    would make the next line of a header a comment.
+    rosidl copies comments into C headers and decodes backslashes twice. A backslash sequence that it cannot decode
+    stops its build. A backslash at the end of a line would make the next line of the header a comment, so a period is
+    added.
     """
     lines = [f"{line}." if line.endswith("\\") else line for line in text.splitlines()]
     return ["# " + line.replace("\\", "\\" * 4) if line else "#" for line in lines]

@@ -1,1 +1,1 @@
-"""The messages of ROS 2's common interfaces: their definitions, and what those say of units and of zero."""
+"""Standard messages of ROS 2: their definitions, units, and meanings of zero."""

@@ -1,4 +1,4 @@
-"""The definitions of the standard messages, as they stand in ``definitions.txt``."""
+"""Definitions of the standard messages, read from ``definitions.txt``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, InterfaceField, InterfaceType
 
 DISTRIBUTIONS = ("humble", "jazzy")
-"""The distributions whose definitions are known."""
+"""Distributions whose definitions are known."""
 FILE = Path(__file__).with_name("definitions.txt")
 
 _TYPE = re.compile(r"(?P<name>[\w/]+)(<=(?P<text>\d+))?(\[((?P<length>\d+)|<=(?P<bound>\d+))?(?P<many>\]))?", re.ASCII)
@@ -17,12 +17,12 @@ _CONSTANT = re.compile(r"(?P<type>\w+) (?P<name>\w+)=(?P<value>.*)", re.ASCII)
 
 
 class DistributionsDisagreeError(Exception):
-    """A message is not the same in every distribution; the message says in which fields."""
+    """Error for a message that differs between distributions; its text names the fields."""
 
 
 @cache
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
-    """By full name: the marks behind it, and the lines below it."""
+    """Return the marks and the lines of each message, by full name."""
     blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
     for block in re.split(r"\n(?=\w)", FILE.read_text(encoding="utf-8"))[1:]:
         head, *lines = block.splitlines()
@@ -32,22 +32,22 @@ def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
 
 
 def full_name(name: str) -> str:
-    """``sensor_msgs/Imu`` as ``sensor_msgs/msg/Imu``."""
+    """Return the full name: ``sensor_msgs/msg/Imu`` for ``sensor_msgs/Imu``."""
     package, _, rest = name.partition("/")
     return f"{package}/{rest}" if rest.startswith("msg/") else f"{package}/msg/{rest}"
 
 
 def names() -> list[str]:
-    """Every message, as the table writes it: ``sensor_msgs/Imu``."""
+    """Return the name of every message as the table writes it: ``sensor_msgs/Imu``."""
     return [name.replace("/msg/", "/") for name in _blocks()]
 
 
 @cache
 def interface(name: str, distribution: str) -> Interface | None:
-    """The definition of a message by its full name; None where there is none.
+    """Return the definition of a message by its full name; None if there is none.
 
-    Of no distribution it is what all of them agree on: raises `DistributionsDisagreeError` where that is not every
-    field. A constant that only one of them has is left out.
+    With an empty `distribution`, the definition is the one on which all distributions agree. Raises
+    `DistributionsDisagreeError` if their fields differ. A constant that only one of them has is left out.
     """
     if name not in _blocks():
         return None
@@ -55,12 +55,12 @@ def interface(name: str, distribution: str) -> Interface | None:
     kept = [line.partition(" @")[0] for line in lines if _is_of(line, distribution)]
     if distribution:
         if marks and distribution not in marks:
-            raise DistributionsDisagreeError(f"there is no {name} in {distribution}, only in {_listed(marks)}")
+            raise DistributionsDisagreeError(f"{name} does not exist in {distribution}, only in {_listed(marks)}")
     elif marks:
-        raise DistributionsDisagreeError(f"{name} is in {_listed(marks)} only")
+        raise DistributionsDisagreeError(f"{name} exists only in {_listed(marks)}")
     elif apart := [line for line in lines if " @" in line and "=" not in line]:
         field, _, of = apart[0].partition(" @")
-        raise DistributionsDisagreeError(f"the field `{field}` of {name} is in {_listed('@' + of)} only")
+        raise DistributionsDisagreeError(f"the field `{field}` of {name} exists only in {_listed('@' + of)}")
     constants = tuple(_constant(match) for line in kept if (match := _CONSTANT.fullmatch(line)))
     return Interface(name, tuple(_field(line) for line in kept if "=" not in line.replace("<=", "")), constants)
 

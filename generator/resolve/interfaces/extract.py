@@ -1,7 +1,7 @@
-"""Writes ``definitions.txt`` from the rosbags package: ``python -m roverlink.generator.resolve.interfaces.extract``.
+"""Script that writes ``definitions.txt``: ``python -m roverlink.generator.resolve.interfaces.extract``.
 
-The file stands in the repository, so that neither `generate` nor what it writes needs rosbags, whose import alone takes
-longer than compiling the table; a test holds it to what rosbags says.
+It reads the definitions from the rosbags package. The file is committed, so that `generate` and the generated code do
+not need rosbags, whose import alone takes longer than compiling the table. A test compares the file with rosbags.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ _HEADER = """\
 # Made by: python -m roverlink.generator.resolve.interfaces.extract
 # A line that ends with @ and a distribution is of that one only.
 """
+# rosidl adds this field to messages without fields, because C does not allow empty structs.
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
 def text() -> str:
-    """The content of the file."""
+    """Return the content of the file."""
     stores = {name: _definitions(name) for name in DISTRIBUTIONS}
     names = sorted({name for store in stores.values() for name in store})
     return _HEADER + "\n".join(line for name in names for line in _lines(name, stores)) + "\n"
@@ -46,7 +47,7 @@ def _mark(distributions: list[str]) -> str:
 
 
 def _parts(constants: list[Any], fields: list[Any]) -> Iterator[str]:
-    """Its constants and its fields, as a .msg file writes them."""
+    """Yield constants and fields as a .msg file writes them."""
     for name, type, value in constants:
         yield f"{type} {name}={value}"
     for name, definition in fields:

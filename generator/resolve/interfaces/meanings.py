@@ -1,7 +1,8 @@
-"""What the definitions of the standard messages say in their comments: units, and where zero has a meaning.
+"""Units in standard messages, and fields in which zero has a meaning, from the comments of the definitions.
 
-From the .msg files of common_interfaces (their comments are the same in Humble and Jazzy), and from REP-103 (SI units,
-radians) and REP-145 (of the IMU) where those say nothing. A path stands for the field and for all below it.
+The sources are the .msg files of common_interfaces, whose comments are the same in Humble and Jazzy. If these do not
+give a unit, it comes from REP 103 (SI units, radians) or REP 145 (IMU drivers). The path of a message field stands for
+all fields below it.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ _SENSORS = {
     "sensor_msgs/msg/Temperature": {"temperature": "degC", "variance": "K^2"},
 }
 UNITS: dict[str, dict[str, str]] = {**_GEOMETRY, **_SENSORS}
-"""By message, then by the path of a field in it."""
+"""Units of fields, as ``{message: {path of a field: unit}}``."""
 
 ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/FluidPressure": {"variance": "unknown"},
@@ -83,22 +84,25 @@ ZERO_MEANS: dict[str, dict[str, str]] = {
         "linear_acceleration_covariance": "unknown",
     },
     "sensor_msgs/msg/JointState": {
-        "position": "not known, where empty",
-        "velocity": "not known, where empty",
-        "effort": "not known, where empty",
+        "position": "unknown if empty",
+        "velocity": "unknown if empty",
+        "effort": "unknown if empty",
     },
-    "sensor_msgs/msg/LaserScan": {"intensities": "none, where empty"},
+    "sensor_msgs/msg/LaserScan": {"intensities": "none if empty"},
     "sensor_msgs/msg/MagneticField": {"magnetic_field_covariance": "unknown"},
     "sensor_msgs/msg/NavSatFix": {
-        "position_covariance": "unknown, by its type",
+        "position_covariance": "unknown, because the type is also 0",
         "position_covariance_type": "COVARIANCE_TYPE_UNKNOWN",
     },
     "sensor_msgs/msg/Range": {"variance": "unknown"},
     "sensor_msgs/msg/RelativeHumidity": {"variance": "unknown"},
     "sensor_msgs/msg/Temperature": {"variance": "unknown"},
-    "sensor_msgs/msg/TimeReference": {"source": "not named, where empty"},
+    "sensor_msgs/msg/TimeReference": {"source": "not named if empty"},
 }
-"""What an unset field tells its reader, by message and path; every other unset field would be a false statement."""
+"""Meaning of zero (or empty) in a field, by message and path.
+
+Every other field must be filled or listed under `unset`, because zero would be read as a measurement.
+"""
 
 ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/Imu": {
@@ -107,13 +111,17 @@ ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
         "linear_acceleration": "linear_acceleration_covariance",
     },
 }
-"""Fields that are no measurement where the first element of another is -1."""
+"""Fields that are not measured if the first element of another field is -1.
+
+The comments of sensor_msgs/Imu define this for its covariances.
+"""
 
 
 def unit_of(holders: tuple[str, ...], path: Path) -> str:
-    """The unit of the field at a path; empty where none is known.
+    """Return the unit of the field at a path; empty if unknown.
 
-    ``holders`` are the messages along the path, the outermost first: that one knows best what its parts stand for.
+    ``holders`` are the messages along the path, the outermost first. The outermost message that gives a unit decides:
+    `Vector3` has no unit, but the `angular_velocity` of an `Imu` is in rad/s.
     """
     for depth, holder in enumerate(holders):
         known = UNITS.get(holder, {})

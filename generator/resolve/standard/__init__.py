@@ -1,4 +1,4 @@
-"""The rows' mappings to messages of ROS 2's common interfaces: checked both ways, and made into the IR."""
+"""Conversion of rows to standard messages of ROS 2: checked in both directions, and resolved to the IR."""
 
 from roverlink.generator.resolve.standard.mappings import StandardTopics
 

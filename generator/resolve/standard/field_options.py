@@ -1,4 +1,4 @@
-"""What a mapping says besides the field that it takes: units, scale and offset, and what belongs to all its parts."""
+"""Options of a mapping besides the source: units, scale, offset, and options that are shared by parts."""
 
 from __future__ import annotations
 
@@ -15,59 +15,59 @@ from roverlink.generator.resolve.standard.message_fields import Place
 from roverlink.generator.table import Form
 
 SHARED = ("unit", "to", "scale", "fixed_point", "offset", "narrow", "default")
-"""The options that stand for all parts."""
+"""Options that apply to all parts of a message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options for a number, its own and those that it shares with others."""
+    """Options for a number: its own, and those of the messages around it."""
 
     forms: Mapping[str, Form]
     negated: bool = False
 
     def within(self, form: Form) -> Options:
-        """These, and those of a form, which count for more."""
+        """Return the options together with those of a form, which override them."""
         own = {key: entry for key, entry in (form.entries or {}).items() if key in SHARED}
         return dataclasses.replace(self, forms={**self.forms, **own})
 
-    def turned(self, negated: bool) -> Options:
-        """The same, for what is negated once more."""
+    def signed(self, negated: bool) -> Options:
+        """Return the options with one more negation, if `negated` is true."""
         return dataclasses.replace(self, negated=self.negated != negated)
 
     def text(self, key: str) -> str:
-        """An option as text; empty where it is not there."""
+        """Return an option as text; empty if it is missing."""
         return str(self.forms[key].value) if key in self.forms else ""
 
     def number(self, key: str, otherwise: int) -> Fraction:
-        """An option as a number."""
+        """Return an option as a number."""
         value = self.forms[key].value if key in self.forms else otherwise
         return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(otherwise)
 
     def at(self, key: str, otherwise: Span) -> Span:
-        """Where an option stands."""
+        """Return the place of an option."""
         return self.forms[key].span if key in self.forms else otherwise
 
     @property
     def narrow(self) -> bool:
-        """Whether something may be lost."""
+        """True if the conversion may lose digits or range."""
         return "narrow" in self.forms and self.forms["narrow"].value is True
 
     def stated(self, *keys: str) -> str:
-        """The first of some options that is there; empty for none."""
+        """Return the first of some options that is set; empty if none is."""
         return next((key for key in keys if key in self.forms), "")
 
 
 class Scalings:
-    """Makes the scaling of a number from its options, and checks the units."""
+    """Maker of scalings from options. It checks the units."""
 
     def __init__(self, report: Callable[[Diagnostic], None]) -> None:
         self._report = report
 
     def of(self, source: Source, place: Place, options: Options, span: Span) -> Scaling | None:
-        """The scaling; None, with a finding, where the units do not fit."""
+        """Return the scaling; report units that do not fit, and return None."""
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
-                message = f"{key} is {options.forms[key].value}, by which {source.dotted} would say nothing"
+                message = f"{key} is {options.forms[key].value}, which would make {source.dotted} constant or infinite"
                 self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
                 return None
         scale = options.number("scale", 1)
@@ -84,14 +84,14 @@ class Scalings:
     def _units(self, source: Source, place: Place, options: Options, span: Span) -> Scaling | None:
         unit, to = options.text("unit"), options.text("to")
         if place.unit and to:
-            message = f"{place.shown} is in {place.unit} by its definition, so that `to` cannot say it"
+            message = f"{place.shown} is always in {place.unit} by its definition, so `to` cannot change it"
             self._report(standard_rules.WRONG_FORM.at(options.at("to", span), message, "remove `to`"))
             return None
         wanted = place.unit or to
         if not wanted and unit:
-            message = f"nothing says in which unit {place.shown} is, so that {unit} cannot be converted"
+            message = f"the unit of {place.shown} is not given, so {unit} cannot be converted"
             self._report(
-                standard_rules.UNIT_MISSING.at(options.at("unit", span), message, "say `to`, or remove `unit`")
+                standard_rules.UNIT_MISSING.at(options.at("unit", span), message, "add `to`, or remove `unit`")
             )
             return None
         if not wanted:
@@ -100,9 +100,9 @@ class Scalings:
         if not unit and into == units.parse("1"):
             unit = "1"
         if not unit:
-            message = f"{place.shown} is in {wanted}, and nothing says in which unit {source.dotted} is"
+            message = f"{place.shown} is in {wanted}, but the unit of {source.dotted} is not given"
             self._report(
-                standard_rules.UNIT_MISSING.at(span, message, f"say it: `unit: {wanted}`, if that is the unit")
+                standard_rules.UNIT_MISSING.at(span, message, f"add `unit: {wanted}`, if the field is in {wanted}")
             )
             return None
         out_of = self._parsed(unit, options.at("unit", span))
@@ -120,10 +120,14 @@ class Scalings:
         if out_of is None or into is None:
             return None
         if out_of.dimension != into.dimension:
-            message = f"{source.dotted} is in {_told(given[0], out_of)}, and {place.shown} in {_told(wanted[0], into)}"
-            known = "g is the gram; the acceleration of free fall is g0" if given[0] in ("g", "mg") else ""
+            message = (
+                f"{source.dotted} is in {_told(given[0], out_of)}, but {place.shown} is in {_told(wanted[0], into)}"
+            )
+            known = "g means gram; write g0 for the acceleration of free fall" if given[0] in ("g", "mg") else ""
             self._report(
-                standard_rules.DIMENSION.at(span, message, known or f"give a unit as {wanted[0]} is, or another field")
+                standard_rules.DIMENSION.at(
+                    span, message, known or f"use a unit that converts to {wanted[0]}, or another field"
+                )
             )
             return None
         return dataclasses.replace(units.conversion(out_of, into), unit=given[0], to=wanted[0])
@@ -141,5 +145,5 @@ def _is_usable(value: object, key: str) -> bool:
 
 
 def _told(text: str, unit: units.Unit) -> str:
-    """A unit, and what it is in the SI where that looks different."""
+    """Return a unit in words, with its SI units if they look different."""
     return text if text == unit.in_si else f"{text} ({unit.in_si})"

@@ -1,4 +1,8 @@
-"""The fields of a standard message, and what the table fills them with: paths to expressions."""
+"""Filling of a standard message: table entries become expressions for its fields.
+
+The named axes follow REP 103. ROS uses x east, y north, z up (ENU) on a map, and x forward, y left, z up (FLU) on a
+body. Many boards report north-east-down (NED) or forward-right-down (FRD).
+"""
 
 from __future__ import annotations
 
@@ -18,38 +22,41 @@ from roverlink.generator.table.keys import OPTIONS
 
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 _QUATERNION = "geometry_msgs/msg/Quaternion"
+# The source axis for each of x, y and z. Each of the two rotations is its own inverse (REP 103).
 _NAMED_AXES = {"ned_to_enu": ("y", "x", "-z"), "frd_to_flu": ("x", "-y", "-z")}
 _ANGLES = ("roll", "pitch", "yaw")
-_NOTHING = Options({})
+_NO_OPTIONS = Options({})
 _SECOND = units.parse("s")
 
 
 class Filling:
-    """Collects what fills each field."""
+    """Collector of the expressions that fill a message's fields."""
 
     def __init__(self, places: Places, sources: Sources, report: Callable[[Diagnostic], None]) -> None:
         self.places, self.sources, self._report = places, sources, report
         self._leaves = Leaves(sources, places.definition, report)
         self.expressions: dict[Path, Expression] = {}
         self.spans: dict[Path, Span] = {}
-        self.astray: list[Span] = []
-        """Entries that lead to no field: which one they were meant to fill is not known."""
+        self.unplaced: list[Span] = []
+        """Places of entries that lead to no field. The field that they were meant to fill is unknown."""
 
-    def add(self, path: Path, form: Form, options: Options = _NOTHING) -> None:
-        """Fill a field, or the parts of one, as a form says; what cannot be is a finding."""
+    def add(self, path: Path, form: Form, options: Options = _NO_OPTIONS) -> None:
+        """Fill a field, or its parts, from a form; mistakes are reported."""
         place = self.places.find(path, form.span)
         if place is None:
-            self.astray.append(form.span)
+            self.unplaced.append(form.span)
         elif place.type.is_message:
             self._add_message(place, form, options)
         else:
             self.put(place.path, self._leaf(place, form, options), form.span)
 
     def put(self, path: Path, expression: Expression | None, span: Span) -> None:
-        """Let an expression fill a field, unless something fills it already."""
+        """Fill a field with an expression; report it if the field is filled already."""
         self.spans.setdefault(path, span)
         if expression is None:
-            self.expressions.setdefault(path, Unset())  # reported already: no more about this field
+            self.expressions.setdefault(
+                path, Unset()
+            )  # the mistake is reported already; avoid more diagnostics about this field
             return
         for other in self.expressions:
             if other[: len(path)] == path or path[: len(other)] == other:
@@ -69,7 +76,7 @@ class Filling:
             self._wrong(form.span, message, place.path)
         elif form.entries is None:
             names = ", ".join(field.name for field in self.places.definition(place.type.name).fields)
-            self._wrong(form.span, f"{place.shown} is a message: say what fills {names}", place.path)
+            self._wrong(form.span, f"{place.shown} is a message; fill its fields: {names}", place.path)
         elif "euler" in form.entries:
             self._add_rotation(place, form)
         else:
@@ -78,7 +85,7 @@ class Filling:
     def _add_parts(self, place: Place, form: Form, entries: Mapping[str, Form], options: Options) -> None:
         for key in ("from", "value", "enum"):
             if key in entries:
-                message = f"{place.shown} is a message, and `{key}` is for a single value"
+                message = f"{place.shown} is a message, but `{key}` is for a single value"
                 self._wrong(entries[key].span, message, place.path)
         parts = {name: entry for name, entry in entries.items() if name not in OPTIONS}
         if "axes" not in entries:
@@ -88,22 +95,22 @@ class Filling:
         axes = self._axes(place, entries["axes"])
         if axes and set(parts) != {"x", "y", "z"}:
             self._wrong(
-                form.span, f"`axes` turns x, y and z, and {place.dotted} has {', '.join(parts) or 'none'}", place.path
+                form.span, f"`axes` needs x, y and z, but {place.dotted} has {',  '.join(parts) or 'none'}", place.path
             )
         elif axes:
             for name, axis in zip("xyz", axes):
-                entry, turned = parts[axis.removeprefix("-")], options.turned(axis.startswith("-"))
-                self.add((*place.path, name), entry, turned)
+                entry, signed = parts[axis.removeprefix("-")], options.signed(axis.startswith("-"))
+                self.add((*place.path, name), entry, signed)
 
     def _axes(self, place: Place, form: Form) -> tuple[str, ...]:
-        """The axis of the source for each of x, y and z; empty, with a finding, where that is no such thing."""
+        """Return the source axis for each of x, y and z; report wrong axes, and return an empty tuple."""
         if isinstance(form.value, str):
             return _NAMED_AXES[form.value]
         axes = tuple(str(item.value) for item in form.items or ())
         if sorted(axis.removeprefix("-") for axis in axes) == ["x", "y", "z"]:
             return axes
         self._wrong(
-            form.span, f"axes of {place.dotted} must name each of x, y and z once, as [y, x, -z] does", place.path
+            form.span, f"axes of {place.dotted} must contain each of x, y and z once, as in [y, x, -z]", place.path
         )
         return ()
 
@@ -111,19 +118,19 @@ class Filling:
         entries = form.entries or {}
         others = [name for name in entries if name != "euler"]
         if place.type.name != _QUATERNION or others:
-            message = f"`euler` makes the whole of a geometry_msgs/Quaternion, and {place.shown} "
-            message += f"has {', '.join(others)} as well" if others else f"is a {place.type}"
+            message = f"`euler` fills a whole geometry_msgs/Quaternion, but {place.shown} "
+            message += f"also has {', '.join(others)}" if others else f"is a {place.type}"
             self._wrong(form.span, message, place.path)
             return
         euler = entries["euler"]
         angles = euler.entries or {}
-        options = _NOTHING.within(euler)
+        options = _NO_OPTIONS.within(euler)
         made = [self._angle(place, name, angles[name], options) for name in _ANGLES if name in angles]
         whole = [angle for angle in made if angle is not None]
         self.put(place.path, Rotation(*whole) if len(whole) == len(_ANGLES) else None, form.span)
 
     def _angle(self, place: Place, name: str, form: Form, options: Options) -> Taken | Constant | None:
-        angle = _AngleOf((*place.path, name), InterfaceType("float64"), place.holders)
+        angle = _AnglePlace((*place.path, name), InterfaceType("float64"), place.holders)
         made = self._leaf(angle, form, options)
         if made is None or isinstance(made, (Taken, Constant)):
             return made
@@ -133,34 +140,34 @@ class Filling:
     # --- times ---
 
     def moment(self, place: Place, form: Form) -> Moment | None:
-        """A time: when the datagram was received, or what a field says."""
+        """Return a time or duration: that of the datagram's arrival, or the value of a field."""
         if form.value == "receive" and place.type.name == _TIMES[0]:
             return Moment(None)
         entries = form.entries or {}
         if set(entries) != {"from", "unit"}:
-            message = f"{place.shown} is a {place.type}: it takes {{from: a proto field, unit: ms}}"
-            self._report(standard_rules.WRONG_FORM.at(form.span, message, "or `receive`, of a time"))
+            message = f"{place.shown} is a {place.type}: write {{from: a proto field, unit: ms}}"
+            self._report(standard_rules.WRONG_FORM.at(form.span, message, "a time can also be `receive`"))
             return None
         source = self.sources.find(str(entries["from"].value), entries["from"].span)
         seconds = self._seconds(place, entries["unit"])
         if source is None or seconds is None:
             return None
         if source.type in ("string", "bool", "bytes") or source.enum or source.repeated or source.optional:
-            message = f"{source.dotted} is no single number that is always there, as {place.shown} wants"
+            message = f"{place.shown} needs a single number that is always set, but {source.dotted} is not one"
             self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
             return None
         return Moment(source, seconds * 10**9)
 
     def _seconds(self, place: Place, form: Form) -> Fraction | None:
-        """How many seconds a unit of time is."""
+        """Return the number of seconds in a unit of time."""
         try:
             unit = units.parse(str(form.value))
         except units.UnitError as error:
             self._report(standard_rules.UNKNOWN_UNIT.at(form.span, str(error)))
             return None
         if unit.dimension != _SECOND.dimension:
-            message = f"{place.shown} is a time, and {form.value} is {unit.in_si}"
-            self._report(standard_rules.DIMENSION.at(form.span, message, "give a unit of time: s, ms, us, ns"))
+            message = f"{place.shown} is a time, but the unit {form.value} means {unit.in_si}"
+            self._report(standard_rules.DIMENSION.at(form.span, message, "use a unit of time: s, ms, us, ns"))
             return None
         return unit.factor
 
@@ -174,11 +181,11 @@ class Filling:
         entries = form.entries
         if others := [name for name in entries if name not in OPTIONS]:
             help = nearest(others[0], OPTIONS, f"known here: {', '.join(OPTIONS)}")
-            message = f"{place.shown} is a {place.type} and has no part {others[0]!r}"
+            message = f"{place.shown} is a {place.type}, which has no part {others[0]!r}"
             self._report(standard_rules.UNKNOWN_TARGET.at(entries[others[0]].span, message, help))
             return None
         if ("from" in entries) == ("value" in entries) or "euler" in entries or "axes" in entries:
-            message = f"{place.shown} takes one of `from`, a proto field, and `value`, a constant"
+            message = f"{place.shown} needs either `from` (a proto field) or `value` (a constant)"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
         own = options.within(form)
@@ -194,12 +201,12 @@ class Filling:
             self.put(path, None, span)
 
 
-class _AngleOf(Place):
-    """An angle that a quaternion is made of."""
+class _AnglePlace(Place):
+    """Angle of a quaternion that is computed from roll, pitch and yaw."""
 
     __slots__ = ()
 
     @property
     def unit(self) -> str:
-        """The radian, whatever the quaternion has."""
+        """Unit of the angle: always the radian."""
         return "rad"

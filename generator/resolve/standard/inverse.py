@@ -1,4 +1,4 @@
-"""The way back: which expressions tell the payload's fields, and what stands in the way."""
+"""Inverse of a conversion: the expressions that give the payload's fields, and obstacles."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from roverlink.generator.ir.interfaces import (
 
 
 @dataclass(frozen=True, slots=True)
-class WayBack:
-    """How a message becomes a payload."""
+class Inverse:
+    """Conversion of a standard message back to the payload."""
 
     recovered: tuple[Recovered, ...]
     obstacle: str
-    """Why it cannot; empty where it can."""
+    """Reason why the conversion is impossible; empty if it is possible."""
     told: tuple[str, ...]
-    """Paths of the payload's fields that the message tells."""
+    """Paths of the payload's fields that the message contains."""
 
 
-def way_back(fields: Iterable[TargetField]) -> WayBack:
-    """The way back through what fills a message's fields; a field that is taken twice is told by the first."""
+def invert(fields: Iterable[TargetField]) -> Inverse:
+    """Return the inverse of a message's expressions. A field that is used twice is taken from the first expression."""
     recovered: list[Recovered] = []
     told: dict[str, Source] = {}
     obstacle = ""
@@ -46,10 +46,10 @@ def way_back(fields: Iterable[TargetField]) -> WayBack:
         told |= {source.dotted: source for source in sources}
     oneofs = Counter(source.oneof for source in told.values() if source.oneof)
     if not obstacle and (shared := next((name for name, count in oneofs.items() if count > 1), "")):
-        obstacle = f"it takes several members of the oneof {shared}, of which only one can be set"
+        obstacle = f"it uses several members of the oneof {shared}, but only one of them can be set"
     if obstacle:
-        return WayBack((), obstacle, ())
-    return WayBack(tuple(recovered), "", tuple(told))
+        return Inverse((), obstacle, ())
+    return Inverse(tuple(recovered), "", tuple(told))
 
 
 def _leaves(fields: Iterable[TargetField], path: Path) -> Iterator[tuple[Path, TargetField]]:
@@ -62,7 +62,7 @@ def _leaves(fields: Iterable[TargetField], path: Path) -> Iterator[tuple[Path, T
 
 
 def sources_of(fields: Iterable[TargetField]) -> Iterator[Source]:
-    """Every field of the payload that fills a message's fields."""
+    """Yield every field of the payload that fills a message's fields."""
     for _, field in _leaves(fields, ()):
         yield from _sources(field.value)
 
@@ -76,17 +76,17 @@ def _sources(value: Expression) -> list[Source]:
 
 
 def _obstacle(value: Expression, path: Path) -> str:
-    """Why an expression cannot be undone; empty where it can."""
+    """Return the reason why an expression cannot be inverted; empty if it can."""
     dotted = ".".join(path)
     if isinstance(value, Taken) and value.rounded:
-        return f"{dotted} holds {value.source.dotted} without its fraction"
+        return f"{dotted} contains {value.source.dotted} rounded to an integer"
     if isinstance(value, Chosen):
         seen: dict[object, str] = {}
         for case in value.cases:
             if (first := seen.setdefault(case.value, case.name)) != case.name:
-                what = case.constant or case.value
-                return f"{dotted} is {what} for {first} and for {case.name} of {value.source.dotted}"
+                shared = case.constant or case.value
+                return f"{dotted} is {shared} for {first} and for {case.name} of {value.source.dotted}"
         if value.default is not None and value.default.value in seen:
-            what = value.default.constant or value.default.value
-            return f"{dotted} is {what} for {seen[value.default.value]} and for every other {value.source.dotted}"
+            shared = value.default.constant or value.default.value
+            return f"{dotted} is {shared} for {seen[value.default.value]} and for every other {value.source.dotted}"
     return ""

@@ -1,4 +1,4 @@
-"""What fills one field that is no message: a field of the payload, a constant, or an enum by a table."""
+"""Expressions for single fields: a field of the payload, a constant, or a choice by an enum."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.generator.table import Form
 
 
 class Leaves:
-    """Makes the expressions of fields that hold no message, and reports what does not fit."""
+    """Maker of expressions for fields that are not messages. It reports mistakes."""
 
     def __init__(
         self, sources: Sources, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
@@ -27,14 +27,14 @@ class Leaves:
     # --- fields of the payload ---
 
     def taken(self, place: Place, text: str, options: Options, span: Span) -> Taken | Chosen | None:
-        """What a field takes from the payload by a path, negated with a - before it."""
+        """Return the expression for a path into the payload; a - before the path negates the value."""
         source = self._sources.find(text.removeprefix("-"), span)
         if source is None:
             return None
-        options = options.turned(text.startswith("-"))
+        options = options.signed(text.startswith("-"))
         if source.enum:
-            help = f"say what each value becomes, under `enum`: {{{', '.join(self._sources.values_of(source.enum))}}}"
-            message = f"{source.dotted} is an enum, whose numbers mean nothing in {place.shown}"
+            help = f"list the result of each value under `enum`: {{{', '.join(self._sources.values_of(source.enum))}}}"
+            message = f"{source.dotted} is an enum, whose numbers have no meaning in {place.shown}"
             self._report(standard_rules.WRONG_FORM.at(span, message, help))
             return None
         if why := self._misfit(source, place):
@@ -45,23 +45,23 @@ class Leaves:
         return self._number(source, place, options, span)
 
     def _misfit(self, source: Source, place: Place) -> str:
-        """Why a field cannot be taken as it is; empty where it can."""
+        """Return the reason why a field does not fit without options; empty if it fits."""
         type = place.type
         many = source.repeated or source.type == "bytes"
         if many != type.is_many:
-            is_, wants = ("many", "one") if many else ("one", "many")
-            return f"{source.dotted} holds {is_}, and {place.shown} wants {wants}: it is a {type}"
+            has, needs = ("a list", "a single value") if many else ("a single value", "a list")
+            return f"{source.dotted} is {has}, but {place.shown} needs {needs}: it is a {type}"
         kinds = ("bytes", "uint8") if source.type == "bytes" else (source.type, type.name)
         if _kind(kinds[0]) != _kind(kinds[1]) and kinds[0] != "bytes":
-            return f"{source.dotted} is a {source.type}, and {place.shown} a {type}"
+            return f"{source.dotted} is a {source.type}, but {place.shown} is a {type}"
         if source.type == "bytes" and type.name not in ("uint8", "byte", "char"):
-            return f"{source.dotted} is bytes, and {place.shown} a {type}"
+            return f"{source.dotted} is bytes, but {place.shown} is a {type}"
         return ""
 
     def _unscaled(self, source: Source, place: Place, options: Options, span: Span) -> Taken | None:
         key = options.stated("unit", "to", "scale", "fixed_point", "offset")
         if key or options.negated:
-            message = f"{source.dotted} is a {source.type}: it has no {key or 'sign'}"
+            message = f"{source.dotted} is a {source.type}, which has no {key or 'sign'}"
             self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
             return None
         return self._with_default(Taken(source), place, options, span)
@@ -73,7 +73,7 @@ class Leaves:
         target = place.type.name
         if not options.narrow and (why := numeric_ranges.loss(source, scaling, target)):
             message = f"{source.dotted} {why}, in {place.shown}"
-            help = "`narrow: true` lets it: what does not fit is then refused, one datagram at a time"
+            help = "`narrow: true` allows it; a datagram whose value does not fit is then dropped"
             self._report(standard_rules.NARROWING.at(span, message, help))
             return None
         rounded = not numeric_ranges.is_float(target) and not (source.is_integer and scaling.is_whole)
@@ -84,9 +84,11 @@ class Leaves:
         if not source.optional:
             return taken
         if "default" not in options.forms:
-            message = f"{source.dotted} may be absent, and nothing says what {place.shown} is then"
+            message = f"{source.dotted} may be absent, but no value is given for {place.shown} in this case"
             self._report(
-                standard_rules.ABSENCE_UNSAID.at(span, message, "say it: `{from: " + source.dotted + ", default: 0}`")
+                standard_rules.ABSENCE_UNSAID.at(
+                    span, message, "add a default: `{from:  " + source.dotted + ", default: 0}`"
+                )
             )
             return None
         default = self._value(place, options.forms["default"])
@@ -95,27 +97,27 @@ class Leaves:
     # --- constants ---
 
     def constant(self, place: Place, form: Form, negated: bool = False) -> Constant | None:
-        """A value of the table; None, with a finding, where the field cannot hold it."""
+        """Return a constant of the table; report it and return None if the field cannot hold it."""
         if form.items is None:
             case = None if place.type.is_many else self._value(place, form, negated)
             if place.type.is_many:
-                message = f"{place.shown} is a {place.type}, and one value is no list"
+                message = f"{place.shown} is a {place.type}, so a single value does not fit"
                 self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None if case is None else Constant(case.value)
         length, bound = place.type.length, place.type.bound
         if not place.type.is_many or len(form.items) != (len(form.items) if length is None else length):
-            message = f"{place.shown} is a {place.type}, and this a list of {len(form.items)}"
+            message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
         if bound is not None and len(form.items) > bound:
-            message = f"{place.shown} is a {place.type}, and this a list of {len(form.items)}"
+            message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
         values = [self._value(place, item) for item in form.items]
         return None if None in values else Constant(tuple(case.value for case in values if case is not None))
 
     def _value(self, place: Place, form: Form, negated: bool = False) -> Case | None:
-        """One value in the type of a field, a constant of its message among them."""
+        """Return a value in the field's type; the name of a constant of its message is a value, too."""
         type, value = place.type.name, form.value
         if isinstance(value, str) and type == "string":
             return Case(0, "", value, "")
@@ -136,25 +138,25 @@ class Leaves:
         constants = {constant.name: constant.value for constant in holder.constants}
         if name in constants:
             return Case(0, "", constants[name], name)
-        help = nearest(name, constants, f"it has {', '.join(constants) or 'none'}")
+        help = nearest(name, constants, f"known constants: {', '.join(constants) or 'none'}")
         self._report(standard_rules.UNKNOWN_VALUE.at(span, f"{short(holder.name)} has no constant {name!r}", help))
         return None
 
     # --- enums ---
 
     def chosen(self, place: Place, path: str, form: Form, options: Options) -> Chosen | None:
-        """What a table makes of an enum's value; every declared one must have its place."""
+        """Return the expression that maps an enum's values to constants; report declared values without an entry."""
         source, span = self._sources.find(path, form.span), form.span
         if source is None or place.type.is_many or not source.enum or source.repeated:
             if source is not None:
-                message = f"{source.dotted} is no single enum, or {place.shown} holds many values"
+                message = f"`enum` converts a single enum value, but {source.dotted} or {place.shown} is something else"
                 self._report(standard_rules.WRONG_FORM.at(span, message, "remove `enum`"))
             return None
         declared, cases = self._sources.values_of(source.enum), []
         for name, entry in (form.entries or {}).items():
             case = self._value(place, entry)
             if name not in declared:
-                help = nearest(name, declared, f"it has {', '.join(declared)}")
+                help = nearest(name, declared, f"known values: {', '.join(declared)}")
                 self._report(standard_rules.UNKNOWN_VALUE.at(entry.span, f"{source.enum} has no value {name!r}", help))
             elif case is not None:
                 cases.append(Case(declared[name], name, case.value, case.constant))
@@ -163,11 +165,15 @@ class Leaves:
         missing = [name for name, number in declared.items() if number not in numbers_given]
         if not form.entries:
             self._report(
-                standard_rules.ENUM_TABLE.at(span, f"{place.shown} takes {source.dotted} by a table without entries")
+                standard_rules.ENUM_TABLE.at(span, f"{place.shown} has no entries under `enum` for {source.dotted}")
             )
         if missing and default is None:
-            message = f"nothing says what {', '.join(missing)} of {source.enum} become in {place.shown}"
-            self._report(standard_rules.ENUM_TABLE.at(span, message, "name them, or give a `default` for all others"))
+            message = f"{', '.join(missing)} of {source.enum} have no entry under `enum` for {place.shown}"
+            self._report(
+                standard_rules.ENUM_TABLE.at(
+                    span, message, "add the missing entries, or a `default` for all other values"
+                )
+            )
         return Chosen(source, tuple(sorted(cases, key=lambda case: case.number)), place.holders[-1], default)
 
 

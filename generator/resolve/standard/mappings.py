@@ -1,4 +1,4 @@
-"""A row's topics with standard messages, from what the table says to the IR."""
+"""Resolution of a row's topics with standard messages to the IR."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.interfaces import definitions
 from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.resolve.standard.filling import Filling
-from roverlink.generator.resolve.standard.inverse import sources_of, way_back
+from roverlink.generator.resolve.standard.inverse import invert, sources_of
 from roverlink.generator.resolve.standard.message_fields import Places, short
 from roverlink.generator.resolve.standard.payload_fields import Sources
 from roverlink.generator.resolve.standard.unset import Tree
@@ -21,7 +21,7 @@ _HEADER = "std_msgs/msg/Header"
 
 
 class StandardTopics:
-    """Makes the standard_topics of the rows, and keeps the definitions of the messages that they need."""
+    """Maker of the rows' standard topics. It keeps the definitions of the messages that they need."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._distro, self._schema, self._report = table.ros.distro or "", schema, report
@@ -29,11 +29,11 @@ class StandardTopics:
 
     @property
     def interfaces(self) -> tuple[Interface, ...]:
-        """The definitions of every message that a standard needs, by name."""
+        """Definitions of every message that a standard topic needs, sorted by name."""
         return tuple(interface for _, interface in sorted(self._definitions.items()))
 
     def of(self, row: Row) -> tuple[StandardTopic | None, tuple[StandardTopic, ...]]:
-        """What the row itself becomes, where that is a standard message, and its further topics."""
+        """Return the row's own topic, if it has a standard message, and its extra topics."""
         if row.standard is None:
             self._check_own_message(row)
         sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
@@ -53,10 +53,10 @@ class StandardTopics:
         self._add_header(row, settings, root, filling)
         fields = Tree(filling, settings, self._report).fields()
         self._check_ignored(settings, sources)
-        back = way_back(fields)
+        back = invert(fields)
         lost = [path for path in sources.paths() if not _covers(back.told, path) and not _covers(settings.ignore, path)]
         if not row.inbound:
-            self._check_way_back(row, settings, back.obstacle, lost)
+            self._check_inverse(row, settings, back.obstacle, lost)
         file = self._schema.messages[row.proto].file
         return StandardTopic(
             settings.topic,
@@ -72,38 +72,38 @@ class StandardTopics:
         )
 
     def _check_own_message(self, row: Row) -> None:
-        """Report what only a standard message can have, for a row whose message is of the table's own package."""
+        """Report keys that only a standard message can have, in a row without a standard message."""
         for key in ("frame_id", "stamp", "unset"):
             if key in row.spans:
-                message = f"{key} is for standard messages, and the row's own message is none"
-                help = "name a message with its package under `ros`, or put the key into an entry of `also`"
+                message = f"{key} is for standard messages, but the row's message is not one"
+                help = "write a message with its package under `ros`, or move the key to an entry of `also`"
                 self._report(standard_rules.KEY_WITHOUT_STANDARD.at(row.at(key), message, help))
 
     # --- definitions ---
 
     def _root(self, settings: StandardTopicSettings) -> Interface | None:
-        """The definition of a standard's message, those of the messages in it being taken up as well."""
+        """Return the definition of a topic's message; those of its nested messages are kept as well."""
         name, span = definitions.full_name(settings.ros), settings.at("ros")
         try:
             root = definitions.interface(name, self._distro)
             if root is not None:
-                self._take_up(root)
+                self._add_definition(root)
                 return root
         except definitions.DistributionsDisagreeError as error:
-            help = "choose one by `distro` under `ros`, if every machine has it"
+            help = "if every machine has the same distribution, set `distro` under `ros`"
             self._report(standard_rules.DISTRIBUTIONS_DISAGREE.at(span, str(error), help))
             return None
-        help = nearest(settings.ros, definitions.names(), "such are sensor_msgs/Imu and geometry_msgs/Twist")
+        help = nearest(settings.ros, definitions.names(), "examples: sensor_msgs/Imu, geometry_msgs/Twist")
         self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"no standard message {settings.ros!r}", help))
         return None
 
-    def _take_up(self, interface: Interface) -> None:
+    def _add_definition(self, interface: Interface) -> None:
         self._definitions[interface.name] = interface
         for field in interface.fields:
             if field.type.is_message and field.type.name not in self._definitions:
                 nested = definitions.interface(field.type.name, self._distro)
                 if nested is not None:
-                    self._take_up(nested)
+                    self._add_definition(nested)
 
     def _definition(self, name: str) -> Interface:
         return self._definitions[name]
@@ -114,14 +114,14 @@ class StandardTopics:
         if not any(field.name == "header" and field.type.name == _HEADER for field in root.fields):
             for key, given in (("frame_id", settings.frame_id), ("stamp", settings.stamp)):
                 if given is not None:
-                    message = f"{short(root.name)} has no header, and so no {key}"
+                    message = f"{short(root.name)} has no header, so it has no {key}"
                     self._report(standard_rules.WRONG_FORM.at(settings.at(key), message, f"remove `{key}`"))
             return
         if settings.frame_id is not None or ("header", "frame_id") not in filling.expressions:
             filling.put(("header", "frame_id"), Constant(settings.frame_id or ""), settings.at("frame_id"))
             if settings.frame_id is None and row.inbound:
-                message = f"{short(root.name)} has a header, and nothing says in which frame its values are"
-                help, rests_on = "say `frame_id`: imu_link, for example", [row.at("direction")]
+                message = f"{short(root.name)} has a header, but the frame of its values is not given"
+                help, rests_on = "add `frame_id`, for example imu_link", [row.at("direction")]
                 self._report(standard_rules.FRAME_ID_MISSING.at(settings.span, message, help, rests_on=rests_on))
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
             self._add_stamp(settings, filling)
@@ -137,29 +137,29 @@ class StandardTopics:
     # --- the payload's fields ---
 
     def _check_used(self, row: Row, sources: Sources, standard_topics: list[StandardTopic]) -> None:
-        """Every field of the payload reaches some topic, or is said not to."""
+        """Report fields of the payload that reach no topic and are not ignored."""
         ignored = [path for settings in row.standard_topics for path in settings.ignore]
         used = {source for standard in standard_topics for source in _sources_of(standard)}
         if len(standard_topics) < len(row.standard_topics):
-            return  # what the one that is missing takes is not known
+            return  # a topic with mistakes is missing; the fields that it uses are unknown
         rests_on = [row.at("direction"), *(span for settings in row.standard_topics for span in _entries(settings))]
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
-                message = f"no topic of {row.name} takes {path}"
-                help = f"map it, or name {path} under `ignore`"
+                message = f"no topic of {row.name} uses {path}"
+                help = f"map it, or list {path} under `ignore`"
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
-    def _check_way_back(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
-        """What goes to a peer must be told by the message."""
+    def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
+        """Report fields of a payload for a peer that the message does not determine."""
         span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
-            message = f"{settings.ros} on {settings.topic} cannot be turned back into the payload: {obstacle}"
+            message = f"{settings.ros} on {settings.topic} cannot be converted to the payload: {obstacle}"
             self._report(standard_rules.NO_WAY_BACK.at(span, message, rests_on=rests_on))
         elif lost:
             message = (
                 f"nothing in {settings.ros} on {settings.topic} sets {', '.join(lost)} of the payload for {row.peer}"
             )
-            help = f"map the missing fields, name them under `ignore`, or write `direction: {row.peer}_to_ros`"
+            help = f"map the missing fields, list them under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
     def _check_ignored(self, settings: StandardTopicSettings, sources: Sources) -> None:
@@ -173,13 +173,13 @@ class StandardTopics:
 def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
     """Yield the place of each entry under `fields`, and of the parts of each."""
     forms = list(settings.fields.values())
-    for form in forms:  # which grows
+    for form in forms:  # the list grows while it is read
         yield form.span
         forms += [*(form.entries or {}).values(), *(form.items or ())]
 
 
 def _covers(paths: Iterable[str], path: str) -> bool:
-    """Whether a path, or a message that it is in, is among others."""
+    """Return True if a path, or a message that contains it, is among others."""
     return any(path == other or path.startswith(f"{other}.") for other in paths)
 
 

@@ -1,4 +1,4 @@
-"""Which numbers fit where: ranges, and what a conversion from one type to another loses."""
+"""Ranges of numeric types, and losses of conversions between them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SPELLED = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
 
 
 def range_of(type: str) -> tuple[int, int] | None:
-    """The smallest and the largest number of an integer type; None for any other."""
+    """Return the smallest and the largest number of an integer type; None for other types."""
     type = _SPELLED.get(type, type)
     if "int" not in type:
         return None
@@ -20,39 +20,39 @@ def range_of(type: str) -> tuple[int, int] | None:
 
 
 def is_float(type: str) -> bool:
-    """Whether it holds numbers with a fraction."""
+    """Return True if the type holds fractions."""
     return type in _MANTISSA
 
 
 def loss(source: Source, scaling: Scaling, target: str) -> str:
-    """What may be lost on the way from a source to a type; empty for nothing."""
+    """Return the possible loss of a conversion from a source to a type, in words; empty if there is none."""
     taken = range_of(source.type)
     if is_float(target):
         return _loss_in_float(source.type, scaling, target)
     if taken is None or not scaling.is_whole:
-        return f"becomes a whole number in {target}"
+        return f"is rounded to an integer in {target}"
     low, high = sorted(int(end * scaling.factor + scaling.offset) for end in taken)
     room = range_of(target)
     if room is None or (room[0] <= low and high <= room[1]):
         return ""
-    return f"goes from {low} to {high}, and {target} from {room[0]} to {room[1]}"
+    return f"has values from {low} to {high}, but {target} only from {room[0]} to {room[1]}"
 
 
 def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
-    """A scaled number is as exact as a double; one that stays as it is keeps its own digits."""
+    """Return the possible loss in a float. A scaled number has the precision of a double, an unscaled one its own."""
     digits = _MANTISSA[target]
     taken = range_of(source)
     if taken is None:
-        return f"has the digits of a {source}, and {target} has fewer" if _MANTISSA[source] > digits else ""
+        return f"is a {source}, which is more precise than {target}" if _MANTISSA[source] > digits else ""
     if not scaling.is_identity and target == "float32":
-        return "scaled has more digits than float32" if max(map(abs, taken)) >= 2**16 else ""
+        return "after scaling has more digits than float32" if max(map(abs, taken)) >= 2**16 else ""
     if max(map(abs, taken)) > 2**digits:
-        return f"has up to {max(taken).bit_length()} bits, and {target} keeps {digits} of them"
+        return f"has up to {max(taken).bit_length()} bits, but {target} keeps only {digits}"
     return ""
 
 
 def constant(value: Fraction | float, type: str) -> int | float | None:
-    """A number of the table in a type; None where it does not fit."""
+    """Return a constant in a type; None if it does not fit."""
     if is_float(type):
         return float(value)
     room = range_of(type)

@@ -1,4 +1,4 @@
-"""The fields of a payload as a mapping names them: by their path, down to a scalar or an enum."""
+"""Fields of a payload by path, down to scalars and enums."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TYPES = {
 
 
 class Sources:
-    """What a mapping can take from a payload."""
+    """Fields of a payload that a mapping can use."""
 
     def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._message, self._report = schema, message, report
@@ -36,7 +36,7 @@ class Sources:
         return self._message.full_name
 
     def find(self, dotted: str, span: Span) -> Source | None:
-        """The field at a path; None, with a finding at ``span``, where it cannot be taken."""
+        """Return the field at a path; report the path at ``span`` and return None if it cannot be used."""
         fields = self._along(dotted.split("."))
         if fields is None:
             help = nearest(dotted, self.paths())
@@ -48,11 +48,11 @@ class Sources:
         return None
 
     def leads_somewhere(self, dotted: str) -> bool:
-        """Whether a path leads to a field, of whatever type."""
+        """Return True if a path leads to a field of any type."""
         return self._along(dotted.split(".")) is not None
 
     def _along(self, path: list[str]) -> list[ProtoField] | None:
-        """The fields along a path; None where it leads nowhere."""
+        """Return the fields along a path; None if it leads nowhere."""
         fields: list[ProtoField] = []
         message: ProtoMessage | None = self._message
         for name in path:
@@ -64,7 +64,7 @@ class Sources:
         return fields
 
     def paths(self) -> list[str]:
-        """Every path down to a field that holds no single message."""
+        """Return every path to a field that is not a single message."""
         return [".".join(path) for path in self._leaves(self._message, (), ())]
 
     def _leaves(self, message: ProtoMessage, path: Path, inside: tuple[str, ...]) -> Iterator[Path]:
@@ -77,21 +77,21 @@ class Sources:
                 yield from self._leaves(nested, own, (*inside, message.full_name))
 
     def values_of(self, enum: str) -> dict[str, int]:
-        """The declared values of an enum, by name."""
+        """Return the declared values of an enum, by name."""
         return {value.name: value.number for value in self._schema.enums[enum].values}
 
 
 def _obstacle(fields: list[ProtoField]) -> str:
-    """Why the last of the fields along a path cannot be taken; empty where it can."""
+    """Return the reason why the last field of a path cannot be used; empty if it can."""
     *holders, field = fields
     if field.type in ("message", "group"):
-        return "is a message: name a field in it"
+        return "is a message; use one of its fields"
     if repeated := next((holder for holder in holders if holder.repeated), None):
-        return f"stands in {repeated.name}, of which there are many"
+        return f"is inside {repeated.name}, which is repeated"
     if word := next((field.name for field in fields if keyword.iskeyword(field.name)), ""):
-        return f"cannot be reached by generated code: {word} is a keyword of Python"
+        return f"cannot be used by generated code, because {word} is a Python keyword"
     if field.repeated and field.type in ("enum", "string", "bytes"):
-        return f"is a repeated {field.type}, which no mapping takes yet"
+        return f"is a repeated {field.type}, which mappings do not support yet"
     return ""
 
 

@@ -1,4 +1,4 @@
-"""The rules of mappings to standard messages."""
+"""Rules of mappings to standard messages."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ Good::
 UNKNOWN_MESSAGE = Rule(
     "STD102",
     "unknown-standard-message",
-    """`ros` names a message of another package, and it is not one of ROS 2's common interfaces.
+    """`ros` names a message of another package, but not one of the standard messages that roverlink knows.
 
-Only the definitions of the common interfaces are known here; the fields of any other message cannot be checked.
+Only the definitions of ROS 2's common interfaces are known. The fields of other messages cannot be checked.
 
 Bad::
 
@@ -63,8 +63,8 @@ DISTRIBUTIONS_DISAGREE = Rule(
     "distributions-disagree",
     """A standard message differs between ROS 2 Humble and Jazzy, and `ros.distro` names neither.
 
-Two machines with different distributions could not exchange the message. If every machine has the same one, say so
-with `distro`.
+Two machines with different distributions could not exchange the message. If every machine has the same distribution,
+set it with `distro`.
 
 Bad::
 
@@ -97,7 +97,7 @@ UNKNOWN_TARGET = Rule(
     "unknown-target-field",
     """A path under `fields` or `unset` names no field of the standard message.
 
-The value would reach nobody.
+The value would not be published.
 
 Bad::
 
@@ -124,7 +124,7 @@ Good::
 UNKNOWN_SOURCE = Rule(
     "STD105",
     "unknown-source-field",
-    """A path names no field of the payload, or a field that cannot be taken, such as a whole message.
+    """A path names no field of the payload, or a field that cannot be used, such as a whole message.
 
 The topic's field would have no value.
 
@@ -153,10 +153,10 @@ Good::
 UNSET_TARGET = Rule(
     "STD106",
     "target-field-unset",
-    """Nothing fills a field of a standard message, and zero would be read as a value there.
+    """No entry fills a field of a standard message, and subscribers would read its zero as a value.
 
-A subscriber cannot tell a field that was left out from a measured zero. Fill it, give it a constant, or state under
-`unset` that it has no value.
+A subscriber cannot distinguish an unfilled field from a measured zero. Fill the field, give it a constant, or list it
+under `unset`.
 
 Bad::
 
@@ -237,9 +237,9 @@ Good::
 WRONG_FORM = Rule(
     "STD109",
     "mapping-does-not-fit",
-    """An entry under `fields` has another kind than the field: a text for a number, or one value for a list.
+    """An entry under `fields` has another type than the field: a text for a number, or one value for a list.
 
-No conversion leads from the one to the other.
+There is no conversion between the two types.
 
 Bad::
 
@@ -272,7 +272,7 @@ UNKNOWN_UNIT = Rule(
     "unknown-unit",
     """A unit cannot be read.
 
-Units are written as in `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not guessed.
+Units are written like `m/s^2`, `deg/s`, `kPa` or `degC`; other spellings are not accepted.
 
 Bad::
 
@@ -299,9 +299,9 @@ Good::
 UNIT_MISSING = Rule(
     "STD111",
     "unit-missing",
-    """The unit of one side is known, and nothing states that of the other.
+    """The unit of one side of a conversion is known, but the unit of the other side is not given.
 
-The value could be wrong by any factor. State the unit, even if both sides use the same one.
+The value could be wrong by any factor. Give the unit, even if both sides use the same one.
 
 Bad::
 
@@ -328,9 +328,9 @@ Good::
 DIMENSION = Rule(
     "STD112",
     "dimension-does-not-fit",
-    """The units of the two sides measure different things.
+    """The units of the two sides have different dimensions.
 
-No factor turns a speed into a length.
+No factor converts, for example, a speed to a length.
 
 Bad::
 
@@ -357,9 +357,9 @@ Good::
 NARROWING = Rule(
     "STD113",
     "lossy-narrowing",
-    """The field's type holds less than the payload's type, and the entry does not allow that.
+    """The ROS field's type has less range or precision than the payload's type, and the entry does not allow that.
 
-Values would lose digits or not fit. With `narrow: true`, values that do not fit are refused one datagram at a time.
+Values would lose digits or not fit. With `narrow: true`, a datagram whose value does not fit is dropped.
 
 Bad::
 
@@ -390,9 +390,9 @@ Good::
 FRAME_ID_MISSING = Rule(
     "STD114",
     "frame-id-missing",
-    """A standard message from a peer has a header, and nothing names the frame of its values.
+    """A standard message from a peer has a header, but no `frame_id` gives the frame of its values.
 
-A subscriber cannot transform values without a frame.
+Without a frame, tf2 cannot transform the values.
 
 Bad::
 
@@ -490,7 +490,7 @@ Good::
 ABSENCE_UNSAID = Rule(
     "STD117",
     "absence-unsaid",
-    """A field of the payload may be absent, and no `default` states what the topic's field is then.
+    """A field of the payload may be absent, but no `default` gives the value for this case.
 
 A zero that was never sent looks like a measured zero.
 
@@ -523,9 +523,9 @@ Good::
 NO_WAY_BACK = Rule(
     "STD118",
     "no-way-back",
-    """A standard message to a peer cannot be turned back into the payload.
+    """A standard message to a peer cannot be converted to the payload.
 
-Several payloads would give the same message, and the peer must get exactly one of them.
+Several payloads would give the same message, so the payload for the peer is ambiguous.
 
 Bad::
 

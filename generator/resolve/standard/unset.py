@@ -1,4 +1,4 @@
-"""The fields of a message as a tree, with what nothing fills: which is a fault unless its absence has a meaning."""
+"""Order of a message's fields, and report of unfilled fields, unless zero has a meaning there."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from roverlink.generator.table import StandardTopicSettings
 
 
 class Tree:
-    """Puts the expressions of a standard in the order of the message's definition."""
+    """Expressions of a standard topic in the order of the message's definition."""
 
     def __init__(self, filling: Filling, settings: StandardTopicSettings, report: Callable[[Diagnostic], None]) -> None:
         self._filling, self._settings, self._report = filling, settings, report
         self._unset = {tuple(path.split(".")) for path in settings.unset}
 
     def fields(self) -> tuple[TargetField, ...]:
-        """Every field of the message."""
+        """Return every field of the message."""
         self._check_unset()
         root = self._filling.places.root
         return self._fields(root, (), (root.name,))
@@ -35,7 +35,9 @@ class Tree:
                 if filled[: len(path)] == path or path[: len(filled)] == filled:
                     also = [(self._filling.spans[filled], f"{'.'.join(filled)} is filled here")]
                     self._report(
-                        standard_rules.SET_TWICE.at(span, f"{dotted} is unset, and filled", "keep one of them", also)
+                        standard_rules.SET_TWICE.at(
+                            span, f"{dotted} is listed under `unset`, but also filled", "keep one of them", also
+                        )
                     )
                     break
 
@@ -49,24 +51,24 @@ class Tree:
         expressions = self._filling.expressions
         if place.path in expressions:
             return expressions[place.path]
-        if self._says_nothing(place):
+        if self._may_stay_unset(place):
             return Unset()
         if not place.type.is_message or place.type.is_many or not self._is_reached(place.path):
-            message = f"nothing fills {place.shown}, and a reader would take what is there for meant"
-            help = f"map it, give it a constant, or name {place.dotted} under `unset`"
-            span, rests_on = self._settings.at("fields"), self._filling.astray
+            message = f"{place.shown} is not filled, and subscribers would read its zero as a value"
+            help = f"map it, give it a constant, or list {place.dotted} under `unset`"
+            span, rests_on = self._settings.at("fields"), self._filling.unplaced
             self._report(standard_rules.UNSET_TARGET.at(span, message, help, rests_on=rests_on))
             return Unset()
         nested = self._filling.places.definition(place.type.name)
         return Parts(self._fields(nested, place.path, (*place.holders, nested.name)))
 
     def _is_reached(self, path: Path) -> bool:
-        """Whether the table says something of a field below a path."""
+        """Return True if the table fills or unsets a field below a path."""
         named = (*self._filling.expressions, *self._unset)
         return any(other[: len(path)] == path and len(other) > len(path) for other in named)
 
-    def _says_nothing(self, place: Place) -> bool:
-        """Whether an unset field misleads nobody: by its definition, or because the table says so."""
+    def _may_stay_unset(self, place: Place) -> bool:
+        """Return True if a field may stay unfilled: by its definition, or because it is listed under `unset`."""
         if any(place.path[: len(path)] == path for path in self._unset):
             return True
         for depth, holder in enumerate(place.holders):

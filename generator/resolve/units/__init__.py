@@ -1,7 +1,7 @@
-"""Units of measurement: expressions such as ``m/s^2`` as a dimension and an exact way to the SI unit.
+"""Units of measurement: expressions such as ``m/s^2``, with their dimension and their exact conversion to SI.
 
-A library would know more units, but takes longer to start than everything that `generate` does; the tests hold this
-one against such a library.
+A library would know more units, but its import takes longer than a whole run of `generate`. The tests compare this
+package with such a library.
 """
 
 from roverlink.generator.resolve.units.expression import UnitError, parse

@@ -1,4 +1,4 @@
-"""Unit expressions: symbols joined by ``*``, ``/`` and powers, read from left to right as in ``kg*m/s^2``."""
+"""Parser of unit expressions: symbols joined by ``*``, ``/`` and powers, from left to right, as in ``kg*m/s^2``."""
 
 from __future__ import annotations
 
@@ -16,14 +16,12 @@ _LARGEST_POWER = 12
 
 
 class UnitError(ValueError):
-    """A text that is no unit; the message says why."""
+    """Error for a text that is not a unit; its message tells why."""
 
 
 @cache
 def parse(text: str) -> Unit:
-    """The unit that an expression stands for.
-
-    Raises `UnitError` where it stands for none.
+    """Return the unit of an expression. Raises `UnitError` if it is not a unit.
 
     >>> parse("m/s^2").in_si
     'm s^-2'
@@ -32,7 +30,7 @@ def parse(text: str) -> Unit:
     reader = _Reader(text, tokens)
     unit = reader.product()
     if reader.tokens:
-        raise UnitError(f"{text!r} is no unit: {reader.tokens[0]!r} was not expected")
+        raise UnitError(f"{text!r} is not a unit: unexpected {reader.tokens[0]!r}")
     return unit
 
 
@@ -41,22 +39,22 @@ def _tokens(text: str) -> list[str]:
     while text[position:].strip():
         match = _TOKEN.match(text, position)
         if match is None:
-            raise UnitError(f"{text!r} is no unit: {text[position:].strip()[0]!r} was not expected")
+            raise UnitError(f"{text!r} is not a unit: unexpected {text[position:].strip()[0]!r}")
         tokens.append(match[1])
         position = match.end()
     if not tokens:
-        raise UnitError("an empty text is no unit; of what has none, the unit is 1")
+        raise UnitError("an empty text is not a unit; write 1 for a number without a unit")
     return tokens
 
 
 class _Reader:
-    """Takes an expression apart, from left to right."""
+    """Recursive-descent parser of an expression."""
 
     def __init__(self, text: str, tokens: list[str]) -> None:
         self._text, self.tokens, self._alone = text, tokens, len(tokens) == 1
 
     def product(self) -> Unit:
-        """Factors and divisors; two that stand side by side are multiplied."""
+        """Parse factors and divisors. Two units side by side are multiplied, as in ``N m``."""
         unit = self._power()
         while self.tokens and self.tokens[0] != ")":
             sign = self.tokens.pop(0) if self.tokens[0] in ("*", "/", "·") else "*"
@@ -71,7 +69,7 @@ class _Reader:
                 self.tokens.pop(0)
             exponent = self._next()
             if not exponent.lstrip("-").isdigit() or abs(int(exponent)) > _LARGEST_POWER:
-                raise UnitError(f"{self._text!r} is no unit: {exponent!r} is no power")
+                raise UnitError(f"{self._text!r} is not a unit: {exponent!r} is not a valid power")
             unit **= int(exponent)
         return unit
 
@@ -80,19 +78,21 @@ class _Reader:
         if token == "(":
             unit = self.product()
             if self._next() != ")":
-                raise UnitError(f"{self._text!r} is no unit: a bracket is not closed")
+                raise UnitError(f"{self._text!r} is not a unit: a bracket is not closed")
             return unit
         found = known.unit(token)
         if found is None:
-            raise UnitError(f"{token!r} is no unit that is known here; {nearest(token, known.symbols(), _EXAMPLES)}")
+            raise UnitError(f"unknown unit {token!r}; {nearest(token, known.symbols(), _EXAMPLES)}")
         if found.offset and not self._alone:
-            raise UnitError(f"{token} has a zero of its own and stands alone only; a difference of them is in K")
+            raise UnitError(
+                f"{token} cannot be combined with other units, because it has its own zero; write K for differences"
+            )
         return found
 
     def _next(self) -> str:
         if not self.tokens:
-            raise UnitError(f"{self._text!r} is no unit: it ends too early")
+            raise UnitError(f"{self._text!r} is not a unit: it ends too early")
         return self.tokens.pop(0)
 
 
-_EXAMPLES = "such are m, deg/s, kPa, uT, degC, m/s^2, 1"
+_EXAMPLES = "examples: m, deg/s, kPa, uT, degC, m/s^2, 1"

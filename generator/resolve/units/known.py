@@ -1,7 +1,7 @@
-"""The units by their symbols.
+"""Known units by symbol.
 
-Exact by definition: those of the SI (BIPM, The International System of Units, 9th edition), and the inch, the foot, the
-mile, the pound and the knot by the agreements of 1929 and 1959. ``g`` is the gram, as in the SI; the standard
+They are exact by definition: the units of the SI (BIPM, The International System of Units, 9th edition), and the inch,
+foot, mile, pound and knot by the agreements of 1929 and 1959. ``g`` is the gram, as in the SI; the standard
 acceleration of free fall is ``g0``.
 """
 
@@ -33,7 +33,7 @@ PREFIXES = {
     "f": -15,
     "a": -18,
 }
-"""Their powers of ten. The sign for micro is one of two characters, or a u."""
+"""Powers of ten of the prefixes. Micro is written with one of two Unicode characters, or with u."""
 
 
 def _base(name: str) -> Unit:
@@ -95,7 +95,7 @@ PREFIXED = {
     "G": _TESLA.scaled(_number("1/10000")),
     "bar": _PASCAL.scaled(_number("100000")),
 }
-"""Those that take a prefix."""
+"""Units that can have a prefix."""
 
 PLAIN = {
     "1": _ONE,
@@ -125,16 +125,16 @@ PLAIN = {
     "degF": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
     "°F": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
 }
-"""Those that do not."""
+"""Units without prefixes."""
 
 
 def symbols() -> list[str]:
-    """Every symbol without a prefix."""
+    """Return every symbol without prefixes."""
     return [*PREFIXED, *PLAIN]
 
 
 def unit(symbol: str) -> Unit | None:
-    """The unit of a symbol, whole or behind a prefix; None where there is none."""
+    """Return the unit of a symbol, with or without a prefix; None if it is unknown."""
     if symbol in PLAIN:
         return PLAIN[symbol]
     if symbol in PREFIXED:

@@ -1,4 +1,4 @@
-"""A unit: its dimension, and the exact way from a number in it to the number in the coherent SI unit."""
+"""Unit of measurement: its dimension, and the exact conversion to the coherent SI unit."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from fractions import Fraction
 from roverlink.generator.ir.interfaces import Scaling
 
 BASES = ("m", "kg", "s", "A", "K", "mol", "cd", "rad")
-"""What dimensions are made of: the SI's base units, and the angle, so that rad/s and Hz are told apart."""
+"""Base units of dimensions: those of the SI, and the radian, so that rad/s and Hz have different dimensions."""
 
 Dimension = tuple[int, ...]
-"""The exponent of each of `BASES`."""
+"""Exponents of `BASES`."""
 
 DIMENSIONLESS: Dimension = (0,) * len(BASES)
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A number in it, times ``factor`` times pi to the power of ``pi``, plus ``offset``, is the number in SI units."""
+    """Unit. A number in this unit equals number * ``factor`` * π**``pi`` + ``offset`` in SI units."""
 
     dimension: Dimension = DIMENSIONLESS
     factor: Fraction = Fraction(1)
     pi: int = 0
     offset: Fraction = Fraction(0)
-    """Of a temperature scale that does not start at absolute zero."""
+    """Zero point of a temperature scale that does not start at absolute zero."""
 
     def __mul__(self, other: Unit) -> Unit:
         dimension = tuple(a + b for a, b in zip(self.dimension, other.dimension))
@@ -34,12 +34,12 @@ class Unit:
         return Unit(tuple(part * exponent for part in self.dimension), self.factor**exponent, self.pi * exponent)
 
     def scaled(self, factor: Fraction) -> Unit:
-        """So many of them."""
+        """Return a multiple of the unit."""
         return Unit(self.dimension, self.factor * factor, self.pi)
 
     @property
     def in_si(self) -> str:
-        """Its dimension as the SI writes it: ``m s^-2``; ``1`` for none.
+        """Dimension in SI notation, such as ``m s^-2``; ``1`` if it has none.
 
         >>> (Unit((1, 0, 0, 0, 0, 0, 0, 0)) * Unit((0, 0, 1, 0, 0, 0, 0, 0)) ** -2).in_si
         'm s^-2'
@@ -49,6 +49,6 @@ class Unit:
 
 
 def conversion(source: Unit, target: Unit) -> Scaling:
-    """From a number in one unit to the number in another of the same dimension."""
+    """Return the conversion of a number from one unit to another of the same dimension."""
     factor = source.factor / target.factor
     return Scaling(factor, (source.offset - target.offset) / target.factor, source.pi - target.pi)

@@ -1,6 +1,6 @@
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Starts the bridge with the parameters in config/udp.yaml."""
+"""Start the bridge with the parameters in config/udp.yaml."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ PARAMETERS = Path(__file__).parents[1] / "config" / "udp.yaml"
 
 
 def generate_launch_description() -> LaunchDescription:
-    """One node, whose program finds roverlink in the environment of the shell."""
+    """Return the node; its program uses the roverlink of the current Python environment."""
     return LaunchDescription(
         [
             DeclareLaunchArgument("params_file", default_value=str(PARAMETERS)),

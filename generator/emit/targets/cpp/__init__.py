@@ -1,4 +1,4 @@
-"""C++ 17: a handler class a topic, between protobuf's classes and rosidl's structs, and a registry of them."""
+"""C++17 target: one handler class for each topic, between protobuf's classes and rosidl's structs, and a registry."""
 
 from __future__ import annotations
 

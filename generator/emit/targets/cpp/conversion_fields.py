@@ -1,4 +1,4 @@
-"""The fields of a conversion, as ``templates/cpp/fields.j2`` reads them."""
+"""Fields of a conversion, as the template ``templates/cpp/fields.j2`` reads them."""
 
 from __future__ import annotations
 
@@ -16,44 +16,44 @@ _RUNTIME_HEADERS = {ConversionKind.WELL_KNOWN: "well_known", ConversionKind.JSON
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A value on both sides: of a field, of each element of a list, or the key or the value of a map's entry."""
+    """Value on both sides: of a field, of each item of a list, or the key or value of a map's entry."""
 
     field: ir.FieldConversion
     shown: str
-    """The field in the message of an error, as a literal."""
+    """Name of the field in error messages, as a C++ literal."""
     context: Context
 
     @property
     def name(self) -> str:
-        """The name of the ROS field."""
+        """Name of the ROS field."""
         return self.field.ros.name
 
     @property
     def member(self) -> str:
-        """The member of the ROS message that holds the value, with its dot; empty where nothing holds it."""
+        """Member of the ROS message that contains the value, with its dot; empty if the field is the value itself."""
         return f".{self.field.member}" if self.field.kind is ConversionKind.HELD else ""
 
     @property
     def wrapped(self) -> str:
-        """The accessor of the field of the wrapper, such as google.protobuf.FloatValue; empty for no wrapper."""
+        """Accessor of the field in a wrapper such as google.protobuf.FloatValue; empty if there is no wrapper."""
         wrapping = self.field.wrapping
         return cpp_names.accessor(wrapping.field) if wrapping and not self._is_field_mask else ""
 
     @property
     def is_message(self) -> bool:
-        """Whether protobuf's side is a message, which is set by assigning to ``mutable_...``."""
+        """True if protobuf's side is a message, which is set by assigning to ``mutable_...``."""
         return self._is_field_mask or self.field.kind in {ConversionKind.MESSAGE, *_RUNTIME_HEADERS}
 
     @property
     def headers(self) -> set[str]:
-        """The headers of the functions that convert it."""
+        """Headers of the functions that convert the value."""
         if self.field.kind is ConversionKind.MESSAGE:
             return {self.context.converter(self.field.converter).header}
         name = "well_known" if self._is_field_mask else _RUNTIME_HEADERS.get(self.field.kind)
         return {cpp_names.runtime_header(name)} if name else set()
 
     def to_ros(self, source: str) -> str:
-        """The expression for the ROS value."""
+        """Return the expression of the ROS value."""
         if self.wrapped:
             source = f"{source}.{self.wrapped}()"
         if self.is_message:
@@ -65,7 +65,7 @@ class Value:
         return f"roverlink::octets({source})" if self._is_bytes else source
 
     def from_ros(self, source: str) -> str:
-        """The expression for protobuf's value."""
+        """Return the expression of protobuf's value."""
         if self.is_message:
             return self._called("from_ros", source)
         source += self.member
@@ -87,7 +87,7 @@ class Value:
 
     @property
     def _ros(self) -> ir.RosField:
-        """The ROS field that has the bare value."""
+        """ROS field that contains the value itself."""
         return self.context.ros_field(self.field.ros.type.name, self.field.member) if self.member else self.field.ros
 
     @property
@@ -98,33 +98,33 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """A variable of ``from_ros``: a message in the payload whose fields are fields of the ROS message."""
+    """Variable in ``from_ros`` for a nested message whose fields are fields of the ROS message."""
 
     name: str
     outer: str
-    """The variable of the message in which it stands."""
+    """Variable of the enclosing message."""
     accessor: str
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a ROS message, and the field of the payload on its other side."""
+    """Field of a ROS message, with the payload's field on the other side."""
 
     conversion: ir.FieldConversion
     value: Value
     holder: str
-    """The variable of the message in which the payload's field stands."""
+    """Variable of the message that contains the payload's field."""
     members: tuple[tuple[str, Field], ...] = ()
-    """Of a oneof: the constant that stands for each member, and the member's field."""
+    """Members of a oneof: the constant and the field of each."""
 
     @property
     def name(self) -> str:
-        """The name of the ROS field."""
+        """Name of the ROS field."""
         return self.conversion.ros.name
 
     @property
     def kind(self) -> str:
-        """The name of the `ConversionKind`, or ``MAP``, ``LIST``, or ``COPY``: a list of the same values."""
+        """Name of the `ConversionKind`; or ``MAP``, ``LIST``, or ``COPY`` for a list of unchanged values."""
         if self.conversion.entry:
             return "MAP"
         if not self.conversion.repeated:
@@ -133,29 +133,29 @@ class Field:
 
     @property
     def comment(self) -> list[str]:
-        """The comment in the .proto file."""
+        """Comment lines from the .proto file."""
         own = self.conversion.kind in (ConversionKind.PRESENCE, ConversionKind.WHICH)
         return [] if own else comment_lines(self.conversion.ros.comment)
 
     @property
     def accessor(self) -> str:
-        """The accessor of the payload's field."""
+        """Accessor of the payload's field."""
         return cpp_names.accessor(self.conversion.proto_path[-1])
 
     @property
     def outer(self) -> str:
-        """The message in which the payload's field stands, in ``to_ros``."""
+        """Expression in ``to_ros`` for the message that contains the payload's field."""
         return cpp_names.getter(self.conversion.proto_path[:-1])
 
     @property
     def entry(self) -> list[Value]:
-        """The key and the value of a map's entries; empty for what is no map."""
+        """Key and value of a map's entries; empty if the field is not a map."""
         entry = self.conversion.entry
         return [Value(part, self.value.shown, self.value.context) for part in (entry.key, entry.value)] if entry else []
 
     @property
     def condition(self) -> str:
-        """The condition on which the payload's field is set; empty where it always is."""
+        """Condition under which the payload's field is set; empty if it is always set."""
         if self.conversion.presence:
             return f"message.{self.conversion.presence}"
         conditions = {"EMPTY": f"message.{self.name}", "JSON": f"!message.{self.name}.empty()"}
@@ -163,31 +163,34 @@ class Field:
 
     @property
     def is_set(self) -> bool:
-        """Whether ``from_ros`` has a statement for it alone: presence and members of a oneof are part of another's."""
+        """True if ``from_ros`` has its own statement for the field.
+
+        Presence, and members of a oneof, are part of another field's statement.
+        """
         return self.conversion.kind is not ConversionKind.PRESENCE and not self.conversion.which
 
     @property
     def headers(self) -> set[str]:
-        """The headers of the functions that convert it."""
+        """Headers of the functions that convert the field."""
         return set().union(*(value.headers for value in self.entry or [self.value]))
 
 
 @dataclass(frozen=True, slots=True)
 class Fields:
-    """The bodies of ``to_ros`` and ``from_ros`` of one conversion."""
+    """Bodies of ``to_ros`` and ``from_ros`` of one conversion."""
 
     holders: tuple[Holder, ...]
     fields: tuple[Field, ...]
-    """In the order of the ROS message."""
+    """Fields in the order of the ROS message."""
 
     @property
     def headers(self) -> set[str]:
-        """The headers that the bodies need."""
+        """Headers that the bodies need."""
         return {cpp_names.runtime_header("values")}.union(*(field.headers for field in self.fields))
 
 
 def fields_of(conversion: ir.Conversion, context: Context) -> Fields:
-    """Spell the fields of a conversion."""
+    """Return the fields of a conversion."""
     holders = _holders(conversion)
 
     def field_of(one: ir.FieldConversion) -> Field:
@@ -204,7 +207,7 @@ def fields_of(conversion: ir.Conversion, context: Context) -> Fields:
 
 
 def _holders(conversion: ir.Conversion) -> dict[tuple[str, ...], Holder]:
-    """The variables for the messages that the paths of fields lead through, by their path."""
+    """Return the variables for nested messages on the paths of fields, by path."""
     holders: dict[tuple[str, ...], Holder] = {}
     for field in conversion.fields:
         for depth in range(1, len(field.proto_path)):

@@ -1,4 +1,4 @@
-"""The classes that convert what stands inside payloads."""
+"""Classes that convert nested messages."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ _ANY = "google.protobuf.Any"
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """A class with ``to_ros`` and ``from_ros``."""
+    """Class with ``to_ros`` and ``from_ros``."""
 
     name: str
     payload_name: str
-    """The proto message's name within its file."""
+    """Name of the proto message without its package."""
     payload: str
-    """Its class."""
+    """Class of the proto message."""
     payload_header: str
     ros: str
-    """``rover/Sample``."""
+    """ROS message as in ``rover/Sample``."""
     message: str
-    """The struct of the ROS message."""
+    """Struct of the ROS message."""
     message_header: str
     comment: list[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A message that an Any may hold."""
+    """Message that an Any may contain."""
 
     payload: str
-    """Its class."""
+    """Class of the message."""
     name: str
-    """The field of the ROS message."""
+    """Field of the ROS message."""
     constant: str
     converter: Converter
 
 
 def emit(bridge: ir.Bridge, context: Context) -> Files:
-    """Yield a header and a source file for each message that is in payloads, and for each Any."""
+    """Yield a header and a source file for each nested message, and for each Any."""
     for conversion in bridge.nested:
         file = _file(bridge, conversion.ros, f"{bridge.table} and {conversion.file}")
         fields = fields_of(conversion, context)

@@ -1,4 +1,4 @@
-"""The header and the source file of a generated class."""
+"""Header and source file of a generated class."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ FOLDER = "generated/cpp"
 
 @dataclass(frozen=True, slots=True)
 class CppFile:
-    """A header, and the source file of the same name where it has one."""
+    """Header, and the source file of the same name if there is one."""
 
     package: str
     name: str
-    """With its folder: ``handlers/imu_info``."""
+    """Path without suffix: ``handlers/imu_info``."""
     origin: str
-    """What it is generated from."""
+    """Origin of the file, for its header comment."""
 
     @property
     def top(self) -> str:
-        """The lines that open it."""
+        """Comment lines that open the file."""
         return header(self.origin, "//")
 
     @property
     def include(self) -> str:
-        """The header, as an include directive names it."""
+        """Path of the header in an include directive."""
         return f"{self.package}/{self.name}.hpp"
 
     @property
     def guard(self) -> str:
-        """The macro that guards the header: ``COMMS__HANDLERS__IMU_INFO_HPP_``."""
+        """Include guard of the header: ``COMMS__HANDLERS__IMU_INFO_HPP_``."""
         return self.include.replace("/", "__").replace(".", "_").upper() + "_"
 
     def header(self, template: str, **view: object) -> Files:
-        """Yield the header, made by a template."""
+        """Yield the header, rendered from a template."""
         yield f"{FOLDER}/include/{self.include}", render(f"cpp/{template}.hpp.j2", file=self, **view)
 
     def source(self, template: str, **view: object) -> Files:
-        """Yield the source file, made by a template."""
+        """Yield the source file, rendered from a template."""
         yield f"{FOLDER}/src/{self.name}.cpp", render(f"cpp/{template}.cpp.j2", file=self, **view)

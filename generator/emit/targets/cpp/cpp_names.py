@@ -1,4 +1,8 @@
-"""What C++ calls the things of the IR: protobuf's classes and accessors, rosidl's structs, and our own classes."""
+"""C++ names for the IR: protobuf's classes and accessors, rosidl's structs, and generated classes.
+
+protoc writes accessors in lower case, and adds an underscore to names that are keywords. rosidl names a header after
+the message in snake_case.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ _PRIMITIVES = {
 
 
 def accessor(field: str) -> str:
-    """How protobuf's C++ names a field, or the part of a function's name that is the field's.
+    """Return protobuf's C++ name of a field; other accessors add a prefix such as ``set_``.
 
     >>> accessor("wheelSpeed"), accessor("class")
     ('wheelspeed', 'class_')
@@ -26,12 +30,12 @@ def accessor(field: str) -> str:
 
 
 def getter(path: tuple[str, ...]) -> str:
-    """Spell a field of a payload, or of a message in it: ``payload.inner().x()``; the payload for the empty path."""
+    """Return the expression of a nested field of the payload: ``payload.inner().x()``; an empty path is the payload."""
     return "".join(["payload", *(f".{accessor(name)}()" for name in path)])
 
 
 def proto_class(full_name: str) -> str:
-    """The class of a proto message: ``::rover::Arm::Joint``."""
+    """Return the class of a proto message: ``::rover::Arm::Joint``."""
     return "".join(f"::{_escaped(part)}" for part in full_name.split("."))
 
 
@@ -40,51 +44,51 @@ def _escaped(name: str) -> str:
 
 
 def proto_header(file: str) -> str:
-    """The header that protoc makes of a .proto file."""
+    """Return the header that protoc generates for a .proto file."""
     return f"{file.removesuffix('.proto')}.pb.h"
 
 
 def runtime_header(name: str) -> str:
-    """Return the path of a header of the C++ runtime library, as an include directive names it."""
+    """Return the path of a runtime library header in an include directive."""
     return f"roverlink/{name}.hpp"
 
 
 def struct(package: str, message: str) -> str:
-    """The struct of a ROS message: ``comms::msg::BoundingBox``."""
+    """Return the struct of a ROS message: ``comms::msg::BoundingBox``."""
     return f"{package}::msg::{message}"
 
 
 def interface_struct(message: str) -> str:
-    """The struct of a standard message, by its full name."""
+    """Return the struct of a standard message, given its full name."""
     return message.replace("/", "::")
 
 
 def interface_header(message: str) -> str:
-    """The header of a ROS message, by its full name: ``sensor_msgs/msg/nav_sat_fix.hpp``."""
+    """Return the header of a ROS message, given its full name: ``sensor_msgs/msg/nav_sat_fix.hpp``."""
     folder, _, name = message.rpartition("/")
     return f"{folder}/{ros_names.snake_case(name)}.hpp"
 
 
 def primitive(name: str) -> str:
-    """The type that rosidl gives a ROS primitive, or a string."""
+    """Return the C++ type that rosidl generates for a ROS primitive or a string."""
     return _PRIMITIVES.get(name) or f"std::{name}_t"
 
 
 def handler_class(route: ir.Route) -> str:
-    """``ImuInfoHandler`` for the row ``imu_info``."""
+    """Return the handler's class: ``ImuInfoHandler`` for the row ``imu_info``."""
     return f"{ros_names.camel_case(route.name)}Handler"
 
 
 def handler_file(route: ir.Route) -> str:
-    """The name of the handler's files: ``imu_info``."""
+    """Return the name of the handler's files: ``imu_info``."""
     return route.name.lower()
 
 
 def conversion_class(message: str) -> str:
-    """The class with the conversion of a message that is no row's."""
+    """Return the class that converts a nested message."""
     return f"{message}Conversion"
 
 
 def conversion_file(message: str) -> str:
-    """The name of its files."""
+    """Return the name of the conversion class's files."""
     return ros_names.snake_case(message)

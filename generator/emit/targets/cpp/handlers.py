@@ -1,4 +1,4 @@
-"""One class for each row, and one for each extra topic of a row."""
+"""Handler classes: one for each row, and one for each extra topic."""
 
 from __future__ import annotations
 
@@ -17,57 +17,57 @@ from roverlink.generator.emit.targets.cpp.standard_fields import StandardFields
 
 @dataclass(frozen=True, slots=True)
 class Handler:
-    """A class that is generated for a topic."""
+    """Class that is generated for a topic."""
 
     route: ir.Route
     source: ir.Conversion | ir.StandardTopic
-    """A `StandardTopic` for a standard message."""
+    """Conversion of the payload; a `StandardTopic` for a standard message."""
     file: CppFile
     name: str
     envelope: str
-    """The class of the envelope."""
+    """Class of the envelope."""
     envelope_header: str
 
     @property
     def qos(self) -> ir.Qos | None:
-        """The quality of service; None for rclcpp's default, which is the C++ library's default, too."""
+        """Quality of service; None for rclcpp's default, which is also the default of the C++ library."""
         return None if self.route.qos == ir.Qos() else self.route.qos
 
     @property
     def accessor(self) -> str:
-        """The accessor of the payload in the envelope."""
+        """Accessor of the payload in the envelope."""
         return cpp_names.accessor(self.route.name)
 
     @property
     def payload(self) -> str:
-        """The class of the payload."""
+        """Class of the payload."""
         return cpp_names.proto_class(self.source.proto)
 
     @property
     def payload_header(self) -> str:
-        """The header of the payload's class."""
+        """Header of the payload's class."""
         return cpp_names.proto_header(self.source.file)
 
     @property
     def standard(self) -> ir.StandardTopic | None:
-        """The standard message and what fills it; None where the row has a message of its own."""
+        """Topic with a standard message; None if the row has a message of its own."""
         return self.source if isinstance(self.source, ir.StandardTopic) else None
 
     @property
     def ros(self) -> str:
-        """The full name of the ROS message: ``sensor_msgs/msg/Imu``."""
+        """Full name of the ROS message: ``sensor_msgs/msg/Imu``."""
         if isinstance(self.source, ir.StandardTopic):
             return self.source.message
         return f"{self.file.package}/msg/{self.source.ros}"
 
     @property
     def message(self) -> str:
-        """The struct of the ROS message."""
+        """Struct of the ROS message."""
         return cpp_names.interface_struct(self.ros)
 
     @property
     def message_header(self) -> str:
-        """The header of the struct."""
+        """Header of the struct."""
         return cpp_names.interface_header(self.ros)
 
 
@@ -98,7 +98,7 @@ def _handler(
 
 
 def emit(bridge: ir.Bridge, context: Context) -> Files:
-    """Yield the header and the source file of each."""
+    """Yield the header and the source file of each handler."""
     has_required = any(field.label == "required" for one in bridge.wire_messages for field in one.fields)
     for handler in handlers_of(bridge):
         comment = comment_lines(handler.route.comment)

@@ -1,4 +1,4 @@
-"""The files that there are once: the registry, the copy of the C++ runtime library, and the CMake project."""
+"""Files that exist once: the registry, the copy of the C++ runtime library, and the CMake project."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def emit(bridge: ir.Bridge) -> Files:
     registry, rclcpp = (CppFile(bridge.package, name, bridge.table) for name in ("registry", "rclcpp"))
     yield from registry.header("registry", handlers=handlers_of(bridge), envelope=envelope, oneof=bridge.envelope.oneof)
     yield from rclcpp.header("rclcpp")
-    # Projects add this folder to their own build and say where the protos are; colcon must not build it alone.
+    # colcon must not build this folder alone: a project adds it to its own build and sets the path of the protos.
     yield f"{FOLDER}/COLCON_IGNORE", header(bridge.table) + "\n"
     yield from _runtime()
 
 
 def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
-    """Return the CMake project that compiles sources and protos."""
+    """Return the CMake project that compiles the sources and the protos."""
     fields = [field for message in bridge.messages for field in message.fields]
     packages = {field.type.package for field in fields} | {interface.package for interface in bridge.interfaces}
     packages |= {bridge.package} if bridge.messages else set()
@@ -40,7 +40,7 @@ def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
 
 
 def _runtime() -> Files:
-    """Copy the runtime library: where the handlers are compiled, roverlink itself may not be installed."""
+    """Copy the runtime library, because roverlink may not be installed where the handlers are compiled."""
     library = shipped("cpp")
     for path in sorted(found for pattern in _COPIED for found in library.glob(pattern)):
         name = path.relative_to(library).as_posix()

@@ -1,4 +1,4 @@
-"""Constants and comments as C++ writes them."""
+"""C++ spelling of constants and comments."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def text_literal(text: str) -> str:
-    r"""A text as a string literal in UTF-8.
+    r"""Return a string literal in UTF-8.
 
     >>> print(text_literal('5 "°"'))
     "5 \"°\""
@@ -18,7 +18,7 @@ def text_literal(text: str) -> str:
 
 
 def literal(value: object) -> str:
-    """A constant of a primitive type, or a text."""
+    """Return the literal of a primitive value or a text."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -31,13 +31,14 @@ def literal(value: object) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """The lines of a comment, each with the space that separates it from the slashes.
+    """Return the lines of a comment, each with the space after the slashes.
 
-    A backslash at the end of a line would make the next line a comment, too; a period follows it.
+    A backslash at the end of a line would continue the comment on the next line, so a period is added.
     """
     lines = [f"{line}." if line.endswith("\\") else line for line in text.splitlines()]
     return [f" {line}" if line else "" for line in lines]
 
 
+# Octal escapes: a hexadecimal escape in C++ has no fixed length and would include digits that follow it.
 def _octal(character: str) -> str:
     return "".join(f"\\{byte:03o}" for byte in character.encode())

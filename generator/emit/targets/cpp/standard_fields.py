@@ -1,4 +1,4 @@
-"""The fields of a standard message and of its payload, as ``templates/cpp/standard_message.cpp.j2`` reads them."""
+"""Fields of a standard message and its payload, as ``templates/cpp/standard_message.cpp.j2`` reads them."""
 
 from __future__ import annotations
 
@@ -30,65 +30,65 @@ _CPP = Dialect(separator="'", pi="roverlink::PI", power="std::pow({base}, {expon
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """A field of the message that ``to_ros`` fills."""
+    """Field of the message that ``to_ros`` fills."""
 
     path: str
-    """From the message: ``header.stamp``."""
+    """Path in the message: ``header.stamp``."""
     value: str
-    """The expression; for each element of `source`, the variable ``item``, where there is one."""
+    """Expression; with `source` it uses the variable ``item``."""
     source: str = ""
-    """The repeated field whose values fill the list; empty for one value."""
+    """Repeated field of the payload whose items fill the list; empty for a single value."""
     count: int = 0
-    """The number of elements that have the value; 0 for one value."""
+    """Number of items that have the value; 0 for a single value."""
     is_array: bool = False
-    """Whether the elements are those of an array, and not of a sequence."""
+    """True for an array, False for a sequence."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recalled:
-    """A field of the payload that ``from_ros`` sets, or a variable for several of them."""
+    """Field of the payload that ``from_ros`` sets, or a variable for several of them."""
 
     target: str
-    """The function that sets it: ``payload.mutable_inner()->set_x``; or the variable."""
+    """Function that sets the field: ``payload.mutable_inner()->set_x``; or the variable."""
     value: str
-    """The expression; for each element of `source`, the variable ``item``, where there is one."""
+    """Expression; with `source` it uses the variable ``item``."""
     source: str = ""
-    """The list in the message whose elements are the field's values; empty for one value."""
+    """List in the message whose items are the field's values; empty for a single value."""
     is_rotation: bool = False
-    """Whether it is the variable for the angles of a rotation."""
+    """True for the variable with the angles of a rotation."""
 
 
 @dataclass(frozen=True, slots=True)
 class EnumTable:
-    """A function between the number of an enum value and the value of a field of the message."""
+    """Function between an enum value's number and the value of a field of the message."""
 
     to_number: bool
     path: str
     source: str
-    """The enum field of the payload."""
+    """Enum field of the payload."""
     type: str
-    """The type of the message's field."""
+    """Type of the message's field."""
     cases: tuple[tuple[int, str, str], ...]
-    """Of each value the number, the name, and the value of the message's field."""
+    """Number and name of each enum value, and the value of the message's field."""
     default: str
-    """The value for every other number; empty where another number is an error."""
+    """Value for every other number; empty if another number is an error."""
 
 
 class StandardFields:
-    """The bodies of ``to_ros`` and ``from_ros`` of a standard message, and what stands above them."""
+    """Bodies of ``to_ros`` and ``from_ros`` of a standard message, with the functions and constants that they need."""
 
     def __init__(self, standard: StandardTopic) -> None:
         self._arithmetic = Arithmetic(_CPP)
         self.obstacle = standard.obstacle and text_literal(standard.obstacle)
-        """Why no payload can be made, as a literal; empty where it can."""
+        """Reason why no payload can be made, as a literal; empty if it can."""
         self.headers = {cpp_names.runtime_header("values")}
         self.tables: dict[str, EnumTable] = {}
-        """The functions by name."""
+        """Functions by name."""
         leaves = [leaf for field in standard.fields for leaf in _leaves(field, ())]
         self.filled = [self._filled(*leaf) for leaf in leaves]
         self.recalled = list(_first_each(self._recalled(standard)))
         self.constants = self._arithmetic.constants
-        """The constants by name."""
+        """Constants by name."""
         sources = [source for _, value, _ in leaves for source in _sources(value)]
         self.reads_payload = any(sources)
         self.reads_received = None in sources
@@ -106,7 +106,7 @@ class StandardFields:
         return Filled(dotted, self._value(value, type, path))
 
     def _value(self, value: _Leaf, type: InterfaceType, path: Path) -> str:
-        """The expression for a field that is no list."""
+        """Return the expression for a single value."""
         if isinstance(value, Constant):
             return literal(value.value)
         if isinstance(value, Taken):
@@ -122,7 +122,7 @@ class StandardFields:
         return self._moment(value, path)
 
     def _made(self, value: Taken, text: str, type: InterfaceType, path: Path) -> str:
-        """One value of a payload as the message has it."""
+        """Return the expression of one value in the message."""
         source, shown = value.source, _shown(path)
         if source.type == "string":
             bound = f", {type.text_bound}" if type.text_bound else ""
@@ -132,7 +132,7 @@ class StandardFields:
         if value.scaling.is_identity and not source.enum and source.type == type.name:
             return text
         whole = source.is_integer and value.scaling.is_whole
-        scaled = self._arithmetic.forth(_operand(text, source.type), value.scaling, whole=whole)
+        scaled = self._arithmetic.scaled(_operand(text, source.type), value.scaling, whole=whole)
         if type.name.startswith("float"):
             scaled = f"static_cast<double>({scaled})" if whole else scaled
             scaled = f"std::nearbyint({scaled})" if value.rounded and not whole else scaled
@@ -173,7 +173,7 @@ class StandardFields:
                 yield Recalled(_setter(value.source), number)
 
     def _untaken(self, value: Taken, text: str, type: str) -> str:
-        """One value of the message as the payload has it."""
+        """Return the expression of one value in the payload."""
         source, scaling = value.source, value.scaling
         shown = _shown(source.path)
         if source.type == "string":
@@ -192,7 +192,7 @@ class StandardFields:
     # --- enums ---
 
     def _table(self, value: Chosen, path: Path, type: InterfaceType, *, to_number: bool) -> str:
-        """The name of the function for an enum's values."""
+        """Return the name of the function for an enum's values."""
         cases = {case.value if to_number else case.number: case for case in value.cases}
         table = EnumTable(
             to_number,
@@ -209,7 +209,7 @@ class StandardFields:
         return name
 
     def _case(self, case: Case, holder: str) -> str:
-        """The value of the message's field."""
+        """Return the value of the message's field."""
         if not case.constant:
             return literal(case.value)
         self.headers.add(cpp_names.interface_header(holder))
@@ -217,7 +217,7 @@ class StandardFields:
 
 
 def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, InterfaceType]]:
-    """The fields that something fills, with their paths, without the messages that hold them."""
+    """Yield the filled fields with their paths; nested messages are replaced by their fields."""
     path, value = (*holders, field.name), field.value
     if isinstance(value, Parts):
         for part in value.fields:
@@ -227,14 +227,14 @@ def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, In
 
 
 def _sources(value: _Leaf) -> Iterator[Source | None]:
-    """The payload's fields that fill a field; None for the time of reception."""
+    """Yield the payload's fields that fill a field; None stands for the time of reception."""
     for part in (value.roll, value.pitch, value.yaw) if isinstance(value, Rotation) else (value,):
         if isinstance(part, (Taken, Chosen, Moment)):
             yield part.source
 
 
 def _first_each(recalled: Iterable[Recalled]) -> Iterable[Recalled]:
-    """The first statement for each field: two fields of the message may be made from one of the payload."""
+    """Keep the first statement for each payload field, because two message fields may use the same one."""
     found: dict[str, Recalled] = {}
     for one in recalled:
         found.setdefault(one.target, one)
@@ -252,7 +252,7 @@ def _unscaled_time(value: Moment, source: Source, text: str) -> str:
 
 
 def _operand(text: str, type: str) -> str:
-    """A number in arithmetic: whole ones are negated as such, for floats have two zeros."""
+    """Return an operand. Integers are widened first: negating them as floats would give -0.0 for 0."""
     return text if type.startswith("float") else f"roverlink::wide({text})"
 
 
@@ -271,5 +271,5 @@ def _has(source: Source) -> str:
 
 
 def _shown(path: Path) -> str:
-    """A field in the message of an error, as a literal."""
+    """Return a field's name in error messages, as a literal."""
     return f'"{".".join(path)}"'

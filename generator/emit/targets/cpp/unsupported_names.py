@@ -1,4 +1,7 @@
-"""What protobuf's C++ has no name for, or in different versions different names: found here, not by a C++ compiler."""
+"""Check of names that protobuf's C++ cannot use, or that differ between its versions.
+
+The check runs here, so that the user gets a diagnostic and not an error of the C++ compiler.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ CPP_NAME = Rule(
     "cpp-name",
     """A name in the protos cannot be used in C++, or gets different accessors from different versions of protobuf.
 
-The generated C++ would compile on one machine and fail on another. No wire contains the name, so it can be changed.
+The generated C++ would compile on one machine and fail on another. Names are not sent, so the name can be changed.
 
 Bad::
 
@@ -39,52 +42,56 @@ _KNOWN_SINCE_22 = frozenset(
         *("concept", "consteval", "constinit", "requires"),
     }
 )
-"""Keywords behind which protoc puts an underscore from protobuf 22 on, and before does not."""
-_OF_EVERY_CLASS = frozenset(
+"""Keywords to which protoc adds an underscore from protobuf 22 on, but not before."""
+_METHODS_OF_EVERY_CLASS = frozenset(
     {"default_instance", "descriptor", "internal_default_instance", "mutable_unknown_fields", "unknown_fields"}
 )
-"""Functions without parameters that every class has; only newer versions give a field of the name another one."""
+"""Functions without parameters that every generated class has. Only newer versions rename a field's accessor then."""
 
 
 def check(bridge: ir.Bridge) -> None:
-    """Raise `DiagnosticsError` with every name that C++ cannot have."""
+    """Raise `DiagnosticsError` for all names that C++ cannot use."""
     files = {conversion.proto: conversion.file for conversion in bridge.conversions().values()}
     files |= {standard.proto: standard.file for route in bridge.routes for standard in route.standard_topics}
     findings: list[Diagnostic] = []
     if bridge.package == _RUNTIME:
-        told = f"the package {_RUNTIME} would have the namespace and the headers of the C++ runtime library"
-        findings.append(CPP_NAME.at(Span(bridge.table), told, "give the ROS 2 package another name"))
+        fault = f"the package {_RUNTIME} would have the namespace and the headers of the C++ runtime library"
+        findings.append(CPP_NAME.at(Span(bridge.table), fault, "give the ROS 2 package another name"))
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
             continue
         span = Span(files.get(message.name, bridge.table))
         why = [_of_message(bridge, message.name), *_of_fields(message)]
         findings += [
-            CPP_NAME.at(span, told, "rename it: no wire has its name", type=message.name) for told in why if told
+            CPP_NAME.at(
+                span, fault, "rename it; the name is not sent, so the encoding does not change", type=message.name
+            )
+            for fault in why
+            if fault
         ]
     if findings:
         raise DiagnosticsError(findings)
 
 
 def _of_message(bridge: ir.Bridge, name: str) -> str:
-    """What is wrong with a message's own name; empty for nothing."""
+    """Return the problem of a message's own name; empty if there is none."""
     *outer, _ = name.split(".")
     if name.split(".")[0] == _RUNTIME:
         return f"the class of {name} would be in the namespace of the C++ runtime library, {_RUNTIME}"
     if keywords := [part for part in outer if ros_names.is_cpp_keyword(part)]:
-        return f"{name} would be in the namespace {keywords[0]!r}, which is a keyword of C++"
+        return f"{name} would be in the namespace {keywords[0]!r}, which is a C++ keyword"
     packages = {bridge.package, *(interface.package for interface in bridge.interfaces)}
     namespaces = {*packages, *(f"{package}.msg" for package in packages), f"{bridge.package}.handlers"}
     structs = {f"{bridge.package}.msg.{message.name}" for message in bridge.messages}
     structs |= {interface.name.replace("/", ".") for interface in bridge.interfaces}
     if name in namespaces | structs:
         kind = "namespace" if name in namespaces else "struct"
-        return f"the class of {name} would have the name of a {kind} of ROS 2's, {cpp_names.proto_class(name)}"
+        return f"the class of {name} would have the same name as a {kind} of ROS 2, {cpp_names.proto_class(name)}"
     return ""
 
 
 def _of_fields(message: ir.WireMessage) -> Iterator[str]:
-    """What is wrong with the names of a message's fields."""
+    """Yield the problems of the names of a message's fields."""
     taken: dict[str, str] = {}
     for field in message.fields:
         name = cpp_names.accessor(field.name)
@@ -92,14 +99,14 @@ def _of_fields(message: ir.WireMessage) -> Iterator[str]:
     for field in message.fields:
         place, name = f"{message.name}.{field.name}", field.name.lower()
         if name in _KNOWN_SINCE_22:
-            yield f"{place} is a keyword of C++ 20, for which versions of protobuf differ in the accessor's name"
-        elif name in _OF_EVERY_CLASS:
-            yield f"{place} would have the accessor {name}(), which every class of protobuf's has already"
+            yield f"{place} is a C++20 keyword, whose accessor has different names in different versions of protobuf"
+        elif name in _METHODS_OF_EVERY_CLASS:
+            yield f"{place} would have the accessor {name}(), which every protobuf class already has"
         elif name in taken and _is_there(message, taken[name]):
-            yield f"{place} would have the accessor {name}(), which is that of {taken[name]} already"
+            yield f"{place} would have the accessor {name}(), which {taken[name]} already has"
 
 
 def _is_there(message: ir.WireMessage, name: str) -> bool:
-    """Whether a field has the function of its presence, or of its size."""
+    """Return True if a field has a function for its presence or its size."""
     field = next(field for field in message.fields if field.name == name)
     return bool(field.label or field.oneof) or "." in field.type or field.type[:1].isupper()

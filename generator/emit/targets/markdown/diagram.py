@@ -1,4 +1,4 @@
-"""The diagram of who sends what to whom: rows in groups, from senders on the left to receivers on the right."""
+"""Diagram of senders and receivers: groups of rows, from senders on the left to receivers on the right."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SHOWN = 12  # rows of a group; more would make the diagram too high
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A board, a peer or ROS 2, as a sender or as a receiver."""
+    """Board, peer or ROS 2, as a sender or as a receiver."""
 
     id: str
     label: str
@@ -24,17 +24,17 @@ class Group:
 
     id: str
     rows: tuple[ir.Route, ...]
-    """The first of them."""
+    """Rows that are shown."""
     more: int
-    """The number of the others."""
+    """Number of rows that are not shown."""
     sender: End
     receiver: End
-    """Where rows are forwarded, all that receive them stand at one end: arrows to each of them would cross."""
+    """Receiver. All receivers of forwarded rows are one `End`, because arrows to each of them would cross."""
 
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """Everything that the diagram shows."""
+    """Content of the diagram."""
 
     senders: tuple[End, ...]
     groups: tuple[Group, ...]
@@ -42,12 +42,12 @@ class Diagram:
 
 
 def peer_of(route: ir.Route) -> str:
-    """Return the peer at the other end of a row."""
+    """Return the peer of a row."""
     return route.direction.removesuffix("_to_ros") if route.inbound else route.direction.removeprefix("ros_to_")
 
 
 def diagram(bridge: ir.Bridge) -> Diagram:
-    """Put rows into groups, so that the diagram has a few arrows and not one a row."""
+    """Group the rows, so that the diagram has a few arrows instead of one for each row."""
     peers = {peer.name: peer for peer in bridge.peers}
     grouped: dict[tuple[bool, End, tuple[str, ...]], list[ir.Route]] = {}
     for route in sorted(bridge.routes, key=lambda route: not route.inbound):
@@ -76,7 +76,7 @@ def _as(role: str, end: End) -> End:
 
 
 def _end(peer: ir.Peer, route: ir.Route) -> End:
-    """Return the board of a row; the peer itself where it is not made of several boards."""
+    """Return the board of a row, or the peer if it does not consist of several boards."""
     name = route.proto.rpartition(".")[2]
     prefix = next((prefix for prefix in peer.prefixes if name.startswith(prefix)), "")
     if len(peer.prefixes) < 2 or not prefix:

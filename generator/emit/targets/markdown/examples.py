@@ -1,4 +1,4 @@
-"""Example datagrams: an envelope with plausible values, encoded by protobuf and taken apart field by field."""
+"""Example datagrams: an envelope with plausible values, encoded by protobuf and explained field by field."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _BYTES_A_LINE = 16
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A few bytes, and what they say."""
+    """Line of an example: a few bytes, and their meaning."""
 
     hex: str
     meaning: str = ""
@@ -29,7 +29,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A datagram, line by line."""
+    """Example datagram, line by line."""
 
     payload_size: int
     datagram_size: int
@@ -37,12 +37,12 @@ class Example:
 
     @property
     def width(self) -> int:
-        """The number of characters of the longest bytes."""
+        """Number of characters of the longest line of bytes."""
         return max((len(line.hex) for line in self.lines), default=0)
 
 
 class Examples:
-    """Makes the example of each row, with classes made of protoc's descriptors."""
+    """Maker of a row's example, with classes from protoc's descriptors."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         pool = DescriptorPool()
@@ -60,14 +60,14 @@ class Examples:
 
 
 def _encoded(message: Message) -> bytes:
-    """Encode a message; fields that are required and not set are left out."""
+    """Encode a message, even if required fields are missing."""
     return message.SerializePartialToString(deterministic=True)
 
 
 def _lines(message: Message, depth: int) -> Iterator[Line]:
-    """Yield the lines of a message's fields, in the order of their numbers.
+    """Yield the lines of a message's fields, sorted by number.
 
-    A message that has the type and the bytes of an earlier field is not taken apart again.
+    A message with the same type and bytes as an earlier one is not shown again.
     """
     earlier: dict[tuple[str, bytes], str] = {}
     for field, held in message.ListFields():
@@ -88,7 +88,7 @@ def _lines(message: Message, depth: int) -> Iterator[Line]:
 def _taken_apart(field: FieldDescriptor, value: Message, data: bytes, depth: int) -> Iterator[Line]:
     size = value.ByteSize()
     around = len(data) - size
-    start = around // 2 if field.type == field.TYPE_GROUP else around  # a group has a tag at its end too
+    start = around // 2 if field.type == field.TYPE_GROUP else around  # a group also has a tag at its end
     yield Line(data[:start].hex(" "), f"{'  ' * depth}{field.name}: {value.DESCRIPTOR.name}, {size} bytes")
     yield from _lines(value, depth + 1)
     if start < around:
@@ -96,7 +96,7 @@ def _taken_apart(field: FieldDescriptor, value: Message, data: bytes, depth: int
 
 
 def _alone(message: Message, field: FieldDescriptor, held: Any) -> bytes:
-    """Encode a message in which only one field is set."""
+    """Encode a message that has only one field set."""
     one = type(message)()
     if field.is_repeated:
         getattr(one, field.name).extend(held)
@@ -127,5 +127,5 @@ def _value(field: FieldDescriptor, value: Any) -> str:
     if field.type == field.TYPE_BYTES:
         return f"{len(value)} bytes"
     if field.type == field.TYPE_FLOAT:
-        return f"{value:.7g}"  # as many digits as a float holds
+        return f"{value:.7g}"  # a 32-bit float has about 7 decimal digits
     return json.dumps(value)

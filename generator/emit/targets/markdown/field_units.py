@@ -1,4 +1,4 @@
-"""Units of fields: those that the table gives for extra topics, and those that comments end with, in brackets."""
+"""Units of fields: from the table's standard messages, or in brackets at the end of a field's comment."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _BRACKETS = re.compile(r"\s*\[(?P<unit>[^\[\]]{1,20})\](?P<stop>\.?)$")
 
 
 class Units:
-    """The unit of each field of a bridge's payloads, as far as it is known."""
+    """Known units of the fields in a bridge's payloads."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         types = {(message.name, field.name): field.type for message in bridge.wire_messages for field in message.fields}
@@ -26,13 +26,13 @@ class Units:
                 self._of_table[message, path[-1]] = unit
 
     def split(self, message: str, field: ir.WireField) -> tuple[str, str]:
-        """Return a field's comment without its unit, and the unit; the table's unit goes before the comment's."""
+        """Return a field's comment without its unit, and the unit; the table's unit overrides the comment's."""
         comment, unit = _stated(field.comment)
         return comment, self._of_table.get((message, field.name), unit)
 
 
 def _stated(comment: str) -> tuple[str, str]:
-    """Return a comment without the unit in brackets at its end, and that unit: ``Voltage.``, ``V``."""
+    """Split a comment from the unit in brackets at its end: ``Voltage.`` and ``V`` for ``Voltage [V].``."""
     found = _BRACKETS.search(comment)
     if found is None:
         return comment, ""
@@ -44,19 +44,19 @@ def _stated(comment: str) -> tuple[str, str]:
 
 
 def _units(standard: ir.StandardTopic) -> Iterator[tuple[Path, str]]:
-    """Yield every field of the payload for which an extra topic states the unit."""
+    """Yield every field of the payload whose unit a standard topic gives."""
     for target in standard.fields:
-        for taken in _takings(target.value):
+        for taken in _taken_fields(target.value):
             if taken.scaling.unit:
                 yield taken.source.path, taken.scaling.unit
 
 
-def _takings(value: Expression) -> Iterator[Taken]:
+def _taken_fields(value: Expression) -> Iterator[Taken]:
     if isinstance(value, Parts):
         for part in value.fields:
-            yield from _takings(part.value)
+            yield from _taken_fields(part.value)
     elif isinstance(value, Rotation):
         for angle in (value.roll, value.pitch, value.yaw):
-            yield from _takings(angle)
+            yield from _taken_fields(angle)
     elif isinstance(value, Taken):
         yield value

@@ -1,4 +1,4 @@
-"""What the template of docs/messages.md shows."""
+"""Data of docs/messages.md, as the template ``messages.md.j2`` reads it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.ir.msg_types import msg_type
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic, its message, and what fills the message's fields where it is a standard one."""
+    """Topic with its message; for a standard message, with the sources of its fields."""
 
     name: str
     message: str
@@ -25,7 +25,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row of the table, with its payload."""
+    """Row of the table, with its payload."""
 
     number: int
     name: str
@@ -44,25 +44,25 @@ class Row:
     priority: int
     deadman: ir.Deadman | None
     payload: Payload | None
-    """None where an earlier row has the same one."""
+    """Payload; None if an earlier row has the same one."""
     payload_anchor: str
-    """The section that shows the payload."""
+    """Anchor of the section that shows the payload."""
     example: Example
 
     @property
     def receivers(self) -> tuple[str, ...]:
-        """Everyone who gets the payload."""
+        """All receivers of the payload."""
         return (self.receiver, *self.forward)
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """The row's own topic and its extra topics."""
+        """Own topic and extra topics of the row."""
         return (self.topic, *self.extra_topics)
 
 
 @dataclass(frozen=True, slots=True)
 class Enum:
-    """An enum and its values."""
+    """Enum with its values."""
 
     name: str
     comment: str
@@ -71,7 +71,7 @@ class Enum:
 
 @dataclass(frozen=True, slots=True)
 class Helper:
-    """A ROS 2 message that is made of no proto message alone: of a map's entry, an enum, an Any."""
+    """ROS 2 message without a proto message of its own: for a map's entry, an enum, or an Any."""
 
     name: str
     fields: str
@@ -80,7 +80,7 @@ class Helper:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """The whole page."""
+    """Content of the whole page."""
 
     table: str
     package: str
@@ -94,7 +94,7 @@ class Page:
 
 
 def page(bridge: ir.Bridge) -> Page:
-    """Collect everything that the page shows."""
+    """Collect the content of the page."""
     payloads = Payloads(bridge)
     carried = {route.proto for route in bridge.routes}
     shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]

@@ -1,4 +1,4 @@
-"""Proto messages and enums as the page shows them: fields, types with links, units, and fields of the .msg."""
+"""Proto messages and enums for the page: fields, types with links, units, and fields of the .msg files."""
 
 from __future__ import annotations
 
@@ -13,43 +13,43 @@ from roverlink.generator.ir.msg_types import msg_type
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a proto message; of a oneof there is one more, without a number."""
+    """Field of a proto message, or a oneof, which has no number."""
 
     number: int | None
     name: str
     type: str
     unit: str
     ros: str
-    """The fields of the .msg that take it."""
+    """Fields of the .msg file that contain the value."""
     meaning: str
 
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """A proto message."""
+    """Proto message."""
 
     name: str
     comment: str
     ros: str
-    """The .msg; empty where it has none."""
+    """Name of the ROS message; empty if the proto message has none."""
     fields: tuple[Field, ...]
     reserved: str
-    """Its reserved numbers; empty for none."""
+    """Reserved numbers; empty if there are none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A value of an enum."""
+    """Value of an enum."""
 
     number: int
     name: str
     constants: tuple[str, ...]
-    """Its constants in .msg files, where they have another name."""
+    """Constants in .msg files that have another name."""
     meaning: str
 
 
 class Payloads:
-    """The messages and enums that a bridge's envelope can hold."""
+    """Messages and enums that a bridge's envelope can contain."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._messages = {message.name: message for message in bridge.wire_messages}
@@ -82,7 +82,7 @@ class Payloads:
         return tuple(name for name in self._constants.get((enum.name, value.number), ()) if name != value.name)
 
     def anchor(self, proto: str) -> str:
-        """Return the anchor of the section that shows a message or an enum."""
+        """Return the anchor of the section of a message or enum."""
         return self.anchor_of_row(self._rows[proto]) if proto in self._rows else _anchor(proto)
 
     @staticmethod
@@ -113,17 +113,17 @@ class Payloads:
 
 
 def cell(text: str) -> str:
-    """Return a text for a cell of a table."""
+    """Escape a text for a cell of a Markdown table."""
     return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
 
 
 def _anchor(heading: str) -> str:
-    """Return the anchor of a heading, as GitHub and Python-Markdown make it."""
+    """Return the anchor of a heading, by the rules of GitHub and Python-Markdown."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
 def _taken(conversion: ir.Conversion | None) -> dict[str, list[str]]:
-    """Return the fields of the .msg by the field of the payload that they take, or that holds it."""
+    """Return the fields of the .msg file for each field of the payload, or of the message around it."""
     taken: dict[str, list[str]] = {}
     for field in conversion.fields if conversion else ():
         inner = f" from `{'.'.join(field.proto_path)}`" if len(field.proto_path) > 1 else ""
@@ -133,7 +133,7 @@ def _taken(conversion: ir.Conversion | None) -> dict[str, list[str]]:
 
 
 def _oneofs(message: ir.WireMessage, conversion: ir.Conversion | None) -> Iterator[Field]:
-    """Yield the message's own oneofs, with the field of the .msg that tells which member is set."""
+    """Yield the message's oneofs, with the .msg field that tells which member is set."""
     taken = _taken(conversion)
     for name in dict.fromkeys(field.oneof for field in message.fields if field.oneof):
         yield Field(None, name, "oneof", "", ", ".join(taken.get(name, ())), "")

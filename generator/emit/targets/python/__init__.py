@@ -1,4 +1,4 @@
-"""The Python code: what the runtime loads, and what programs import."""
+"""Target `python`: the modules that the runtime loads and that programs import."""
 
 from __future__ import annotations
 

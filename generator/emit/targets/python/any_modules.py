@@ -1,4 +1,4 @@
-"""The conversion of a google.protobuf.Any that holds one of the messages that the table lists."""
+"""Conversion of a google.protobuf.Any whose possible messages the table lists."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from roverlink.generator.emit.targets.python.imports import Import, import_lines
 
 @dataclass(frozen=True, slots=True)
 class _Member:
-    """A message that the Any may hold."""
+    """Message that the Any may contain."""
 
     type: str
-    """Its protobuf class."""
+    """Protobuf class of the message."""
     converter: str
     field: str
     constant: str
@@ -60,7 +60,7 @@ def _module(generated: str, conversion: ir.Conversion) -> Import:
 
 
 def _local_names(modules: set[Import], generated: str) -> Mapping[Import, str]:
-    """Return the local name of each module: with its folders where another module has the same name."""
+    """Return the local name of each module; it includes the folders if another module has the same name."""
     names = ["any_pb2", *(name for _, name in modules)]
     return {
         (package, name): (

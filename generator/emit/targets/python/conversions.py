@@ -1,4 +1,4 @@
-"""The modules with ``to_ros`` and ``from_ros`` of messages inside payloads, and the place of every conversion."""
+"""Modules with ``to_ros`` and ``from_ros`` of nested messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.generator.emit.targets.python.imports import import_lines
 
 
 class Converters:
-    """Finds the conversion to each ROS message: in a row's handler, or in a module of its own."""
+    """Lookup of the conversion to a ROS message: in a row's handler, or in a module of its own."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._generated = bridge.python_package
@@ -34,7 +34,7 @@ def emit(bridge: ir.Bridge) -> Files:
         )
     for any in bridge.anys:
         yield f"generated/conversions/{spelling.conversion_module(any.ros)}.py", any_module(bridge, any, converters.of)
-    docstring = "Conversions of the messages inside payloads: one module for each."
+    docstring = "Conversions of nested messages: one module for each message."
     yield "generated/conversions/__init__.py", f'{header(bridge.table)}\n"""{docstring}"""\n'
 
 

@@ -1,4 +1,4 @@
-"""The Python expressions that convert the fields of one message, and the imports that they need."""
+"""Python expressions that convert the fields of one message, and the imports that they need."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir.model import ConversionKind
 
-_TOLD_BY_OTHERS = frozenset({ConversionKind.PRESENCE, ConversionKind.WHICH})
+_READ_FOR_OTHER_FIELDS = frozenset({ConversionKind.PRESENCE, ConversionKind.WHICH})
 """ROS fields that ``from_ros`` reads only to decide about other fields."""
-_IN_THE_RUNTIME = frozenset({ConversionKind.WELL_KNOWN, ConversionKind.JSON})
+_CONVERTED_BY_RUNTIME = frozenset({ConversionKind.WELL_KNOWN, ConversionKind.JSON})
 _FILES = {
     "google.protobuf.Empty": "google/protobuf/empty.proto",
     "google.protobuf.FieldMask": "google/protobuf/field_mask.proto",
@@ -24,53 +24,53 @@ _WRAPPERS = "google/protobuf/wrappers.proto"
 
 @dataclass(frozen=True, slots=True)
 class Converter:
-    """How code calls the conversion of a nested message: ``name.to_ros(...)``."""
+    """Module or class that converts a nested message; code calls ``name.to_ros(...)``."""
 
     module: str
     name: str
-    """The class or the module to import from ``module``."""
+    """Class or module to import from ``module``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A keyword argument of a call."""
+    """Keyword argument of a call."""
 
     name: str
     value: str
-    """A Python expression."""
+    """Python expression."""
 
 
 @dataclass(frozen=True, slots=True)
 class Oneof:
-    """A oneof of the payload, which a field of the ROS message numbers."""
+    """Oneof of the payload. A field of the ROS message has the number of its member."""
 
     field: str
-    """The ROS field."""
+    """ROS field."""
     constant: str
-    """The name of the mapping from the oneof's members to their numbers."""
+    """Name of the mapping from the oneof's members to their numbers."""
     local: str
-    """The local variable of ``from_ros`` that holds the name of the chosen member."""
+    """Local variable in ``from_ros`` for the name of the chosen member."""
     shown: str
-    """The ROS field's name for errors, as a literal."""
+    """ROS field's name in error messages, as a literal."""
     members: tuple[ir.Choice, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class FieldExpressions:
-    """The fields of a conversion, both ways."""
+    """Fields of a conversion, in both directions."""
 
     to_ros: tuple[Argument, ...]
-    """The arguments of the ROS message's class."""
+    """Arguments of the ROS message's class."""
     from_ros: tuple[Argument, ...]
-    """The arguments of the payload's class."""
+    """Arguments of the payload's class."""
     from_ros_keywords: tuple[Argument, ...]
-    """Further arguments of the payload's class, whose names are keywords of Python."""
+    """Arguments of the payload's class whose names are Python keywords."""
     oneofs: tuple[Oneof, ...]
     imports: tuple[Import, ...]
 
 
 def attribute(holder: str, name: str) -> str:
-    """Spell an attribute; with `getattr` where its name is a keyword."""
+    """Spell an attribute; use `getattr` if its name is a keyword."""
     return f'getattr({holder}, "{name}")' if keyword.iskeyword(name) else f"{holder}.{name}"
 
 
@@ -82,7 +82,7 @@ def oneof_constant(field: str) -> str:
 def field_expressions(
     conversion: ir.Conversion, converter_of: Callable[[str], Converter], generated: str, place: str
 ) -> FieldExpressions:
-    """Spell a conversion; ``place`` stands before the names of fields in errors."""
+    """Spell a conversion; ``place`` precedes the names of fields in error messages."""
     speller = _Speller(conversion, converter_of, generated, place)
     to_ros = tuple(Argument(field.ros.name, speller.to_ros(field)) for field in conversion.fields)
     oneofs = tuple(speller.oneofs())
@@ -97,7 +97,7 @@ def field_expressions(
 
 
 class _Speller:
-    """Spells the values of one conversion, and collects the imports that they need."""
+    """Speller of one conversion's values. It collects the imports that they need."""
 
     def __init__(
         self, conversion: ir.Conversion, converter_of: Callable[[str], Converter], generated: str, place: str
@@ -114,7 +114,7 @@ class _Speller:
         return name
 
     def oneofs(self) -> Iterator[Oneof]:
-        """Return the oneofs, each with a local variable that hides nothing that the code needs."""
+        """Yield the oneofs, each with a local variable that does not hide an imported name."""
         found = [field for field in self._fields if field.kind is ConversionKind.WHICH]
         if found:
             self._need("roverlink.runtime.convert", "oneof")
@@ -156,14 +156,14 @@ class _Speller:
         return f"[{name}(key={key}, value={value}) for key, value in sorted({source}.items())]"
 
     def _to_ros_value(self, field: ir.FieldConversion, source: str, shown: str) -> str:
-        """Spell one value without its wrapping; ``shown`` is its name in errors."""
+        """Spell one value without its wrapper; ``shown`` is its name in error messages."""
         source = f"{source}.{field.wrapping.field}" if field.wrapping else source
         if field.kind is ConversionKind.HELD:
             name = self._need(f"{self._generated}.messages", spelling.message_class(field.ros.type.name))
             return f"{name}({field.member}={source})"
         if field.kind is ConversionKind.MESSAGE:
             return f"{self._converter(field)}.to_ros({source})"
-        if field.kind in _IN_THE_RUNTIME:
+        if field.kind in _CONVERTED_BY_RUNTIME:
             return f"{self._runtime(field)}.to_ros({source}, {self._shown(shown)})"
         is_list = field.wrapping is not None and field.ros.type.is_sequence and not field.repeated
         return f"list({source})" if is_list and field.ros.type.name != "uint8" else source
@@ -182,11 +182,11 @@ class _Speller:
 
     def from_ros(self, locals: Mapping[str, str]) -> list[Argument]:
         """Spell the arguments of the payload's class; ``locals`` are the variables of the oneofs' ROS fields."""
-        fields = [field for field in self._fields if field.kind not in _TOLD_BY_OTHERS]
+        fields = [field for field in self._fields if field.kind not in _READ_FOR_OTHER_FIELDS]
         return [Argument(name, value) for name, value in self._from_ros_fields(fields, locals, 0)]
 
     def by_keyword(self, arguments: Iterable[Argument]) -> tuple[Argument, ...]:
-        """Return the arguments that can only be given in a mapping."""
+        """Return the arguments whose names are keywords; Python accepts them only as ``**mapping``."""
         found = tuple(argument for argument in arguments if keyword.iskeyword(argument.name))
         if found:
             self._need("roverlink.runtime.convert.keywords", "keywords")
@@ -195,7 +195,10 @@ class _Speller:
     def _from_ros_fields(
         self, fields: Iterable[ir.FieldConversion], locals: Mapping[str, str], depth: int
     ) -> Iterator[tuple[str, str]]:
-        """Spell fields of the payload; those of a message that the ROS message takes apart are one mapping."""
+        """Spell fields of the payload.
+
+        Fields of a nested message that the ROS message contains directly become one dict.
+        """
         for name, group in itertools.groupby(fields, lambda field: field.proto_path[depth]):
             first, *others = group
             if len(first.proto_path) == depth + 1:
@@ -231,19 +234,19 @@ class _Speller:
         return f"[{self._from_ros_value(field, 'item', field.ros.name)} for item in {source}]"
 
     def _from_ros_value(self, field: ir.FieldConversion, source: str, shown: str) -> str:
-        """Spell one value in its wrapping; ``shown`` is its name in errors."""
+        """Spell one value with its wrapper; ``shown`` is its name in error messages."""
         value = source
         if field.kind is ConversionKind.HELD:
             value = f"{source}.{field.member}"
         elif field.kind is ConversionKind.MESSAGE:
             value = f"{self._converter(field)}.from_ros({source})"
-        elif field.kind in _IN_THE_RUNTIME:
+        elif field.kind in _CONVERTED_BY_RUNTIME:
             value = f"{self._runtime(field)}.from_ros({source}, {self._shown(shown)})"
         wrapping = field.wrapping
         return value if wrapping is None else f"{self._google(wrapping.proto)}({wrapping.field}={value})"
 
     def _google(self, proto: str) -> str:
-        """Spell the class of a message of protobuf's library."""
+        """Spell the class of a message in protobuf's library."""
         file = _FILES.get(proto, _WRAPPERS)
         package, module = spelling.proto_package(self._generated, file), spelling.proto_module(file)
         local = f"google_{module}" if module == self._own_module else module

@@ -1,4 +1,4 @@
-"""The handlers of topics with standard messages: extra topics, and rows whose own topic is one."""
+"""Handlers of topics with standard messages: extra topics, and rows with a standard message."""
 
 from __future__ import annotations
 

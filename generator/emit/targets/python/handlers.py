@@ -1,4 +1,4 @@
-"""One handler class for each row, in a module of its own."""
+"""Handlers of rows: one class in one module for each row."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from roverlink.generator.emit.targets.python.packages import package_file
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the handlers of rows that become messages of the ROS 2 package, and the package of all handlers."""
+    """Yield the handlers of rows with own messages, and the package of all handlers."""
     converters = Converters(bridge)
     for route in bridge.routes:
         if route.conversion:

@@ -1,4 +1,4 @@
-"""The import statements of a generated module, in isort's order: black does not sort them."""
+"""Import statements of a generated module, in isort's order, because black does not sort imports."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterable
 
 Import = tuple[str, str]
-"""A module, and a name that is imported from it."""
+"""Module, and a name that is imported from it."""
 
 
 def import_lines(imports: Iterable[Import]) -> list[str]:
-    """Return one statement for each module; those of protobuf's library stand in a block before the others."""
+    """Return one statement for each module. Statements for protobuf's library form a block before the others."""
     names: dict[str, set[str]] = {}
     aliased = set()
     for module, name in imports:
-        if " as " in name:  # isort gives an alias a statement of its own
+        if " as " in name:  # isort writes an alias as a separate statement
             aliased.add((module, name))
         else:
             names.setdefault(module, set()).add(name)
@@ -27,11 +27,11 @@ def import_lines(imports: Iterable[Import]) -> list[str]:
 
 
 def _member_order(name: str) -> tuple[int, list[tuple[str, int]]]:
-    """Return isort's sort key of an imported name: constants come first, then classes, then the others."""
+    """Return isort's sort key of an imported name: constants, then classes, then other names."""
     kind = 0 if name.isupper() and len(name) > 1 else 1 if name[:1].isupper() else 2
     return kind, natural_order(name)
 
 
 def natural_order(name: str) -> list[tuple[str, int]]:
-    """Return a sort key by which digits count as numbers: ``UInt8`` comes before ``UInt32``."""
+    """Return a sort key that compares digits as numbers: ``UInt8`` comes before ``UInt32``."""
     return [(text.lower(), int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", name)]

@@ -1,4 +1,4 @@
-"""The standard messages that the table names, and those in them: one module a package."""
+"""Classes of the standard messages that the table needs, with their nested messages: one module for each package."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, Inte
 
 _TAKEN = frozenset({"Annotated", "Bound", "Byte", "Char", "Length"})
 _TIMES = "builtin_interfaces"
-"""The package whose messages `roverlink.runtime.interfaces` names itself."""
+"""Package whose messages `roverlink.runtime.interfaces` exports directly."""
 OF_THE_RUNTIME = frozenset(
     {
         *(f"diagnostic_msgs/msg/{name}" for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")),
@@ -25,12 +25,12 @@ OF_THE_RUNTIME = frozenset(
         "tf2_msgs/msg/TFMessage",
     }
 )
-"""The messages whose classes stand in `roverlink.runtime.interfaces`; generated code takes them from there."""
+"""Messages whose classes are in `roverlink.runtime.interfaces`; generated code imports them from there."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Constant:
-    """A class attribute."""
+    """Class attribute for a constant."""
 
     name: str
     annotation: str
@@ -39,7 +39,7 @@ class _Constant:
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A field of a dataclass."""
+    """Field of a dataclass."""
 
     name: str
     annotation: str
@@ -48,10 +48,10 @@ class _Field:
 
 @dataclass(frozen=True, slots=True)
 class _Message:
-    """A dataclass."""
+    """Dataclass of a message."""
 
     ros: str
-    """The full name of the ROS message."""
+    """Full name of the ROS message."""
     name: str
     suppression: str
     constants: tuple[_Constant, ...]
@@ -59,25 +59,25 @@ class _Message:
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """The modules, and the package that holds them."""
+    """Yield the modules, and the package that contains them."""
     if not bridge.interfaces:
         return
     for package, interfaces in itertools.groupby(bridge.interfaces, lambda interface: interface.package):
         if package != _TIMES:
             yield f"generated/interfaces/{package}.py", _module(bridge, package, list(interfaces))
-    docstring = '"""The messages of other ROS 2 packages that are used here, one module a package."""'
+    docstring = '"""Messages of other ROS 2 packages: one module for each package."""'
     yield "generated/interfaces/__init__.py", f"{header(bridge.table)}\n{docstring}\n"
 
 
 def reference(name: str, within: str = "") -> str:
-    """How code names the class of a message: ``sensor_msgs.Imu``, or ``Imu`` in the module of its own package."""
+    """Return the expression of a message's class: ``sensor_msgs.Imu``, or ``Imu`` in the module of its own package."""
     package, _, local = name.partition("/msg/")
     bare = package in (_TIMES, within)
     return local if package == _TIMES else _class(local) if bare else f"{package}.{_class(local)}"
 
 
 def import_of(name: str, generated: str) -> Import:
-    """What `reference` needs: a module, and what is imported from it."""
+    """Return the import for `reference`: a module, and the name that is imported from it."""
     package, _, local = name.partition("/msg/")
     return ("roverlink.runtime.interfaces", local) if package == _TIMES else (f"{generated}.interfaces", package)
 
@@ -87,6 +87,7 @@ def _class(local: str) -> str:
 
 
 def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str:
+    # A class must be defined before another one uses it as a default factory.
     ours = [interface for interface in _holders_last(interfaces) if interface.name not in OF_THE_RUNTIME]
     used = {field.type.name for interface in ours for field in interface.fields if field.type.is_message}
     imports: set[Import] = {
@@ -112,7 +113,7 @@ def _module(bridge: ir.Bridge, package: str, interfaces: list[Interface]) -> str
 
 
 def _holders_last(interfaces: list[Interface]) -> Iterator[Interface]:
-    """Each after those that it holds."""
+    """Sort messages so that each comes after those that it contains."""
     by_name = {interface.name: interface for interface in interfaces}
     done: set[str] = set()
 
@@ -149,7 +150,7 @@ def _constant(constant: InterfaceConstant) -> _Constant:
 
 
 def _marks(type: InterfaceType) -> Iterator[str]:
-    """Return what the annotation of a type needs from `roverlink.runtime.core.messages`."""
+    """Return the names that the annotation of a type needs from `roverlink.runtime.core.messages`."""
     is_bytes = type.is_many and type.name == "uint8"
     if not type.is_message and type.name != "string" and not is_bytes:
         yield spelling.primitive(type.name)
@@ -180,7 +181,7 @@ def _field(field: InterfaceField, package: str) -> _Field:
 
 
 def _default(field: InterfaceField) -> str:
-    """A default that every message can share; empty where each needs one of its own."""
+    """Return a default that all messages can share; empty if each needs its own, such as a new list."""
     type = field.type
     if type.is_many and type.name == "uint8":
         return 'b""' if type.length is None else f"bytes({type.length})"

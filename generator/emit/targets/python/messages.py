@@ -1,4 +1,4 @@
-"""One dataclass for each ROS message, in a module of its own."""
+"""Dataclasses of ROS messages: one class in one module for each message."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.generator.emit.type_hashes import type_hashes
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A field of the dataclass."""
+    """Field of the dataclass."""
 
     name: str
     annotation: str
@@ -25,12 +25,12 @@ class _Field:
 
     @property
     def suppression(self) -> str:
-        """A comment that lets ruff accept the name."""
+        """Comment that lets ruff accept the name ``l``, which looks like a 1 (E741)."""
         return "  # noqa: E741  # as in the .proto" if self.name == "l" else ""
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the messages, and their package."""
+    """Yield the message classes, and their package."""
     hashes = type_hashes(bridge)
     for message in bridge.messages:
         text = _message(bridge, message, hashes[message.name])
@@ -38,7 +38,7 @@ def emit(bridge: ir.Bridge) -> Files:
     classes = {
         spelling.message_class(message.name): spelling.message_module(message.name) for message in bridge.messages
     }
-    yield package_file(bridge, "messages", f"The messages of the ROS 2 package {bridge.package}.", classes)
+    yield package_file(bridge, "messages", f"Messages of the ROS 2 package {bridge.package}.", classes)
 
 
 def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
@@ -70,7 +70,7 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
 
 
 def _classes(bridge: ir.Bridge, message: ir.RosMessage) -> set[Import]:
-    """Return the classes of its fields."""
+    """Return the classes of the message's fields."""
     types = [field.type for field in message.fields if field.type.is_message]
     return {
         (
@@ -86,7 +86,7 @@ def _classes(bridge: ir.Bridge, message: ir.RosMessage) -> set[Import]:
 
 
 def _local_classes(bridge: ir.Bridge, message: ir.RosMessage) -> Mapping[str, str]:
-    """Return the local name of each class: inside a class, a constant hides a class of its name."""
+    """Return the local name of each class, because a constant hides a class of the same name inside a class body."""
     constants = {constant.name for constant in message.constants}
     return {name: f"{name}_" if name in constants else name for _, name in _classes(bridge, message)}
 

@@ -1,4 +1,4 @@
-"""The ``__init__`` modules that name what a package holds."""
+"""Package files ``__init__.py`` that import the names of a package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.emit.targets.python.imports import import_lines
 
 
 def package_file(bridge: ir.Bridge, package: str, docstring: str, classes: Mapping[str, str]) -> tuple[str, str]:
-    """Return path and text of a package's ``__init__``; ``classes`` maps the classes to their modules."""
+    """Return path and text of a package's ``__init__``; ``classes`` maps classes to their modules."""
     own = f"{bridge.python_package}.{package}"
     text = render(
         "package.py.j2",

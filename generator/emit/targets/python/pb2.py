@@ -1,8 +1,13 @@
-"""The Python modules of the .proto files: protoc's own, moved into ``pb2`` of the generated package.
+"""Python modules of the .proto files: protoc's own modules, moved into ``pb2`` of the generated package.
 
-protoc imports by the path below the proto root, as if that were the import path; two projects in one environment would
-then take each other's modules. Its stubs leave out that an enum field takes a number, and the type of fields that are
-named by keywords.
+The moved text differs from protoc's output in these points:
+
+- protoc writes absolute imports from the proto root (``from components.common import x_pb2``). Two projects in one
+  environment would import each other's modules, so the imports get the generated package as a prefix.
+- The module name that protoc passes to ``BuildTopDescriptorsAndMessages`` gets the same prefix; it becomes the
+  ``__module__`` of the classes.
+- protoc's stubs (.pyi) do not allow a number for an enum field, although protobuf accepts it; `int` is added.
+- protoc's stubs do not allow fields that are named by keywords, which can only be given as ``**kwargs``.
 """
 
 from __future__ import annotations
@@ -12,16 +17,19 @@ import re
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header
 
+# In modules and stubs: `from a.b import x_pb2 as ...`, and `import x_pb2 as ...` for a file in the proto root.
 _IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|import) (?=\w+_pb2\b)", re.MULTILINE)
+# protoc writes an `import public` as `from a.x_pb2 import *`.
 _STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)
 _MODULE_NAME = re.compile(r"(?<=BuildTopDescriptorsAndMessages\(DESCRIPTOR, ')")
+# Type of an enum argument in a stub. At run time, protobuf takes the number, too.
 _ENUM_ARGUMENT = re.compile(r"_Union\[(?P<enum>[\w.]+), str\]")
 _ENUM_MAP = re.compile(r"_Mapping\[(?P<key>int|bool|str), (?P<enum>[\w.]+)\]")
 _MAP_OF_SCALARS = re.compile(r"_containers\.ScalarMap\[(?:int|bool|str), (?P<value>[\w.]+)\]")
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Every module of the closure with its stub, and the packages that hold them."""
+    """Yield each compiled module with its stub, and the packages that contain them."""
     packages = {"generated/pb2"}
     for path, text in bridge.modules.items():
         source = path.rpartition("_pb2")[0] + ".proto"
@@ -37,7 +45,7 @@ def _moved(text: str, pb2: str) -> str:
     text = _IMPORT.sub(lambda match: f"from {'.'.join(filter(None, [pb2, match['package']]))} import ", text)
     text = _MODULE_NAME.sub(f"{pb2}.", text)
     text = text.replace("**kwargs) -> None", "**kwargs: object) -> None")
-    text = text.replace("_struct_pb2.NullValue", "int")  # protobuf's own stubs have it for no number
+    text = text.replace("_struct_pb2.NullValue", "int")  # the stubs of protobuf's library do not accept a number for it
     enums = {match["value"] for match in _MAP_OF_SCALARS.finditer(text)} - {"int", "float", "bool", "str", "bytes"}
     text = _ENUM_MAP.sub(lambda match: _open_map(match) if match["enum"] in enums else match[0], text)
     return _ENUM_ARGUMENT.sub(lambda match: f"_Union[{match['enum']}, int, str]", text)

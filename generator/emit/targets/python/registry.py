@@ -1,4 +1,4 @@
-"""The registry, number to handler, and the checks of what is loaded against what it was generated from."""
+"""Registry of handlers by number, and checks of the loaded protobuf modules against the generated code."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.ir.msg_types import msg_type
 
 
 def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
-    """Yield ``registry.py``, ``checks.py`` and the package that names the registry and the handlers.
+    """Yield ``registry.py``, ``checks.py`` and the ``__init__.py`` that exports the registry and the handlers.
 
     ``fast`` are the serializers by the names of the handlers.
     """
@@ -58,9 +58,9 @@ def _becomes(route: ir.Route) -> str:
 
 
 def fingerprint(bridge: ir.Bridge) -> str:
-    """SHA-256 over the wire schema, the routes, and what becomes of each field.
+    """Return SHA-256 over the wire schema, the routes, and the conversion of each field.
 
-    It is equal where two machines mean the same by the same bytes, and publish the same of it.
+    If it is equal on two machines, both read the same bytes in the same way and publish the same messages.
     """
     routes = [
         f"{route.number} {route.name} {route.topic} {route.direction} {route.proto} {_becomes(route)}"
@@ -76,7 +76,7 @@ def fingerprint(bridge: ir.Bridge) -> str:
 
 
 def _meanings(bridge: ir.Bridge) -> Iterator[str]:
-    """The ROS messages, and where each of their fields comes from."""
+    """Yield the ROS messages, and the source of each of their fields."""
     for message in bridge.messages:
         yield from (f"{message.name} {msg_type(field.type)} {field.name}" for field in message.fields)
         yield from (f"{message.name} {constant.name}={constant.value}" for constant in message.constants)

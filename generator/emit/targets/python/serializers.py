@@ -1,6 +1,8 @@
-"""The hot path: a subclass of a handler that serializes a payload with one call of `struct`.
+"""Fast serializers: subclasses of handlers that serialize a payload with one call of `struct`.
 
-A message gets one if all that varies in it has a fixed size.
+CDR aligns each primitive to its own size (at most 8 bytes), counted from the start of the message. The padding is
+therefore known at generation time only if nothing before it has a variable size. A message gets a serializer if
+everything in it that varies has a fixed size; strings may only be constants.
 """
 
 from __future__ import annotations
@@ -30,22 +32,22 @@ from roverlink.generator.ir.interfaces import (
 )
 from roverlink.generator.ir.model import ConversionKind
 
-_MOST_VALUES = 400  # CPython's call takes any number, a reader does not
+_MOST_VALUES = 400  # more arguments in one call would be unreadable
 
 
 @dataclass(frozen=True, slots=True)
 class Serializer:
-    """A serializer's module."""
+    """Module of a serializer."""
 
     file: str
     name: str
-    """The class."""
+    """Name of the class."""
     text: str
 
 
 @dataclass
 class _Body:
-    """The arguments of the `struct` call, and what the module needs for them."""
+    """Arguments of the `struct` call, and the module's needs for them."""
 
     values: list[str] = field(default_factory=list)
     locals: list[tuple[str, str]] = field(default_factory=list)
@@ -54,7 +56,7 @@ class _Body:
 
 
 class _VariableSizeError(Exception):
-    """The message has a part of variable size, too many parts, or none."""
+    """Error for a message that has a part of variable size, too many parts, or none."""
 
 
 def serializers(bridge: ir.Bridge) -> dict[str, Serializer]:
@@ -127,7 +129,7 @@ def _of_conversion(
 
 
 class _Flattener:
-    """Collects the values of a payload in the order in which they are serialized."""
+    """Collector of a payload's values in the order of serialization."""
 
     def __init__(self, payload: ir.Conversion, by_ros: Mapping[str, ir.Conversion], handler_module: str) -> None:
         self._payload, self._by_ros, self._handler_module = payload, by_ros, handler_module
@@ -136,7 +138,7 @@ class _Flattener:
         self.body = _Body()
 
     def add(self, conversion: ir.Conversion, holder: str, path: tuple[str, ...]) -> None:
-        """Add the values that a conversion takes from the payload that is called ``holder``."""
+        """Add the values that a conversion takes from the payload in the variable ``holder``."""
         if not conversion.fields:
             raise _VariableSizeError
         for converted in conversion.fields:
@@ -162,7 +164,7 @@ class _Flattener:
                 raise _VariableSizeError
             self.add(nested, self._hold(value, path), path)
         elif converted.kind is ConversionKind.WHICH:
-            if conversion is not self._payload:  # the numbers of its members stand in another module
+            if conversion is not self._payload:  # the constants with the members' numbers are in another module
                 raise _VariableSizeError
             constant = oneof_constant(converted.ros.name)
             imports |= {("roverlink.runtime.convert", "oneof"), (self._handler_module, constant)}
@@ -174,7 +176,7 @@ class _Flattener:
             values.append(f"{value}.{converted.wrapping.field}" if converted.wrapping else value)
 
     def _hold(self, expression: str, path: tuple[str, ...]) -> str:
-        """Return a local variable for a nested payload, so that its attribute is looked up once."""
+        """Return a local variable for a nested payload, so that its attribute is looked up only once."""
         if expression in self._held:
             return self._held[expression]
         name = spelling.module("_".join(path))
@@ -242,9 +244,9 @@ def _of_standard(
 def _leaves(
     fields: Iterable[TargetField], path: Path, definitions: Mapping[str, Interface]
 ) -> Iterator[tuple[Path, bool]]:
-    """Return the path of each primitive of a message, and whether it varies.
+    """Yield the path of each primitive of a message; the flag is True if its value varies.
 
-    Raises `_VariableSizeError` where something that varies has no fixed size.
+    Raises `_VariableSizeError` if a varying part has no fixed size.
     """
     for target in fields:
         own, value, type = (*path, target.name), target.value, target.type
@@ -270,8 +272,8 @@ def _primitives(interface: Interface, path: Path, definitions: Mapping[str, Inte
 
 
 def _gaps(leaves: Iterable[tuple[Path, bool]]) -> Iterator[str]:
-    """Return, before each value that varies and at the end, the name of the constant bytes there, or nothing."""
-    fixed = True  # the encapsulation header
+    """Yield the name of the constant bytes before each varying value and at the end; empty if there are none."""
+    fixed = True  # the message starts with the four bytes of the CDR encapsulation header
     for path, varies in leaves:
         if varies:
             yield f"_BEFORE_{'_'.join(path).upper()}" if fixed else ""
@@ -280,7 +282,7 @@ def _gaps(leaves: Iterable[tuple[Path, bool]]) -> Iterator[str]:
 
 
 class _StandardBody(_Body):
-    """The arguments of the `struct` call for a standard message."""
+    """Arguments of the `struct` call for a standard message."""
 
     def __init__(self, speller: StandardSpeller, gaps: list[str], definitions: Mapping[str, Interface]) -> None:
         super().__init__()
@@ -288,7 +290,7 @@ class _StandardBody(_Body):
         self._gaps = iter(gaps)
 
     def add(self, fields: Iterable[TargetField]) -> None:
-        """Add the values of fields in wire order, each after the constant bytes before it."""
+        """Add the values of fields in the order of CDR, each after the constant bytes before it."""
         for target in fields:
             value = target.value
             if isinstance(value, Parts):
@@ -312,14 +314,14 @@ class _StandardBody(_Body):
             self.values += [part for part in (next(self._gaps), value) if part]
 
     def _unpack(self, call: str, names: Iterable[str]) -> None:
-        """Assign the results of a call to variables: that is cheaper than to spread them among other arguments."""
+        """Assign the results of a call to variables, which is faster than ``*call()`` among other arguments."""
         own = [f"{name}{len(self.locals) or ''}" for name in names]
         self.locals.append((", ".join(own), call))
         self._append(*own)
 
 
 def _varying(fields: Iterable[TargetField], path: Path) -> Iterator[str]:
-    """Return the paths of what varies; a message that varies as a whole by its own path."""
+    """Yield the paths of varying parts; a message that varies completely is one path."""
     for target in fields:
         own = (*path, target.name)
         if _varies(target):
@@ -329,7 +331,7 @@ def _varying(fields: Iterable[TargetField], path: Path) -> Iterator[str]:
 
 
 def _varies(target: TargetField) -> bool:
-    """Return whether everything in a field varies."""
+    """Return True if every part of a field varies."""
     if isinstance(target.value, Parts):
         return bool(target.value.fields) and all(_varies(part) for part in target.value.fields)
     return not isinstance(target.value, (Constant, Unset))

@@ -1,4 +1,4 @@
-"""How Python spells the things of the IR: modules, classes, annotations."""
+"""Python spelling of the IR: modules, classes, annotations."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _TAKEN_CLASSES = frozenset(
 RUNTIME_MODULES = frozenset(
     {"cdr", "depth", "duration", "json_list", "json_struct", "json_value", "oneof", "timestamp"}
 )
-"""What generated code imports from the runtime as a module."""
+"""Modules of the runtime that generated code imports."""
 _TAKEN_MODULES = frozenset(
     {
         *dir(builtins),
@@ -43,12 +43,12 @@ _TAKEN_MODULES = frozenset(
 
 
 def handler_class(route: ir.Route) -> str:
-    """``ImuInfoHandler`` for the row ``imu_info``."""
+    """Return the handler's class: ``ImuInfoHandler`` for the row ``imu_info``."""
     return f"{ros_names.camel_case(route.name)}Handler"
 
 
 def route_imports(route: ir.Route) -> Iterator[Import]:
-    """Return what the route of a handler needs from the runtime."""
+    """Yield the imports for a handler's route."""
     module = "roverlink.runtime.core.handler"
     yield module, "Route"
     if route.deadman:
@@ -58,35 +58,35 @@ def route_imports(route: ir.Route) -> Iterator[Import]:
 
 
 def documented(comment: str, summary: str) -> str:
-    """Return the text of a docstring: the comment of a .proto, below the summary where it does not open with one."""
+    """Return a docstring: the comment of a .proto, after the summary if the comment does not begin with a sentence."""
     is_sentence = re.fullmatch(r"(?!This )[A-Z].*\.(\n\nDeprecated\.)?", comment)
     return comment if is_sentence else f"{summary}\n\n{comment}".rstrip()
 
 
 def class_suppression(name: str, ros: str) -> str:
     """Return a comment that lets ruff accept the name of a class."""
-    return "" if name == ros else "  # noqa: N801  # the code here needs the name itself"
+    return "" if name == ros else "  # noqa: N801  # the name without underscore is used here"
 
 
 def module(name: str) -> str:
-    """The name of a module: lower case, and no keyword."""
+    """Return the name of a module: in lower case, and not a keyword."""
     lower = name.lower()
     return f"{lower}_" if keyword.iskeyword(lower) else lower
 
 
 def message_class(message: str) -> str:
-    """The class of a ROS message: its name, with an underscore where generated code needs that for something else."""
+    """Return the class of a ROS message: its name, with an underscore if generated code already uses that name."""
     taken = message in _TAKEN_CLASSES or message.endswith("Handler") or keyword.iskeyword(message)
     return f"{message}_" if taken else message
 
 
 def message_module(message: str) -> str:
-    """The module of a ROS message's class."""
+    """Return the module of a ROS message's class."""
     return module(ros_names.snake_case(message))
 
 
 def conversion_module(message: str) -> str:
-    """The module with the conversion of a nested message, by a name that means nothing else where it is used."""
+    """Return the module that converts a nested message; its name does not collide with other names in handlers."""
     name = message_module(message)
     return f"{name}_" if name in _TAKEN_MODULES or name.endswith("_pb2") else name
 
@@ -99,23 +99,23 @@ def proto_module(file: str) -> str:
 def proto_package(generated: str, file: str) -> str:
     """Return the package of that module; ``generated`` is the import name of the generated package."""
     folder = file.rpartition("/")[0]
-    if folder == "google/protobuf":  # its modules come with protobuf
+    if folder == "google/protobuf":  # these modules are part of Python's protobuf library
         return "google.protobuf"
     return ".".join([generated, "pb2", *filter(None, folder.split("/"))])
 
 
 def proto_class(conversion: ir.Conversion) -> str:
-    """A proto message's class, by its module: ``imu_sensor_pb2.SensorBoardIMUInfo``."""
+    """Return a proto message's class, with its module: ``imu_sensor_pb2.SensorBoardIMUInfo``."""
     return f"{proto_module(conversion.file)}.{conversion.local_name}"
 
 
 def class_of(type: ir.RosType) -> str:
-    """The class of a field that is a message; those of other packages have no other name."""
+    """Return the class of a message field. Classes of other packages keep the ROS name."""
     return type.name if type.package else message_class(type.name)
 
 
 def annotation(type: ir.RosType, message: str) -> str:
-    """A field's annotation in a message class; ``message`` is its own class where it is a message."""
+    """Return a field's annotation in a message class; ``message`` is the class if the field is a message."""
     element = message or _ANNOTATIONS.get(type.name, "str")
     if not type.is_sequence:
         return element
@@ -123,19 +123,19 @@ def annotation(type: ir.RosType, message: str) -> str:
 
 
 def imported_annotation(type: ir.RosType) -> str | None:
-    """Return what a field's annotation needs from `roverlink.runtime.core.messages`."""
+    """Return the name that a field's annotation needs from `roverlink.runtime.core.messages`."""
     if type.is_message or (type.is_sequence and type.name == "uint8"):
         return None
     return _ANNOTATIONS.get(type.name)
 
 
 def primitive(name: str) -> str:
-    """The annotation of a primitive."""
+    """Return the annotation of a primitive."""
     return {"byte": "Byte", "octet": "Byte", "char": "Char"}.get(name) or _ANNOTATIONS[name]
 
 
 def default(type: ir.RosType) -> str:
-    """The default, in a message class, of a field whose value is no list and no message."""
+    """Return the default of a primitive, string or bytes field in a message class."""
     if type.is_sequence:
         return 'b""'
     return '""' if type.name == "string" else _DEFAULTS.get(type.name, "0")

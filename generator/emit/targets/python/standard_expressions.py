@@ -1,4 +1,4 @@
-"""The Python expressions that fill a standard message from a payload, and recover the payload's fields from it."""
+"""Python expressions that fill a standard message from a payload, and those of the opposite direction."""
 
 from __future__ import annotations
 
@@ -36,27 +36,27 @@ _PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", const
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The counterparts of an enum's values."""
+    """Table of an enum's values and their counterparts in the standard message."""
 
     name: str
     field: str
-    """The payload's field, as errors name it."""
+    """Payload's field in error messages."""
     cases: tuple[tuple[int, str, str], ...]
     """Number, counterpart and name of each value."""
 
 
 @dataclass(frozen=True, slots=True)
 class InverseTable:
-    """A table read in the other direction."""
+    """Table for the opposite direction."""
 
     name: str
     of: str
     field: str
-    """The message's field, as errors name it."""
+    """Message's field in error messages."""
 
 
 class StandardSpeller:
-    """Spells one standard message, and collects the constants, tables and imports that the expressions need."""
+    """Speller of one standard message. It collects the constants, tables and imports of the expressions."""
 
     def __init__(self, standard: StandardTopic, generated: str) -> None:
         self._standard, self._generated = standard, generated
@@ -65,11 +65,11 @@ class StandardSpeller:
         self.inverse_tables: dict[str, InverseTable] = {}
         self.imports: set[Import] = {interfaces.import_of(standard.message, generated)}
         self.takes_stamp = False
-        """True as soon as a value is the time of receipt."""
+        """True if a value is the time of reception."""
 
     @property
     def constants(self) -> Mapping[str, str]:
-        """The names and expressions of the factors with pi."""
+        """Names and expressions of factors with pi."""
         return self._arithmetic.constants
 
     # --- to ROS ---
@@ -80,7 +80,7 @@ class StandardSpeller:
         return tuple(Argument(name, value) for name, value in found if value)
 
     def _argument(self, field: TargetField, varying: bool) -> str:
-        """Spell a field's value; empty where it keeps its default."""
+        """Spell a field's value; empty if it keeps its default."""
         value = field.value
         if isinstance(value, Parts):
             parts = self.arguments(value.fields, varying=varying)
@@ -105,7 +105,7 @@ class StandardSpeller:
         return f"{interfaces.reference(message)}({arguments})"
 
     def value(self, value: Taken | Chosen) -> str:
-        """Spell what one field of the payload becomes."""
+        """Spell the value that comes from one field of the payload."""
         if isinstance(value, Chosen):
             return self._chosen(value)
         if value.source.repeated:
@@ -118,13 +118,13 @@ class StandardSpeller:
         return f'{taken} if {".".join(("payload", *holders))}.HasField("{name}") else {_literal(value.default)}'
 
     def items(self, value: Taken) -> str:
-        """Spell the values of a repeated field, as something to iterate over."""
+        """Spell the values of a repeated field as an iterable."""
         source, item = _payload(value.source), self._scaled(value, "item")
         return source if item == "item" else f"[{item} for item in {source}]"
 
     def _scaled(self, value: Taken, text: str) -> str:
         whole = value.source.is_integer and value.scaling.is_whole
-        scaled = self._arithmetic.forth(text, value.scaling, whole=whole)
+        scaled = self._arithmetic.scaled(text, value.scaling, whole=whole)
         return f"round({scaled})" if value.rounded else scaled
 
     def _chosen(self, value: Chosen) -> str:
@@ -135,7 +135,7 @@ class StandardSpeller:
         return f"{name}.get({_payload(value.source)}, {default})"
 
     def _table(self, value: Chosen) -> str:
-        """Return the name of the table of an enum's counterparts."""
+        """Return the name of an enum's table."""
         self.imports |= {
             ("roverlink.runtime.core.standard_handler", "Counterparts"),
             interfaces.import_of(value.holder, self._generated),
@@ -150,14 +150,14 @@ class StandardSpeller:
         return f"{interfaces.reference(holder)}.{case.constant}" if case.constant else _literal(case.value)
 
     def rotation(self, value: Rotation) -> str:
-        """Spell a quaternion: a call that returns x, y, z and w."""
+        """Spell a call that returns a quaternion as x, y, z and w."""
         self.imports.add(("roverlink.runtime.convert", "rotations"))
         parts = (value.roll, value.pitch, value.yaw)
         angles = [_literal(part.value) if isinstance(part, Constant) else self.value(part) for part in parts]
         return f"rotations.quaternion({', '.join(angles)})"
 
     def moment(self, value: Moment) -> str:
-        """Spell the time that a field holds: a call that returns seconds and nanoseconds."""
+        """Spell a call that returns a field's time as seconds and nanoseconds."""
         source = value.source
         text = _payload(source) if source else ""
         whole = source is not None and source.is_integer and value.nanoseconds.denominator == 1
@@ -167,7 +167,7 @@ class StandardSpeller:
     # --- from ROS ---
 
     def angles(self) -> Iterator[tuple[str, str]]:
-        """Return the assignments that ``from_ros`` starts with: the angles of quaternions."""
+        """Yield the assignments of quaternions' angles, with which ``from_ros`` starts."""
         for index, recovered in enumerate(self._standard.recovered):
             if isinstance(recovered.value, Rotation):
                 self.imports.add(("roverlink.runtime.convert", "rotations"))
@@ -215,7 +215,7 @@ class StandardSpeller:
 
 
 def _angles(recovered: Recovered, index: int) -> Iterator[tuple[Taken | Constant, str]]:
-    """Return the three angles of a rotation with the names of their variables; ``index`` tells rotations apart."""
+    """Yield the angles of a rotation with the names of their variables; ``index`` makes the names unique."""
     rotation = recovered.value
     if isinstance(rotation, Rotation):
         parts = (rotation.roll, rotation.pitch, rotation.yaw)
@@ -223,7 +223,7 @@ def _angles(recovered: Recovered, index: int) -> Iterator[tuple[Taken | Constant
 
 
 def _nested(found: list[tuple[Path, str]], depth: int) -> Iterator[tuple[str, str]]:
-    """Spell fields by their paths; those of a nested message are one mapping."""
+    """Spell fields by path; fields of a nested message become one dict."""
     for name, group in itertools.groupby(found, lambda pair: pair[0][depth]):
         members = list(group)
         if len(members[0][0]) == depth + 1:
