@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from roverlink import observers
-from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, node_logger, project_folder
+from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, counted, node_logger, project_folder
 from roverlink.generated_code import load_project
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
@@ -91,7 +91,7 @@ def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, 
     Two machines with equal fingerprints use the same table and schema.
     """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
-    logger.info("%s bridges %d messages on UDP port %d", node, messages, port)
+    logger.info("%s bridges %s on UDP port %d", node, counted(messages, "message"), port)
     logger.info("fingerprint of table and schema: %s", fingerprint)
     if json_too:
         ready = {"node": node, "port": port, "messages": messages, "fingerprint": fingerprint}

@@ -28,7 +28,7 @@ _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
     *("generator", "templates", "runtime", "vision", "cpp", "roverlink"),
 )
-_READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "is seen"}
+_READY = {"roverlink run": "UDP port", "roverlink listen": "UDP port", "roverlink aruco": "at a distance of"}
 """What a command shows as soon as it waits; `roverlink echo` shows nothing before a message comes."""
 _ENDLESS = ("roverlink run", "roverlink aruco")
 """What goes on until it is stopped."""
