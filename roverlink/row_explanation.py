@@ -161,9 +161,11 @@ class Project:
         """Return the generated files that belong only to this row and its message."""
         bridge = self.compiled.bridge
         file = self._member(route.number).file
-        wanted = [f"generated/handlers/{spelling.module(route.name)}.py"]
-        extra_topics = [extra.file for extra in named_extra_topics(bridge) if extra.route.number == route.number]
-        wanted += [f"generated/extra_topics/{file}.py" for file in extra_topics]
+        row = spelling.module(route.name)
+        wanted = [f"generated/handlers/{row}.py", f"generated/serializers/{row}.py"]
+        for extra in named_extra_topics(bridge):
+            if extra.route.number == route.number:
+                wanted += [f"generated/extra_topics/{extra.file}.py", f"generated/serializers/{extra.file}_topic.py"]
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")
