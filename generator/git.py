@@ -1,6 +1,6 @@
 """Access to a git repository through the ``git`` program.
 
-- git reads its environment before its arguments: within a hook, ``GIT_DIR`` would select the hook's repository.
+- Inside a hook, the variable ``GIT_DIR`` overrides the folder that we ask for; such variables are removed for git.
 - ``git ls-tree`` lists links and submodules too; only the modes 100644 and 100755 are files.
 - A clone may lack objects (``--depth``, ``--filter``); reading them raises `GitError`.
 """

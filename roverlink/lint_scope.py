@@ -22,11 +22,13 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=Path,
         metavar="PROTO_ROOT",
-        help="check this tree of .proto files, which has no mapping.yaml",
+        help="folder of .proto files, for a project without mapping.yaml",
     )
     add_table(parser)
-    parser.add_argument("--envelope", default="", metavar="FILE", help="with PROTO_ROOT: file of the envelope")
-    parser.add_argument("--message", default="", metavar="NAME", help="with PROTO_ROOT: message of the envelope")
+    parser.add_argument(
+        "--envelope", default="", metavar="FILE", help="with PROTO_ROOT: .proto file that contains the envelope"
+    )
+    parser.add_argument("--message", default="", metavar="NAME", help="with PROTO_ROOT: name of the envelope's message")
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:

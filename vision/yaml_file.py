@@ -66,9 +66,10 @@ class Item:
         return isinstance(self.node, yaml.MappingNode)
 
     def entries(self, kind: str = "") -> dict[Any, Item]:
-        """Return the values of a mapping by key; in messages each is named by its key, after `kind`.
+        """Return the values of a YAML mapping by key.
 
-        Raises `SetupError` if it is not a mapping.
+        Error messages name a value by `kind` and its key, such as ``camera front``. Raises `SetupError` if the item is
+        not a mapping.
         """
         start = f"{kind} " if kind else f"{self.name}: "
         return {key.value: Item(self.path, node, f"{start}{key.text}") for key, node in self._pairs()}

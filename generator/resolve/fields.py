@@ -119,9 +119,9 @@ class MessageBuilder:
             return f"{path} is renamed to {fields[path]}, and also ignored"
         for whole in itertools.accumulate(path.split(".")[:-1], "{}.{}".format):
             if whole in ignore:
-                return f"{path} has a setting, but {whole} is ignored as a whole"
+                return f"{path!r} has a setting, but {whole!r} and all its fields are ignored"
             if whole in fields:
-                return f"{path} has a setting, but {whole} is renamed to {fields[whole]} as a whole"
+                return f"{path!r} has a setting, but {whole!r} becomes one field, {fields[whole]!r}"
         return ""
 
     def _convert(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:

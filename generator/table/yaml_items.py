@@ -105,7 +105,7 @@ class _Reader(ScalarReader):
             elif name not in type.keys:
                 unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
-                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"{subject} has no key {name!r}", help))
+                self.findings.append(UNKNOWN_KEY.at(unknown[name], f"unknown key {name!r} in {subject}", help))
             elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
                 entries[name] = value
         for name, key in type.keys.items():

@@ -29,9 +29,14 @@ def add(commands: Subparsers) -> None:
         "`roverlink next-number` prints. If another repository owns the envelope, it is the number in that envelope.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the payload in the envelope's oneof")
-    parser.add_argument("--proto", required=True, metavar="MESSAGE", help="protobuf message with its package")
     parser.add_argument(
-        "--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer>, such as hardware_to_ros"
+        "--proto",
+        required=True,
+        metavar="MESSAGE",
+        help="protobuf message; with its package if it has one, such as rover.ContainerInfo",
+    )
+    parser.add_argument(
+        "--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer> with a peer of mapping.yaml"
     )
     parser.add_argument("--topic", metavar="TOPIC", help="ROS 2 topic (default: the name)")
     parser.add_argument("--ros", metavar="NAME", help="ROS 2 message (default: name of the protobuf message)")

@@ -25,8 +25,10 @@ def add(commands: Subparsers) -> None:
         "lint",
         "find reused numbers and other mistakes that make two machines misread each other",
         "roverlink lint --against main",
-        "Check table, protos and ledger, and on request the changes against another state, or git's whole history.\n"
-        "Exit code 0: no problems; 1: findings; 2: a check could not run. `roverlink explain ID` describes a rule.",
+        "Check mapping.yaml, the .proto files and the ledger (mapping.lock, every number that was ever published).\n"
+        "With options, check also the changes since another state, or git's whole history.\n"
+        "Exit code 0: no finding as severe as --fail-on; 1: at least one; 2: a check could not run.\n"
+        "`roverlink explain ID` describes a rule.",
     )
     add_subject(parser)
     parser.add_argument(
@@ -35,7 +37,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--with-buf",
         action="store_true",
-        help="with --against: also run an installed buf, for its rules on generated code and JSON",
+        help="with --against: also run an installed buf, which finds changes that break generated code or JSON",
     )
     parser.add_argument(
         "--history",
@@ -54,7 +56,8 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=[],
         metavar="FILE|REPO",
-        help="compare the commits to which consumers are pinned: submodules, CMake's GIT_TAG, or lines `name commit`",
+        help="compare the commits of the protos that other projects use: from submodules, from GIT_TAG in CMake, "
+        "or from a file with lines `name commit`",
     )
     parser.add_argument(
         "--accept",
@@ -66,7 +69,7 @@ def add(commands: Subparsers) -> None:
         "--fail-on",
         choices=_COUNTED,
         default="warning",
-        help="least severity that gives exit code 1 (default: %(default)s)",
+        help="lowest severity that gives exit code 1 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 

@@ -22,9 +22,9 @@ def add(commands: Subparsers) -> None:
         "next-number",
         "print the envelope number for the next payload, and why other numbers are skipped",
         "roverlink next-number",
-        "Print the smallest number above the current ones that was never used: not in the table or the ledger, not\n"
-        "reserved or commented out, not in git's history, not on another branch. The reasons for skipped numbers go\n"
-        "to standard error.",
+        "Print the smallest number above all numbers of the envelope that was never used: not in mapping.yaml or\n"
+        "mapping.lock, not reserved or commented out, not in git's history, not on another branch. The reasons for\n"
+        "skipped numbers go to standard error.",
     )
     add_subject(parser)
     parser.set_defaults(run=run)

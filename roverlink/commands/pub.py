@@ -29,12 +29,20 @@ def add(commands: Subparsers) -> None:
     add_project(parser)
     parser.add_argument("topic", help="ROS 2 topic")
     parser.add_argument("values", nargs="?", default="{}", help="message in YAML; missing fields are zero")
-    parser.add_argument("--type", metavar="PKG/msg/NAME", help="type of the topic, needed if no row has it")
+    parser.add_argument(
+        "--type",
+        metavar="PKG/msg/NAME",
+        help="type of the messages, needed only for a topic that is not in mapping.yaml",
+    )
     parser.add_argument("--count", type=count, metavar="N", help="number of messages (default: until interrupted)")
     parser.add_argument("-1", "--once", action="store_const", const=1, dest="count", help="the same as --count 1")
     parser.add_argument("-r", "--rate", type=rate, default=1.0, metavar="HZ", help="messages a second (default: 1)")
     parser.add_argument(
-        "--wait", type=seconds, default=3.0, metavar="S", help="seconds to wait for a subscriber (default: 3)"
+        "--wait",
+        type=seconds,
+        default=3.0,
+        metavar="S",
+        help="longest time to wait for a subscriber, in seconds (default: 3)",
     )
     parser.add_argument(
         "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"

@@ -23,7 +23,7 @@ def add(commands: Subparsers) -> None:
         "record",
         type=Path,
         metavar="FILE",
-        help="file for the topics, such as run.mcap, or a folder for a file named by the time",
+        help="file for the topics, such as run.mcap; in a folder, the file is named after the date and time",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)

@@ -35,7 +35,7 @@ def add(commands: Subparsers) -> None:
         "--record",
         type=Path,
         metavar="FILE",
-        help="record the run to FILE, such as run.mcap; in a folder, the file is named by the time",
+        help="record the run to FILE, such as run.mcap; in a folder, the file is named after the date and time",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)
@@ -50,7 +50,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print two JSON objects: node, port and fingerprint when the port is open; all counters at the end",
+        help="print a JSON object when the port is open (node, port, the table's fingerprint), and one at the end "
+        "with all counters",
     )
     parser.add_argument(
         "--log-format",

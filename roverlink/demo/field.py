@@ -69,7 +69,7 @@ def write_field(folder: Path) -> None:
 
 
 def render_film(frames: int = FRAMES) -> Film:
-    """Render the first frames of the drive; the result is the same every time."""
+    """Render the first camera images of the demo rover's trip around the field; equal every time."""
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
     truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))

@@ -18,7 +18,7 @@ _SHOWN_FIELDS = 4
 
 @dataclass
 class Crossing:
-    """Counter of one row, with its last message."""
+    """Count of the messages of one row that were bridged, with the last of them."""
 
     handler: AnyHandler
     count: int = 0

@@ -39,7 +39,7 @@ Stream = Iterator[Emission]
 
 @dataclass(frozen=True)
 class World:
-    """Context of the scenarios besides the stream."""
+    """Objects that the scenarios need beside the stream of datagrams."""
 
     registry: Registry
     rng: random.Random

@@ -1,7 +1,7 @@
 """ROS 2 through an installed rclpy, publishing and subscribing serialized messages.
 
-Needs the generated interface package built and sourced (``colcon build``): rclpy takes type support only from message
-classes of its own.
+Needs the generated interface package built and sourced (``colcon build``): rclpy finds the type
+support of a message only through the class that rosidl generated for it.
 """
 
 from __future__ import annotations

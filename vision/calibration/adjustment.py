@@ -76,7 +76,7 @@ def adjust(
 
 
 def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Linearization]:
-    """Linearize all views at an estimate."""
+    """Return the residuals of each view, with their derivatives, at an estimate of camera and poses."""
     predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
     pixels, slope = estimate.camera.distort_with_derivative(rays)

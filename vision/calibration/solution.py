@@ -104,7 +104,7 @@ class Calibration:
 
     @property
     def interval(self) -> float:
-        """Half width of the 95 % interval, in standard deviations."""
+        """Factor from a standard deviation to half the width of its 95 % confidence interval."""
         return _NORMAL_QUANTILE
 
     def uncertainty(self, pixels: Floats) -> Floats:

@@ -120,8 +120,8 @@ def _turned(matrices: Floats, vectors: Floats) -> Floats:
 def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
     """Select the pixels along the patterns' edges.
 
-    Their rays are computed from those of the edge points with the local derivative, since undistorting each pixel would
-    be slow.
+    Only the edge points are undistorted, since undistorting each pixel would be slow. The ray of a pixel follows from
+    its edge point by the derivative of the undistortion there.
     """
     points, by_square = apply(homography, views.places / views.half - 1)
     rays = points * views.scale[:, None, None] + views.centre[:, :, None]

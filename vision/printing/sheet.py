@@ -16,7 +16,7 @@ class Rectangle:
     height: float
 
     def moved(self, right: float, down: float) -> Rectangle:
-        """Return the rectangle at another position."""
+        """Return the rectangle, shifted to the right and down by metres."""
         return Rectangle(self.left + right, self.top + down, self.width, self.height)
 
 
@@ -41,5 +41,5 @@ class Sheet:
 
 
 def moved(rectangles: Iterable[Rectangle], right: float, down: float) -> list[Rectangle]:
-    """Return the rectangles at another position."""
+    """Return the rectangles, shifted to the right and down by metres."""
     return [one.moved(right, down) for one in rectangles]

@@ -94,7 +94,7 @@ class StandardTopics:
             self._report(standard_rules.DISTRIBUTIONS_DISAGREE.at(span, str(error), help))
             return None
         help = nearest(settings.ros, definitions.names(), "examples: sensor_msgs/Imu, geometry_msgs/Twist")
-        self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"no standard message {settings.ros!r}", help))
+        self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"unknown standard message {settings.ros!r}", help))
         return None
 
     def _add_definition(self, interface: Interface) -> None:
@@ -145,8 +145,8 @@ class StandardTopics:
         rests_on = [row.at("direction"), *(span for settings in row.standard_topics for span in _entries(settings))]
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
-                message = f"no topic of {row.name} uses {path}"
-                help = f"map it, or list {path} under `ignore`"
+                message = f"no topic of the row {row.name!r} publishes the field {path!r}"
+                help = f"map it under `fields`, or list {path} under `ignore`"
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:

@@ -255,5 +255,5 @@ class _Speller:
 
 
 def mapping(entries: Iterable[tuple[str, str]]) -> str:
-    """Spell a dict whose keys are names."""
+    """Return the Python source of a dict literal whose keys are the given names, as strings."""
     return "{" + ", ".join(f'"{name}": {value}' for name, value in entries) + "}"

@@ -46,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-            message = f"field {number} was {entry.name} ({entry.proto}), and its number is not reserved"
+            message = f"field {number}, {entry.name} ({entry.proto}), was removed, and its number is not reserved"
             help = f"add {_reservation(entry, envelope)} to {envelope.full_name}"
             also = [(entry.span, "published here")]
             yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)

@@ -52,10 +52,10 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
     moved = moved_here(pair, number)
     if moved is not None:
-        return f"{number} was {', '.join(gone)} and is {moved.name} now, which was {moved.number} before"
-    message = f"{number} was {', '.join(gone)} and is {value.name} now"
+        return f"enum value {number} was {', '.join(gone)}; it is now {moved.name}, which was {moved.number} before"
+    message = f"enum value {number} was {', '.join(gone)}; it is now {value.name}"
     away = moved_away(pair, number)
-    return f"{message}; {away.name} is {away.number} now" if away else message
+    return f"{message}, and {away.name} is now {away.number}" if away else message
 
 
 def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:

@@ -48,7 +48,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _message(pair: FieldPair) -> str:
-    message = f"number {pair.new.number} was {pair.old.name} and is {pair.new.name} now"
+    message = f"field number {pair.new.number} was {pair.old.name!r} and is now {pair.new.name!r}"
     if names_another_field(pair):
-        return f"{message}, which had another number: old values of {pair.old.name} are read as {pair.new.name}"
-    return f"{message}: old values of {pair.old.name} are read as {pair.new.name}"
+        return f"{message}, which had another number: old values of {pair.old.name!r} are read as {pair.new.name!r}"
+    return f"{message}: old values of {pair.old.name!r} are read as {pair.new.name!r}"

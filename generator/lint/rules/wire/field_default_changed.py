@@ -1,7 +1,8 @@
 """An absent field is read as another value than before.
 
-A default value is never sent. The sender leaves the field out, and the receiver uses the default that it was compiled
-with. After the change, two programs read different values from the same message.
+A message does not contain the default. If the sender does not set the field, nothing is sent for it, and the receiver
+uses the default that it was compiled with. After the change, old and new programs read different values from the same
+message.
 
 Bad::
 
