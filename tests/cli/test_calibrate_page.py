@@ -47,7 +47,7 @@ class _Page:
 
     def __init__(self, start: Start, folder: Path, *arguments: object) -> None:
         self.program = start("aruco", "calibrate", *arguments, "--page", "--page-port", 0, folder=folder)
-        address = re.search(r"http://127\.0\.0\.1:\d+/", self.program.wait_for("in a browser"))
+        address = re.search(r"http://127\.0\.0\.1:\d+/", self.program.wait_for("in a web browser"))
         assert address
         self.url = address[0]
 
@@ -135,7 +135,7 @@ def test_an_image_that_cannot_be_read_ends_it(start: Start, jpegs: list[bytes], 
     (folder / "1.jpg").write_bytes(b"no image")
     page = _Page(start, tmp_path, folder)
     assert page.program.end() == 2
-    assert "1.jpg : cannot read the file as an image" in str(page.program)
+    assert "1.jpg: cannot read the file as an image" in str(page.program)
     assert list(tmp_path.glob("charuco*")) == []
 
 
