@@ -35,9 +35,9 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
         raise DiagnosticsError(findings)
     table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
     rows = tuple(replace(row, ros=row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
-    for row in rows:
-        findings += _mistakes(row)
-    return replace(table, peers=tuple(_with_ports(table.peers)), rows=rows)
+    mistakes = [mistake for row in rows for mistake in _mistakes(row)]
+    findings += mistakes
+    return replace(table, whole=table.whole and not mistakes, peers=tuple(_with_ports(table.peers)), rows=rows)
 
 
 def _numbers(table: Form) -> Iterator[int]:
