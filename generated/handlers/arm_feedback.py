@@ -15,7 +15,7 @@ class ArmFeedbackHandler(
         ArmBoardMovementFeedback,
     ]
 ):
-    """How the last commanded arm movement ended.
+    """Outcome of the last commanded arm movement.
 
     Number 4 of the envelope, from the peer hardware to the topic arm_feedback.
     """

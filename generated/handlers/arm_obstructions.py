@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Handler, Route
 class ArmObstructionsHandler(
     Handler[movement_software_target_pb2.ArmBoardObstructions, ArmBoardObstructions]
 ):
-    """What stands in the way of the arm.
+    """Obstacles in the way of the arm.
 
     Number 7 of the envelope, from the peer hardware to the topic arm_obstructions.
     """

@@ -14,7 +14,7 @@ class ArmPosHandler(
         movement_software_feedback_pb2.ArmBoardActualPositions, ArmBoardActualPositions
     ]
 ):
-    """Where the joints of the arm are.
+    """Positions of the arm's joints.
 
     Number 5 of the envelope, from the peer hardware to the topic arm_pos.
     """

@@ -12,7 +12,7 @@ from roverlink.runtime.core.handler import Handler, Route
 class ControlModeHandler(
     Handler[control_mode_pb2.BasestationControlMode, BasestationControlMode]
 ):
-    """Who drives: the operator or the rover itself.
+    """Choice of the driver: the operator or the rover itself.
 
     Number 16 of the envelope, from the peer basestation to the topic control_mode.
     """

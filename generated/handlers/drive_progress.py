@@ -15,7 +15,7 @@ class DriveProgressHandler(
         DrivingBoardMotorPeriodicProgress,
     ]
 ):
-    """How far the rover still has to go on the current drive command.
+    """Distance left on the current drive command.
 
     Number 10 of the envelope, from the peer hardware to the topic drive_progress.
     """

@@ -15,7 +15,7 @@ class RoverLocalizationHandler(
         BasestationRoverLocalization,
     ]
 ):
-    """Where the rover is on the field.
+    """Position of the rover on the field.
 
     Number 21 of the envelope, from the topic rover_localization to the peer basestation.
     """

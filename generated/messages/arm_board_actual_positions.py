@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Bool, Float32, Message
 
 @dataclass(slots=True)
 class ArmBoardActualPositions(Message):
-    """Where the joints of the arm are."""
+    """Positions of the arm's joints."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardActualPositions"
     __typehash__: ClassVar[str] = (

@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Message, UInt8
 
 @dataclass(slots=True)
 class ArmBoardMovementFeedback(Message):
-    """How the last commanded arm movement ended."""
+    """Outcome of the last commanded arm movement."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardMovementFeedback"
     __typehash__: ClassVar[str] = (

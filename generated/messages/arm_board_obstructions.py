@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Float32, Message
 
 @dataclass(slots=True)
 class ArmBoardObstructions(Message):
-    """What stands in the way of the arm."""
+    """Obstacles in the way of the arm."""
 
     __msgtype__: ClassVar[str] = "comms/msg/ArmBoardObstructions"
     __typehash__: ClassVar[str] = (

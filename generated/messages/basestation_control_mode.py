@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Message, UInt8
 
 @dataclass(slots=True)
 class BasestationControlMode(Message):
-    """Who drives: the operator or the rover itself."""
+    """Choice of the driver: the operator or the rover itself."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationControlMode"
     __typehash__: ClassVar[str] = (

@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Float32, Message
 
 @dataclass(slots=True)
 class BasestationRoverLocalization(Message):
-    """Where the rover is on the field."""
+    """Position of the rover on the field."""
 
     __msgtype__: ClassVar[str] = "comms/msg/BasestationRoverLocalization"
     __typehash__: ClassVar[str] = (

@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Float32, Message
 
 @dataclass(slots=True)
 class DrivingBoardMotorPeriodicProgress(Message):
-    """How far the rover still has to go on the current drive command."""
+    """Distance left on the current drive command."""
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorPeriodicProgress"
     __typehash__: ClassVar[str] = (

@@ -12,7 +12,7 @@ from roverlink.runtime.core.messages import Message, UInt8
 
 @dataclass(slots=True)
 class SensorState(Message):
-    """What a sensor is doing; shared by all sensors."""
+    """Activity of a sensor; shared by all sensors."""
 
     __msgtype__: ClassVar[str] = "comms/msg/SensorState"
     __typehash__: ClassVar[str] = (

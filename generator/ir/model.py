@@ -322,12 +322,12 @@ class Route:
 
     @property
     def source(self) -> str:
-        """Where the messages come from, in words."""
+        """Origin of the messages, in words: a peer or a topic."""
         return f"the peer {self.peer}" if self.inbound else f"the topic {self.topic}"
 
     @property
     def target(self) -> str:
-        """Where the messages go, in words."""
+        """Destination of the messages, in words: a topic or a peer."""
         return f"the topic {self.topic}" if self.inbound else f"the peer {self.peer}"
 
     @property

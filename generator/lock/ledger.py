@@ -48,9 +48,9 @@ class Ledger:
     schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
     """The messages and enums of all payloads at the last generate. Files, JSON names and options are unknown."""
     gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
-    """By message: the fields that a later generate did not find."""
+    """Fields that a later generate did not find, by message."""
     gone_values: Mapping[str, tuple[ProtoEnumValue, ...]] = field(default_factory=dict)
-    """By enum: the values that a later generate did not find."""
+    """Values that a later generate did not find, by enum."""
     burned: tuple[Burned, ...] = ()
     """The burned numbers, sorted by owner and number."""
 

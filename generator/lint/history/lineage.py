@@ -77,7 +77,7 @@ class _Sweep:
         self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
-        """How many nodes still need each state. The last one changes it in place, without a copy."""
+        """Number of nodes that still need each state. The last one changes it in place, without a copy."""
         for index in tips:
             self._needed[index] += 1
         for node in graph.nodes:
