@@ -1,4 +1,4 @@
-"""Run-time library of the rover: converts datagrams to ROS 2 messages and back."""
+"""Run-time library of the rover: converts protobuf datagrams to ROS 2 messages, and ROS 2 messages to datagrams."""
 
 if __name__ != "roverlink.runtime":
     raise ImportError("'runtime' is a folder of this repository, not a package; import roverlink.runtime")

@@ -1,4 +1,4 @@
-"""Writing of files so that a reader sees the old content or the new, never a part."""
+"""Replacement of files in one step: a reader of a file sees either its old content or its new content."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from roverlink.runtime.core.errors import SetupError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file that replaces ``path`` when the block ends.
+    """Yield the path of a temporary file that replaces the file ``path`` when the block ends.
 
-    A concurrent reader of ``path`` sees the old content or the new. If writing fails, or nothing was written, ``path``
-    keeps its content. A device or a pipe cannot be replaced: its own path is yielded. Raises `OSError`.
+    A concurrent reader of ``path`` sees the old content or the new content. If the block fails or writes nothing,
+    ``path`` keeps its content. If ``path`` is a device or a pipe, which cannot be replaced, ``path`` itself is yielded.
+    Raises `OSError`.
     """
     if path.exists() and not path.is_file():
         yield path
@@ -31,7 +32,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Create or replace a file. Raises `SetupError` if it cannot be written; an existing file then stays unchanged."""
+    """Create or replace a file. If that fails, raises `SetupError` and leaves an existing file unchanged."""
     try:
         with replacing(path) as part:
             part.write_bytes(content)

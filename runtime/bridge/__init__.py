@@ -1,1 +1,1 @@
-"""Bridge between UDP and ROS 2: datagrams of peers to topics, and topics to datagrams for peers."""
+"""Bridge between UDP and ROS 2: publishes datagrams of peers on topics, and sends messages of topics to peers."""

@@ -15,10 +15,10 @@ WARNING_INTERVAL_S = 2.0
 
 @dataclass
 class Account:
-    """Counts since the start.
+    """Counters of a bridge since its start.
 
-    Each counter is written by one thread, or under a lock; other threads may read a value that is slightly old. A row's
-    counters are kept by the name of its payload, which is its field in the envelope's oneof.
+    Each counter is written by one thread, or under a lock. Another thread that reads a counter may get a value that is
+    slightly old. Counters "by payload" use the payload's field name in the envelope's oneof.
     """
 
     received: int = 0
@@ -28,15 +28,15 @@ class Account:
     fed: Counter[str] = field(default_factory=Counter)
     """Messages published on extra topics, by topic."""
     unfed: Counter[str] = field(default_factory=Counter)
-    """Messages not published on an extra topic, by topic: a value did not fit, or a subscriber was too slow."""
+    """Messages not published on an extra topic because a value did not fit or a subscriber was too slow, by topic."""
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
-    """Raw datagrams forwarded, by the receiving peer."""
+    """Raw datagrams forwarded, by the peer to which they were sent."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
-    """Those of `dropped` whose payload is known, by payload and reason."""
+    """Dropped datagrams whose payload is known, by payload and reason."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
     taken: Counter[str] = field(default_factory=Counter)
@@ -76,7 +76,10 @@ class Account:
         }
 
     def discrepancies(self) -> list[str]:
-        """Return the sums that disagree at this moment. They must agree only while the bridge is at rest."""
+        """Return a text for each pair of sums that disagree now, as the function `discrepancies` does.
+
+        Sums may disagree while the bridge is handling messages; a difference is an error only when the bridge is idle.
+        """
         return discrepancies(self.as_dict())
 
     def summary(self) -> str:
@@ -90,10 +93,10 @@ class Account:
 
 # Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
-    """Return the sums of an account (`Account.as_dict`) that disagree; an empty list if all agree.
+    """Return a text for each pair of sums of an account that disagree; an empty list if all agree.
 
-    Every datagram received is published or dropped for a reason. Every message of a topic is sent, refused, superseded,
-    or failed in the network.
+    ``account`` is a result of `Account.as_dict`. Every datagram received must have been published, or dropped for a
+    reason. Every message of a topic must have been sent, refused, superseded, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
@@ -105,7 +108,7 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
 
 
 class ThrottledWarnings:
-    """Log of warnings that repeats each subject at most every two seconds and counts the suppressed ones."""
+    """Log of warnings. For each subject it logs one warning in two seconds at most, and counts the suppressed ones."""
 
     def __init__(self, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._logger, self._clock = logger, clock
@@ -115,7 +118,7 @@ class ThrottledWarnings:
         self._lock = threading.Lock()
 
     def warn(self, subject: str, message: str) -> None:
-        """Log a warning, or count it if one of the same subject was logged less than two seconds ago."""
+        """Log a warning; if one of the same subject was logged less than two seconds ago, only count it."""
         now = self._clock()
         # Warnings come from several threads. Logging happens after the lock is released, since a log handler may block.
         with self._lock:
@@ -128,7 +131,10 @@ class ThrottledWarnings:
         self._log(subject, message, kept_back)
 
     def log_suppressed(self) -> None:
-        """Log how many warnings of each subject were suppressed since its last one. Call at the end of the run."""
+        """Log, for each subject, how many warnings were suppressed after the last one.
+
+        Call it at the end of the run.
+        """
         with self._lock:
             rest, self._suppressed = self._suppressed, Counter()
         for subject, kept_back in rest.items():

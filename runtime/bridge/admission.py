@@ -1,4 +1,4 @@
-"""Access control by sender address: each sender may send only the payloads of the peers at its address."""
+"""Access control by sender address: a sender may send only the payloads of the peers that have the sender's address."""
 
 from __future__ import annotations
 
@@ -12,16 +12,20 @@ from roverlink.runtime.net.sources import Address, SourceGate
 
 
 class Admission:
-    """Assigns each datagram the translator for its sender. To be used from one thread."""
+    """Selects a `Translator` for each datagram by the address of its sender. To be used from one thread."""
 
     def __init__(self, registry: Registry, drop: Callable[[DatagramError], None]) -> None:
-        """Call ``drop`` for every datagram that its sender may not send."""
+        """Prepare the access control; ``drop`` is called for every datagram that its sender may not send."""
         self._registry, self._drop = registry, drop
         self._gate = SourceGate(registry.peers)
         self._translators: dict[frozenset[str], Translator] = {}
 
     def sort(self, batch: Iterable[tuple[bytes, Address]], now: float) -> Mapping[Translator, list[bytes]]:
-        """Group the admitted datagrams by translator; each translator accepts only the payloads of its peers."""
+        """Group the admitted datagrams of a batch by translator.
+
+        A translator accepts only the payloads of the peers that have the sender's address. ``now`` is in seconds of a
+        monotonic clock.
+        """
         admitted: defaultdict[Translator, list[bytes]] = defaultdict(list)
         for datagram, source in batch:
             try:

@@ -1,12 +1,13 @@
 """The bridge: datagrams of peers to topics, and topics to datagrams for peers.
 
 Two threads do the work.
-- `udp.Receiver` reads datagrams; on its thread they are translated, published and forwarded. Publishing never blocks
-(see `Publisher`), so a slow subscriber cannot delay the socket.
-- The middleware's thread calls back with messages of topics; on it they are translated and sent.
+- The thread of `udp.Receiver` reads datagrams, translates and publishes them, and forwards them to other peers.
+  Publishing never blocks (see `Publisher`), so a slow subscriber cannot delay reading from the socket.
+- A thread of the middleware calls the bridge with the messages of topics. On this thread the messages are translated
+  to datagrams, and the datagrams are sent.
 
-A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``; a fourth watches the publishers of
-topics with ``deadman``.
+A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread runs if the table
+has ``deadman``: it checks whether the topics with ``deadman`` still have publishers.
 """
 
 from __future__ import annotations
@@ -41,20 +42,30 @@ Handle = Callable[[udp.Batch], None]
 
 
 class Observer(Protocol):
-    """Observer of the datagrams that pass a bridge.
+    """Observer of the datagrams that pass a bridge, such as a recorder.
 
-    It wraps functions when the bridge starts, so a bridge without observers pays nothing for them.
+    When a bridge starts, it lets each observer wrap the functions that handle and send datagrams. So a bridge without
+    observers loses no time.
     """
 
     def receiving(self, handle: Handle) -> Handle:
-        """Wrap the handler of received batches; the returned function must call ``handle``."""
+        """Wrap the function that handles received batches; the returned function must call ``handle``.
+
+        The bridge calls this at start. If the table restricts senders, it calls this later, once for each set of peers.
+        """
 
     def sending(self, peer: str, send: Send) -> Send:
-        """Wrap the function that sends datagrams to a peer; the returned function must call ``send``."""
+        """Wrap the function that sends datagrams to a peer; the returned function must call ``send``.
+
+        The bridge calls this at start, once for each row and each extra topic that goes to a peer.
+        """
 
 
 class Bridge:
-    """One bridge: a context manager. Inside it, `run` works until `stop` is called."""
+    """Bridge between UDP and ROS 2.
+
+    A context manager; inside the block, call `run`, which returns after `stop` is called.
+    """
 
     def __init__(
         self,
@@ -67,8 +78,8 @@ class Bridge:
     ) -> None:
         """Bind the UDP port and resolve the peers' addresses.
 
-        ``topic`` maps a row's topic to its fully qualified name. Raises `SetupError` if the port is in use or an
-        address does not resolve.
+        ``topic`` returns the fully qualified name of a topic from its name in the table. Raises `SetupError` if the
+        port is in use or an address does not resolve.
         """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
@@ -138,11 +149,14 @@ class Bridge:
             destination.close()
 
     def stop(self) -> None:
-        """Make `run` handle the datagrams that have arrived and return. Safe to call from a signal handler."""
+        """Make `run` return as soon as the datagrams that have already arrived are handled.
+
+        Safe to call in a signal handler.
+        """
         self._receiver.stop()
 
     def run(self) -> None:
-        """Bridge until `stop` is called. Raises the unexpected error that ended a thread of the bridge, if any."""
+        """Wait until `stop` is called. If an unexpected error ended a thread of the bridge, raise that error."""
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -150,9 +164,9 @@ class Bridge:
     # --- peers to topics ---
 
     def _receiver_of(self, parameters: Parameters) -> udp.Receiver[Any]:
-        """Return the receiver.
+        """Return the thread that receives datagrams.
 
-        It reads sender addresses only if the table restricts senders, because that costs time.
+        It reads the addresses of senders only if the table restricts senders, because reading them costs time.
         """
         size = parameters.max_datagram + 1
         if parameters.source_policy == "any" or not restricts_sources(self._registry.peers):
@@ -162,7 +176,7 @@ class Bridge:
         return udp.Receiver(self._socket, size, self._handle_with_sources, udp.source_reader)
 
     def _observed(self, handle: Handle) -> Handle:
-        """Wrap a handler of batches with all observers."""
+        """Let all observers wrap a function that handles batches, and return the result."""
         for observer in self._observers:
             handle = observer.receiving(handle)
         return handle
@@ -172,7 +186,7 @@ class Bridge:
         self._dispatch(batch, self._translator)
 
     def _handle_with_sources(self, batch: list[udp.SourcedDatagram]) -> None:
-        """Bridge the datagrams whose senders are admitted; observers see only these."""
+        """Bridge the datagrams whose senders are admitted; observers do not see the other datagrams."""
         self._counters.count_received(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
             if translator not in self._admitted:
@@ -219,7 +233,7 @@ class Bridge:
     # --- topics to peers ---
 
     def _send(self, datagrams: Sequence[bytes], destination: Destination) -> int:
-        """Send datagrams to a peer and return how many the network took."""
+        """Send datagrams to a peer and return how many of them the network accepted."""
         refusals = destination.send_all(datagrams)
         for error in refusals:
             self._counters.count_unsent(destination, error)
@@ -249,7 +263,7 @@ class Bridge:
         return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
-        """Stop the bridge because a thread of it failed; `run` raises the error."""
+        """Stop the bridge because one of its threads failed; `run` raises the error."""
         self._failure = failure
         self.stop()
 

@@ -1,4 +1,4 @@
-"""Counting of datagrams at a bridge, with a throttled warning for each kind of loss."""
+"""Counting of received, dropped and unsent datagrams, with a throttled warning for each kind of loss."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Counters:
-    """The account of a bridge, its warnings, and the kernel's drop counter. Used by all threads of the bridge."""
+    """Counters of a bridge, its warnings, and the kernel's drop counter. Used by all threads of the bridge."""
 
     def __init__(self, sock: socket.socket, logger: logging.Logger) -> None:
         self.account = Account()
@@ -31,7 +31,10 @@ class Counters:
             self.read_kernel_drops()
 
     def count_dropped(self, error: DatagramError) -> None:
-        """Count a datagram that is not bridged, by its reason and its row, and warn."""
+        """Count a datagram that is not bridged, and log a warning.
+
+        It is counted by the error's reason, and also by its row if the error names the row.
+        """
         with self._lock:  # called by the receiving thread and by the timekeeper
             self.account.dropped[error.reason.value] += 1
             if error.row:
@@ -39,19 +42,19 @@ class Counters:
         self.warnings.warn(error.reason.value, f"dropped: {error}")
 
     def count_unhandled(self, count: int) -> None:
-        """Count datagrams that were still unhandled when the time to stop was over."""
+        """Count datagrams that had arrived when the bridge stopped, but that it had no time left to handle."""
         if count:
             self.account.received += count
             self.account.dropped[Reason.STOPPED.value] += count
 
     def count_unsent(self, destination: Destination, error: OSError) -> None:
-        """Count a datagram that the network refused to send, and warn."""
+        """Count a datagram that the network refused to send, and log a warning."""
         with self._lock:  # called by every thread of the bridge
             self.account.unsent[destination.peer] += 1
         self.warnings.warn(f"unsent {destination.peer}", f"cannot send to {destination}: {error.strerror}")
 
     def read_kernel_drops(self) -> None:
-        """Read the kernel's drop counter of the socket, and warn if it has grown."""
+        """Read how many datagrams the kernel has dropped for the socket, and log a warning if the number has grown."""
         before = self.account.kernel_drops
         self.account.kernel_drops = udp.kernel_drops(self._socket)
         if lost := self.account.kernel_drops - before:

@@ -1,8 +1,9 @@
-"""Watchdog of a topic that commands a peer (table key ``deadman``): says when to send the stop.
+"""Watchdog of a topic that commands a peer (table key ``deadman``): tells when the peer must be told to stop.
 
-A topic is silent if no message has passed on to the peer for a while, whatever the cause: the publisher hangs, was
-killed or has left; its messages cannot be converted; or the thread that receives them is blocked. At start the topic
-counts as silent, because nobody knows which command the peer got before.
+The stop is the datagram that the table gives under ``deadman``. A topic is silent if no message of it has been sent to
+the peer for some time. The cause does not matter: the publisher hangs, was killed or has left; its messages cannot be
+converted; or the thread that receives them is blocked. At start the topic counts as silent, because nobody knows which
+command the peer got before.
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -17,7 +18,7 @@ class Watchdog:
     """Watchdog of one topic. Safe to call from several threads."""
 
     def __init__(self, after_s: float, repeat_s: float, now: float) -> None:
-        """Let the stop be due after ``after_s`` of silence, and again every ``repeat_s``."""
+        """Set the times: the stop is due after ``after_s`` seconds of silence, and then every ``repeat_s`` seconds."""
         self._after_s, self._repeat_s = after_s, repeat_s
         self._due = now + after_s
         self._silent = True
@@ -25,23 +26,23 @@ class Watchdog:
 
     @property
     def silent(self) -> bool:
-        """True if no message has passed since the last stop, or since the start."""
+        """True if no message has been sent to the peer since the last stop, or since the start."""
         return self._silent
 
     @property
     def next_due(self) -> float:
-        """Time at which `is_due` becomes true if no message passes before."""
+        """Time at which `is_due` becomes true if no message is sent to the peer before."""
         return self._due
 
     def message_passed(self, now: float) -> None:
-        """Note that a message has passed on to the peer."""
+        """Take note that a message was sent to the peer."""
         with self._lock:
             self._silent, self._due = False, now + self._after_s
 
     def lost_publisher(self) -> None:
         """Make the stop due now, because the topic's last publisher has left.
 
-        Nothing changes if a stop was sent already.
+        Nothing changes while the topic is silent, because the stop is then being repeated anyway.
         """
         with self._lock:
             # While the topic is silent, the stop has been sent already and is repeated anyway.
@@ -49,7 +50,7 @@ class Watchdog:
                 self._due = -math.inf
 
     def is_due(self, now: float) -> bool:
-        """Return true if the stop must be sent now; the caller then has to send it."""
+        """Return true if the caller must send the stop now; the watchdog then counts the stop as sent."""
         with self._lock:
             if now < self._due:
                 return False

@@ -1,4 +1,4 @@
-"""Extra topics of rows: publish each batch and count the messages that a topic did not get."""
+"""Publishing on the extra topics of rows, with a count of the messages that could not be published."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ class ExtraTopics:
         self._publish[handler] = publish
 
     def publish(self, fed: Iterable[tuple[AnyStandardHandler, Serialized]]) -> None:
-        """Publish a batch, with one publish call per topic."""
+        """Publish the messages of a batch, with one call of the publisher for each topic.
+
+        ``fed`` holds the handler of each extra topic with the serialized messages for the topic.
+        """
         # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
         for handler, (messages, misfits) in fed:
             for error in misfits.values():

@@ -11,7 +11,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Forwarding:
-    """Forwards datagrams to the peers that their rows name, or to all peers. To be used from one thread."""
+    """Forwards datagrams to other peers: to those that the row names, or to all. To be used from one thread."""
 
     def __init__(
         self,
@@ -21,9 +21,12 @@ class Forwarding:
         send: Callable[[Sequence[bytes], Destination], int],
         account: Account,
     ) -> None:
-        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
+        """Select the peers that get a datagram.
 
-        ``send`` returns how many datagrams went out.
+        With the policy ``mapping`` these are the peers that the datagram's row names, with the policy ``all`` all
+        peers.
+
+        The function ``send`` returns how many datagrams it sent.
         """
         self._send, self._account = send, account
         self._to_all = tuple(destinations.values()) if policy == "all" else ()
@@ -33,7 +36,7 @@ class Forwarding:
                 self._rows[destinations[peer]].add(handler.route.name)
 
     def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
-        """Forward datagrams; ``names`` are their payloads, None for a refused one."""
+        """Forward datagrams; ``names`` holds the payload name of each datagram, or None if the datagram was refused."""
         # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
         for destination, rows in self._rows.items():
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)

@@ -1,4 +1,4 @@
-"""Rate limit that keeps the newest value: a value that comes too early waits, and a newer one replaces it.
+"""Rate limit for values. A value that comes too early waits until its time; a newer value replaces a waiting one.
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -12,10 +12,10 @@ T = TypeVar("T")
 
 
 class Pacer(Generic[T]):
-    """Limits values to a rate. Safe to call from several threads."""
+    """Rate limit for the values of one row. Safe to call from several threads."""
 
     def __init__(self, rate: float) -> None:
-        """Allow ``rate`` values a second."""
+        """Let at most ``rate`` values a second pass."""
         self._interval = 1 / rate
         self._slot = 0.0
         self._waiting: T | None = None
@@ -29,7 +29,7 @@ class Pacer(Generic[T]):
         return self._slot if self._waiting is not None else None
 
     def offer(self, thing: T, now: float) -> bool:
-        """Return true if a value may pass now; otherwise keep it for `take`, in place of the one that waited."""
+        """Return true if a value may pass now. Otherwise the value waits for `take`, in place of an older value."""
         with self._lock:
             if self._waiting is not None:
                 self.superseded += 1
@@ -41,7 +41,7 @@ class Pacer(Generic[T]):
             return True
 
     def take(self, now: float) -> T | None:
-        """Return the waiting value if its time has come, else None."""
+        """Return the waiting value if it may pass now; None if it must still wait, or if no value waits."""
         with self._lock:
             if now < self._slot or self._waiting is None:
                 return None
@@ -50,7 +50,7 @@ class Pacer(Generic[T]):
             return thing
 
     def withdraw(self) -> T | None:
-        """Remove and return the waiting value; None if there is none."""
+        """Remove and return the waiting value; None if no value waits."""
         with self._lock:
             thing, self._waiting = self._waiting, None
             return thing

@@ -1,10 +1,11 @@
-"""Thread that runs timed tasks: messages that wait for their slot, and watchdogs of topics.
+"""Timekeeper: a thread that runs timed tasks, such as sending a message that had to wait, or a stop.
 
-It is a thread of its own so that a blocked middleware or network thread still counts as silence.
+The tasks have a thread of their own so that the stop is sent even if the middleware's thread or the receiving thread is
+blocked.
 
-It uses CLOCK_MONOTONIC, which is never set, and waits in poll(2), whose timeout uses that clock too. Before Python
-3.11, waiting for a lock with a timeout uses the wall clock (bpo-41710): if somebody set the clock back by an hour, it
-would wait for an hour.
+The thread uses CLOCK_MONOTONIC, which nobody can set, and waits in poll(2), whose timeout uses that clock too. Before
+Python 3.11, waiting for a lock with a timeout uses the wall clock (bpo-41710): if somebody set the wall clock back by
+an hour, the thread would wait for an hour.
 """
 
 from __future__ import annotations
@@ -19,26 +20,32 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 _LOOK_S = 0.1
-"""Longest sleep between two rounds; it bounds how late a lost publisher is noticed."""
+"""Longest time in seconds between two rounds; the loss of a publisher is noticed after this time at most."""
 _WAKES = 4096  # bytes read at once; each call of `wake` writes one
 
 
 class TimedTask(Protocol):
-    """A task that has to run at certain times."""
+    """Task that a `Timekeeper` runs at certain times."""
 
     def run_due(self, now: float) -> None:
-        """Run whatever is due. Must never block."""
+        """Do the work whose time has come, if any. Must never block.
+
+        The timekeeper calls this in every round: when a task is due, after `Timekeeper.wake`, and at least every 0.1 s.
+        """
 
     @property
     def next_due(self) -> float:
-        """Time of the next run in seconds of the monotonic clock; infinity for none."""
+        """Time at which `run_due` should be called next, in seconds of the monotonic clock; infinity for no time."""
 
 
 class Timekeeper:
-    """Runs timed tasks on one thread. A context manager; it starts no thread if there are no tasks."""
+    """Thread that runs timed tasks. A context manager; it starts no thread if there are no tasks."""
 
     def __init__(self, name: str, tasks: Sequence[TimedTask], fail: Callable[[BaseException], None]) -> None:
-        """Name the thread; ``fail`` is called with the error if the thread dies."""
+        """Prepare the thread; ``name`` is the thread's name.
+
+        If a task raises an error, ``fail`` is called with the error.
+        """
         self._tasks, self._fail = tasks, fail
         self._wake, self._woken = socket.socketpair()
         # `wake` must never block its caller.
@@ -47,7 +54,10 @@ class Timekeeper:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def wake(self) -> None:
-        """Make the thread compute its next wake-up time again, because a task is due earlier."""
+        """Wake the thread, so that it asks all tasks again when they are due.
+
+        Call this when a task is due earlier than before.
+        """
         with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 

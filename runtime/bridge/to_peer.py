@@ -1,8 +1,8 @@
-"""One row from its topic to its peer: translate, limit the rate, watch for silence, send and count.
+"""Path of one row from its topic to its peer: translate, limit the rate, detect silence, send and count.
 
-The middleware's thread calls `take`, the timekeeper's thread calls `run_due`. A lock keeps datagrams in order.
-`run_due` only tries to get the lock: the other thread may be blocked while it holds it, and exactly then the stop
-has to go out.
+The middleware's thread calls `OutboundRow.take`; the timekeeper's thread calls `OutboundRow.run_due`. A lock keeps the
+datagrams in order. If the lock is taken, `run_due` does not wait for it: the middleware's thread may hold the lock and
+be blocked, and in that case the stop must be sent.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _STOP_COPIES = 3
 _STOP_PAUSE_S = 0.02
 
 Send = Callable[[Sequence[bytes]], int]
-"""Function that sends datagrams to the row's peer and returns how many the network took."""
+"""Function that sends datagrams to the row's peer and returns how many of them the network accepted."""
 
 
 class OutboundRow:
@@ -49,16 +49,22 @@ class OutboundRow:
 
     @property
     def is_timed(self) -> bool:
-        """True if a timekeeper has to run this row."""
+        """True if the row has a rate limit or a watchdog, so that a `Timekeeper` has to run it."""
         return self._pacer is not None or self._guard is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
-        """Set the function that wakes the timekeeper; return the publishers' watch if the topic has a watchdog."""
+        """Store ``wake``, the function that wakes the timekeeper of this row.
+
+        Returns a `PublisherWatch` if the topic has a watchdog, else None; the caller has to run it as a timed task.
+        """
         self._wake = wake
         return PublisherWatch(subscription, self._guard.watchdog, wake) if self._guard else None
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Send messages of the topic; with a rate limit, only the newest."""
+        """Send messages of the topic to the peer; if the row has a rate limit, send only the newest message.
+
+        The middleware calls this with the messages that have arrived.
+        """
         with self._lock:
             self._account.taken[self._name] += len(messages)
             if self._pacer is not None:
@@ -67,7 +73,7 @@ class OutboundRow:
                 self._pass_on(messages)
 
     def run_due(self, now: float) -> None:
-        """Send the stop if the topic is silent; otherwise send the message whose slot has come."""
+        """Send the stop if it is due; otherwise send the waiting message if the rate limit allows it now."""
         if self._guard and self._guard.is_due(now):
             self._tell_to_stop(self._guard.stop)
         elif self._pacer is not None and self._lock.acquire(blocking=False):
@@ -79,13 +85,13 @@ class OutboundRow:
 
     @property
     def next_due(self) -> float:
-        """Time at which `run_due` is due if nothing happens before."""
+        """Time at which `run_due` has something to do, unless a message arrives before."""
         slot = self._pacer.next_slot if self._pacer else None
         stop = self._guard.watchdog.next_due if self._guard else math.inf
         return stop if slot is None else min(slot, stop)
 
     def end(self) -> None:
-        """Finish after the last message of the topic: send the waiting message, or the stop if there is a watchdog."""
+        """Send the waiting message, or the stop if the row has a watchdog. Call it when no more messages arrive."""
         message = self._pacer.withdraw() if self._pacer else None
         if self._guard is None:
             if message is not None:
@@ -98,7 +104,10 @@ class OutboundRow:
             time.sleep(_STOP_PAUSE_S)
 
     def _newest(self, messages: Sequence[bytes], pacer: Pacer[bytes]) -> Sequence[bytes]:
-        """Return the newest message if its slot has come, else nothing; the others count as superseded."""
+        """Return the newest message if the rate limit allows it now, else nothing.
+
+        The older messages count as superseded.
+        """
         before = pacer.superseded
         passes = pacer.offer(messages[-1], time.monotonic())
         self._account.superseded[self._name] += len(messages) - 1 + pacer.superseded - before
@@ -145,7 +154,7 @@ class _Guard:
         self.watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
 
     def is_due(self, now: float) -> bool:
-        """Return true if the stop must be sent now; warn when a silence begins."""
+        """Return true if the stop must be sent now. Log a warning when the topic has just become silent."""
         was_silent = self.watchdog.silent
         if not self.watchdog.is_due(now):
             return False
@@ -155,10 +164,10 @@ class _Guard:
 
 
 class PublisherWatch:
-    """Reports to a watchdog when the last publisher of its topic leaves.
+    """Timed task that tells a watchdog when the last publisher of its topic leaves.
 
-    It runs on its own thread, because asking the middleware for publishers can block on a middleware thread that hangs,
-    and the thread that sends the stop must not wait.
+    It runs on another thread than the task that sends the stop. Asking the middleware for publishers can block, if a
+    thread of the middleware hangs, and the stop must not wait for that.
     """
 
     next_due = math.inf
@@ -168,7 +177,7 @@ class PublisherWatch:
         self._published = False
 
     def run_due(self, _: float) -> None:
-        """Compare the publishers with those of the last call."""
+        """Make the stop due if the topic had a publisher at the last call and has none now."""
         published = self._subscription.has_publishers()
         if self._published and not published:
             self._watchdog.lost_publisher()
@@ -177,5 +186,5 @@ class PublisherWatch:
 
 
 def _stop_of(handler: AnyHandler, deadman: Deadman, translator: Translator) -> bytes:
-    """Return the datagram that stops a peer."""
+    """Return the datagram with the payload that the table gives under ``deadman``."""
     return translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))

@@ -1,4 +1,4 @@
-"""One row from its peer to its topic: limit the rate, publish and count."""
+"""Path of one row from its peer to its topic: limit the rate, publish and count."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class InboundRow:
         self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Publish messages in order; count those that the middleware did not accept as dropped."""
+        """Publish messages in order. The messages that the middleware does not accept count as dropped."""
         accepted = self._publish(messages)
         self._account.published[self._route.name] += accepted
         for _ in messages[accepted:]:
@@ -34,7 +34,7 @@ class InboundRow:
 class PacedInboundRow(InboundRow):
     """Publishes at most ``rate`` messages a second; a newer message replaces the waiting one.
 
-    Used from the receiving thread and the timekeeper's.
+    Used from the receiving thread and from the timekeeper's thread.
     """
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
@@ -44,7 +44,10 @@ class PacedInboundRow(InboundRow):
         self.wake: Callable[[], None] = lambda: None
 
     def take(self, messages: Sequence[bytes]) -> None:
-        """Publish the newest message now or when its slot comes; the others count as superseded."""
+        """Publish the newest message, or let it wait if the rate limit forbids it now.
+
+        The others count as superseded.
+        """
         with self._lock:
             before = self._pacer.superseded
             passes = self._pacer.offer(messages[-1], time.monotonic())
@@ -57,7 +60,7 @@ class PacedInboundRow(InboundRow):
             self.wake()
 
     def run_due(self, now: float) -> None:
-        """Publish the waiting message if its slot has come."""
+        """Publish the waiting message if the rate limit allows it now."""
         # If the receiving thread holds the lock, it is publishing right now; the next round looks again.
         if self._lock.acquire(blocking=False):
             try:
@@ -73,6 +76,6 @@ class PacedInboundRow(InboundRow):
         return math.inf if slot is None else slot
 
     def end(self) -> None:
-        """Publish the waiting message, because no more datagrams arrive."""
+        """Publish the waiting message, if any. Call it when no more datagrams arrive."""
         if (message := self._pacer.withdraw()) is not None:
             super().take([message])

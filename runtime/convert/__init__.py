@@ -1,1 +1,1 @@
-"""Conversions that generated code imports: well-known types, oneofs, maps and rotations."""
+"""Functions that generated handlers call to convert well-known types, oneofs, maps and rotations."""

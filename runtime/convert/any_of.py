@@ -1,6 +1,6 @@
 """Conversion of a google.protobuf.Any that holds one of the message types listed in the table.
 
-``place`` is the dotted path of the field, for errors.
+``place`` is the dotted path of the Any field. Error messages contain it.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ P = TypeVar("P", bound="ProtoMessage")
 
 
 def holds(payload: Any, type: type[ProtoMessage]) -> bool:
-    """Return true if the type URL of an Any names this message type.
+    """Return true if the type URL of an Any names the message type ``type``.
 
-    As protobuf does, it compares only the name after the last slash.
+    As in protobuf, only the part of the URL after the last slash is compared.
     """
     _, slash, name = payload.type_url.rpartition("/")
     return bool(slash) and name == type.DESCRIPTOR.full_name
 
 
 def unpacked(payload: Any, type: type[P], place: str) -> P:
-    """Parse the message in an Any. Raises `ConversionError` if its bytes are not a message of the type."""
+    """Parse the message in an Any. Raises `ConversionError` if its bytes are not a message of type ``type``."""
     try:
         return type.FromString(payload.value)
     except DecodeError as error:
@@ -52,6 +52,9 @@ def check_empty(payload: Any, place: str) -> None:
 
 
 def check_none(which: int, place: str) -> None:
-    """Raise `ConversionError` if ``which`` is a number that stands for no message of the table."""
+    """Raise `ConversionError` if ``which`` is not 0, the number for an empty Any.
+
+    Generated code calls this if ``which`` is not the number of any message type that the table lists for the field.
+    """
     if which:
         raise ConversionError(f"{which} is not the number of a message that this field may hold", f"{place}.which")

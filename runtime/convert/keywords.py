@@ -1,4 +1,4 @@
-"""Proto fields whose names are Python keywords."""
+"""Passing of proto fields whose names are Python keywords, such as ``from``."""
 
 from __future__ import annotations
 
@@ -6,5 +6,8 @@ from typing import Any
 
 
 def keywords(fields: dict[str, Any]) -> dict[str, Any]:
-    """Return a dict typed so that it can be passed as keyword arguments of any type: ``Payload(**keywords({...}))``."""
+    """Return a dict unchanged, but with the type Any for its values.
+
+    A type checker then accepts the call ``Payload(**keywords({...}))``, whatever the types of the fields are.
+    """
     return fields

@@ -1,4 +1,4 @@
-"""Protobuf maps, which are sequences of entries in ROS 2."""
+"""Conversion of protobuf maps. In ROS 2, a map is a sequence of entries, each with a key and a value."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ V = TypeVar("V")
 
 
 def mapping(entries: Iterable[tuple[K, V]], field: str) -> dict[K, V]:
-    """Build a map from its entries. Raises `ConversionError` if a key occurs twice: a map would lose one entry."""
+    """Build a map from its entries. Raises `ConversionError` if a key occurs twice, because one entry would be lost.
+
+    ``field`` is the field's name, for the error.
+    """
     made: dict[K, V] = {}
     for key, value in entries:
         if key in made:

@@ -1,4 +1,4 @@
-"""Protobuf oneofs: convert between the member that is set and the constant in the ROS 2 message.
+"""Conversion of protobuf oneofs: the member that is set is a constant in the ROS 2 message.
 
 ``members`` maps each member's name to its constant in the ROS 2 message; 0 means that no member is set.
 """
@@ -21,9 +21,9 @@ def number(payload: ProtoMessage, oneof: str, members: Mapping[str, int]) -> int
 
 
 def member(number: int, members: Mapping[str, int], field: str) -> str | None:
-    """Return the member's name for a constant, None for 0.
+    """Return the name of the member that a constant stands for; None for 0.
 
-    Raises `ConversionError` for ``field`` if the constant is unknown.
+    Raises `ConversionError` that names ``field`` if the constant is unknown.
     """
     for name, known in members.items():
         if known == number:

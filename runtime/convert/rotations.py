@@ -1,4 +1,7 @@
-"""Quaternions and Euler angles in radians: roll, pitch, yaw about the fixed axes x, y, z, in this order (REP 103)."""
+"""Conversion between quaternions and Euler angles in radians.
+
+Euler angles are roll, pitch and yaw about the fixed axes x, y and z, applied in this order (REP 103).
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ class Quaternion(Protocol):
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """Return the components x, y, z, w of the rotation."""
+    """Return the components x, y, z, w of the quaternion for a roll, pitch and yaw in radians."""
     sin_roll, cos_roll = sin(roll * 0.5), cos(roll * 0.5)
     sin_pitch, cos_pitch = sin(pitch * 0.5), cos(pitch * 0.5)
     sin_yaw, cos_yaw = sin(yaw * 0.5), cos(yaw * 0.5)
@@ -31,11 +34,11 @@ def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, flo
 
 
 def angles(rotation: Quaternion) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a rotation.
+    """Return roll, pitch and yaw of a quaternion, in radians.
 
-    At a pitch of +-90 degrees only the sum or difference of roll and yaw is defined (gimbal lock): roll is 0 there, and
-    yaw takes all. A quaternion of any length but zero is normalized. For a zero quaternion, the default of a new
-    message in some ROS libraries, every angle is 0.
+    At a pitch of +-90 degrees only the sum or the difference of roll and yaw is defined (gimbal lock); the result then
+    has a roll of 0, and the whole rotation is in yaw. The quaternion need not have the length 1. For a quaternion of
+    zeros, which is the default of a new message in some ROS libraries, every angle is 0.
     """
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
     # The formulas divide by the squared length instead of normalizing first, which avoids a square root.

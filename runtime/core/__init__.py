@@ -1,1 +1,4 @@
-"""Protocol core: datagram to envelope, handler and ROS 2 message, and back. No sockets, no clock, no ROS."""
+"""Conversion of datagrams to ROS 2 messages and back, without sockets, clock or ROS.
+
+A datagram contains an envelope; a generated handler converts the envelope's payload.
+"""

@@ -1,7 +1,7 @@
-"""Check at start that the loaded protobuf descriptors are those from which the code was generated.
+"""Check, when a program starts, that the loaded protobuf descriptors are those from which the code was generated.
 
-``generated/checks.py`` calls it. If two copies of one .proto tree at different commits are importable, a program can
-load the wrong one and then read fields by the wrong numbers; no other check would notice.
+``generated/checks.py`` does this check. If two copies of one .proto tree at different commits are on the import path, a
+program can load the wrong copy and then read fields by the wrong numbers. No other check would notice this.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ Parts = TypeVar("Parts", Fields, Values)
 
 
 def check_descriptors(messages: Mapping[str, Fields], enums: Mapping[str, Values]) -> None:
-    """Compare the loaded messages and enums, by their full names, with those at generation.
+    """Compare the loaded messages and enums with those from which the code was generated.
 
-    Raises `RegistryError` with a list of the differences.
+    The keys of ``messages`` and ``enums`` are full names. Raises `RegistryError` with a list of the differences.
     """
     pool = descriptor_pool.Default()
     # All differences are listed, since one of them alone rarely shows which copy of the protos was loaded.
@@ -70,17 +70,17 @@ def _differences(generated: Mapping[str, Parts], load: Callable[[str], Parts]) -
 
 
 def _shown(part: tuple[object, ...]) -> str:
-    """Return a field as ``'1 latitude double'``, or a value as ``'0 NO_FIX'``."""
+    """Return a field as text, such as ``'1 latitude double'``, or an enum value, such as ``'0 NO_FIX'``."""
     return f"'{' '.join(map(str, part))}'"
 
 
 def describe(descriptor: Descriptor) -> Fields:
-    """Return the fields of a loaded message."""
+    """Return number, name and type of each field of a loaded message."""
     return tuple(_describe_field(field) for field in sorted(descriptor.fields, key=lambda field: field.number))
 
 
 def describe_enum(descriptor: EnumDescriptor) -> Values:
-    """Return the values of a loaded enum."""
+    """Return number and name of each value of a loaded enum."""
     return tuple((value.number, value.name) for value in sorted(descriptor.values, key=lambda v: v.number))
 
 

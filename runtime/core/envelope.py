@@ -1,12 +1,13 @@
-"""The envelope on the wire: trailing zeros, and the payload numbers in it.
+"""Bytes of the envelope: its trailing zeros, and the numbers of its payloads.
 
-Boards treat trailing zeros differently: some send the envelope as the protobuf library writes it, some strip the zero
-bytes at its end, some pad it with zeros up to the size of their buffer. All three mean the same envelope.
+Boards treat trailing zeros differently. Some send the envelope as the protobuf library writes it. Some strip the zero
+bytes at its end. Some append zeros up to the size of their buffer. All three forms mean the same envelope.
 
-Two facts of the encoding (protobuf.dev, Encoding) make restoring exact:
-- No field starts with a zero byte, because field number 0 does not exist. So zeros in the place of a field are padding.
-- The last byte of a tag is never zero. So stripped zeros belong to the last field, and its length tells how many are
-missing.
+Two facts of the encoding (protobuf.dev, Encoding) make it possible to restore the envelope exactly:
+- No field starts with a zero byte, because field number 0 does not exist. So a zero byte where a field would start is
+  padding.
+- The last byte of a tag is never zero. So stripped zeros belong to the value of the last field, whose length tells how
+  many zeros are missing.
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ from roverlink.runtime.core.wire_format import DELIMITED, fields
 
 
 def restore(datagram: bytes) -> bytes:
-    """Restore an envelope whose trailing zeros were stripped, or that was padded with zeros.
+    """Append the trailing zeros that were stripped from an envelope, or remove zeros that were appended to it.
 
-    Takes time linear in the datagram's size, and returns every valid envelope unchanged. Bytes that are not an envelope
-    come back unchanged or extended; parsing them fails afterwards.
+    Takes time linear in the datagram's size. Returns every valid envelope unchanged. Bytes that are not an envelope are
+    returned unchanged, or with zeros appended or removed; parsing them as an envelope then fails.
     """
     end = 0
     # Only lengths are followed, nothing is parsed: the schema of the payload plays no role.
@@ -39,5 +40,5 @@ def strip_trailing_zeros(datagram: bytes) -> bytes:
 
 
 def payload_numbers(datagram: bytes) -> list[int]:
-    """Return the numbers of an envelope's length-delimited fields, including those unknown to this program."""
+    """Return the numbers of the length-delimited fields of an envelope, including fields that the schema lacks."""
     return [field.number for field in fields(datagram) if field.wire_type == DELIMITED]

@@ -1,4 +1,4 @@
-"""Exceptions by cause: our own setup, a datagram of a peer, or a value that does not fit."""
+"""Exceptions of this package, grouped by cause: our own setup, a datagram of a peer, or a value that does not fit."""
 
 from __future__ import annotations
 
@@ -14,23 +14,22 @@ class RoverlinkError(Exception):
 
 
 class RegistryError(RoverlinkError):
-    """Generated code, loaded descriptors and table that do not match. Fatal at start."""
+    """Mismatch between the generated code, the loaded descriptors and the table. The program cannot start."""
 
 
 class SetupError(RoverlinkError):
-    """A bridge that cannot start: a port in use, a name that does not resolve, a wrong parameter."""
+    """Problem that the user has to solve before the program can work, such as a port in use or a missing file."""
 
 
 class MiddlewareError(RoverlinkError):
-    """A ROS 2 middleware that is not installed, or that reports an error."""
+    """Error of a ROS 2 middleware, or a middleware that is not installed."""
 
 
 class ConversionError(RoverlinkError):
-    """A value that does not fit its target type.
+    """Value that does not fit the type to which it is converted.
 
-    Values are never clamped silently.
-
-    ``field`` is the dotted path of the field in the message; empty if unknown.
+    Such a value is never changed silently to the nearest value that fits. ``field`` is the dotted path of the field in
+    the message; it is empty if the field is unknown.
     """
 
     def __init__(self, message: str, field: str = "") -> None:
@@ -39,7 +38,7 @@ class ConversionError(RoverlinkError):
 
 
 class Reason(str, Enum):
-    """Reason why a datagram was not bridged; counters are kept by reason."""
+    """Reason why a datagram was not bridged. Dropped datagrams are counted by reason."""
 
     EMPTY = "empty"
     OVERSIZED = "oversized"
@@ -56,16 +55,19 @@ class Reason(str, Enum):
 
 
 class DatagramError(RoverlinkError):
-    """A datagram that cannot be bridged because of its content or sender. It is counted, and the bridge goes on."""
+    """Error of one datagram: its content or its sender does not allow to bridge it.
+
+    The datagram is counted as dropped.
+    """
 
     def __init__(self, reason: Reason, message: str, row: str = "") -> None:
-        """Name the payload in ``row`` if it is known."""
+        """Create the error; ``row`` is the name of the payload, or empty if it is unknown."""
         super().__init__(message)
         self.reason, self.row = reason, row
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return ``did you mean ...?`` with the nearest known word, or else the list of known words."""
+    """Return ``did you mean ...?`` with the most similar known word. If none is similar, return all known words."""
     choices = list(known)
     found = difflib.get_close_matches(word, choices, 1)
     if found:

@@ -1,7 +1,6 @@
-"""Base class of generated handlers: one row of the table and its conversion in both directions.
+"""Base class of generated handlers. A handler converts one row's payload to its ROS 2 message and back.
 
-A handler owns no socket and no node. It converts a protobuf payload to a ROS 2 message and back, as objects or as
-serialized bytes.
+The ROS 2 message is an object or serialized bytes. A handler uses no socket and no ROS node.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class Deadman:
-    """Stop that a peer gets when the topic that commands it falls silent."""
+    """Stop of a row (table key ``deadman``): a datagram that the peer gets when the row's topic falls silent."""
 
     after_ms: int
     """Silence in milliseconds after which the stop is sent."""
@@ -82,21 +81,21 @@ class Route:
 
     @property
     def peer(self) -> str:
-        """Peer at the other end."""
+        """Name of the peer at the other end of the link."""
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
 
 class Serialized(NamedTuple):
-    """Result of serializing several payloads."""
+    """Result of serializing several payloads as ROS 2 messages."""
 
     messages: list[bytes]
     """Serialized messages of the payloads that fit, in order."""
     misfits: Mapping[int, ConversionError]
-    """Errors of the others, by the payload's index."""
+    """Errors of the payloads that do not fit, by the payload's index."""
 
 
 class Handler(ABC, Generic[P, M]):
-    """Conversion of one row between its protobuf payload and its ROS 2 message."""
+    """Converter between the protobuf payload of a row and the row's ROS 2 message."""
 
     route: ClassVar[Route]
     payload_type: type[P]
@@ -115,17 +114,16 @@ class Handler(ABC, Generic[P, M]):
     def pack(self, payload: P) -> bytes:
         """Serialize the ROS 2 message of a payload: ``cdr.encode(to_ros(payload))``.
 
-        Generated handlers of fixed-size messages override this with one `struct` call, since the bridge does it for
-        every datagram. It may raise `struct.error`; use `to_cdr` for an error that names the field.
+        The bridge calls this for every datagram. Handlers of fixed-size messages therefore override it with one
+        `struct` call. It may raise `struct.error`; use `to_cdr` for an error that names the field.
         """
         return cdr.encode(self.to_ros(payload))
 
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # standard messages need it
-        """Serialize the ROS 2 message of a payload.
+        """Convert a payload to its serialized ROS 2 message (CDR).
 
-        Raises `ConversionError` that names row and field.
-
-        ``stamp`` is the receive time, for messages with a header.
+        ``stamp`` is the receive time; it is used only if the message has a header. Raises `ConversionError` that names
+        row and field.
         """
         try:
             return self.pack(payload)
@@ -133,9 +131,9 @@ class Handler(ABC, Generic[P, M]):
             return self._explained(payload)
 
     def all_to_cdr(self, payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
-        """Serialize several payloads; collect the errors instead of raising them.
+        """Convert several payloads to serialized ROS 2 messages; collect the errors instead of raising them.
 
-        It costs no more than `pack` for each payload, unless one does not fit.
+        If every payload fits, this takes no longer than calling `pack` for each payload.
         """
         try:
             return Serialized(self._pack_all(payloads, stamp), {})
@@ -169,7 +167,7 @@ class Handler(ABC, Generic[P, M]):
             raise self._named(error) from error
 
     def _named(self, error: Exception) -> ConversionError:
-        """Prefix an error with the row's name, as part of the field's path if it has one."""
+        """Return a `ConversionError` whose text begins with the row's name and, if known, the field's path."""
         # "imu_info.accel_x: ..." for a field, "imu_info: ..." for an error of the whole message.
         names_field = isinstance(error, ConversionError) and error.field
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")

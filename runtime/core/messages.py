@@ -35,7 +35,10 @@ class Message:
 
 
 def how_to_install(message_type: type[Message]) -> str:
-    """Say how ROS 2 gets the type support of a message: its package is generated, or one of ROS 2's own."""
+    """Return an instruction to install the type support of a message in ROS 2.
+
+    The message's package is either generated from the table or a package of ROS 2.
+    """
     generated, ours, _ = message_type.__module__.partition(".messages.")
     if ours:
         return f"build {generated.replace('.', '/')}/ros with colcon and source its setup.bash"
@@ -45,7 +48,7 @@ def how_to_install(message_type: type[Message]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """ROS primitive of fixed size: its ROS name, `struct` format character, and size in bytes."""
+    """ROS primitive type: its ROS name, its `struct` format character, and its size in bytes."""
 
     name: str
     format: str
@@ -94,14 +97,17 @@ UINT8 = Primitive("uint8", "B", 1)
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """``string``, of at most ``bound`` bytes if a bound is given."""
+    """Type ``string``; ``bound`` is the largest number of bytes, or None if there is no limit."""
 
     bound: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Sequence, of at most ``bound`` elements if a bound is given. A ``uint8`` sequence is held as ``bytes``."""
+    """Sequence type; ``bound`` is the largest number of elements, or None.
+
+    The value of ``uint8[]`` is a ``bytes`` object.
+    """
 
     element: FieldType
     bound: int | None = None
@@ -109,7 +115,7 @@ class Sequence:
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """Array of exactly ``length`` elements. A ``uint8`` array is held as ``bytes``."""
+    """Array type with exactly ``length`` elements. The value of a ``uint8`` array is a ``bytes`` object."""
 
     element: FieldType
     length: int
@@ -127,9 +133,10 @@ class Field:
 
 
 def cached_by_type(function: Callable[P, R]) -> Callable[P, R]:
-    """Cache a function as `functools.cache` does, and keep its type.
+    """Cache a function like `functools.cache`, but keep the signature that a type checker sees.
 
-    mypy does not accept a message class as hashable, so the typed `cache` would reject the calls.
+    mypy does not regard a message class as hashable. So with `functools.cache` it would report every call that passes a
+    message class.
     """
     # Message classes are few and live as long as the process, so an unbounded cache is safe.
     remembered: Callable[..., R] = cache(function)
@@ -152,7 +159,7 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
 
 
 def type_of(hint: Any) -> FieldType:
-    """Return the ROS type of an annotation. Raises `TypeError` if it has none."""
+    """Return the ROS type for a field's annotation. Raises `TypeError` if the annotation stands for no ROS type."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)

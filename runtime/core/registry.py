@@ -1,4 +1,4 @@
-"""Registry: the table as the bridge sees it, made by the generated code."""
+"""Registry: the handlers and peers of a table, as the generated code creates them."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ AnyStandardHandler = StandardHandler[Any, Any]
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """Machine at the other end of the link."""
+    """Peer: the machine at the other end of the link."""
 
     name: str
     port_parameter: str
     """Node parameter that holds the peer's UDP port."""
     port: int
-    """Default of that parameter."""
+    """Default UDP port of the peer."""
     strip_trailing_zeros: bool = False
     """True if datagrams to this peer are sent without their trailing zero bytes."""
     sources: tuple[str, ...] = ()
     """IPv4 addresses and networks from which the peer sends; empty for any."""
     source_rate: int | None = None
-    """Datagrams a second accepted from each of its addresses; None for no limit."""
+    """Datagrams a second accepted from each address of the peer; None for no limit."""
 
 
 @dataclass(frozen=True)
 class Registry:
-    """All handlers of a table with the envelope that carries their payloads."""
+    """All handlers of a table, with the class of the envelope that carries their payloads."""
 
     package: str
     envelope: type[ProtoMessage]
@@ -59,17 +59,17 @@ class Registry:
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:
-        """Handlers by number in the envelope."""
+        """Handlers of rows, by the number in the envelope."""
         return {handler.route.number: handler for handler in self.handlers}
 
     @cached_property
     def by_name(self) -> dict[str, AnyHandler]:
-        """Handlers by name in the envelope's oneof."""
+        """Handlers of rows, by the field name in the envelope's oneof."""
         return {handler.route.name: handler for handler in self.handlers}
 
     @cached_property
     def by_topic(self) -> dict[str, AnyHandler]:
-        """Handlers of rows and of extra topics by topic, as the table spells it."""
+        """Handlers of rows and of extra topics, by the name of the topic in the table."""
         return {handler.route.topic: handler for handler in (*self.handlers, *self.extra_topics)}
 
     @cached_property
@@ -81,12 +81,13 @@ class Registry:
 def load_registry(project: str | Path | None = None, package: str = "generated") -> Registry:
     """Import the generated registry and check that it matches the loaded descriptors.
 
-    ``project`` is the folder of the table; without it, the package comes from the import path. ``package`` is the
-    import name of the generated package (key ``python.package`` of the table).
+    ``project`` is the folder of the table. Without ``project``, the generated package is found on the import path.
+    ``package`` is the import name of the generated package (key ``python.package`` of the table).
 
-    Raises `RegistryError` if there is no generated code, if it does not import, if a package of the same name from
-    another project is loaded (two projects in one process need two names), or if a loaded descriptor differs from the
-    one at generation.
+    Raises `RegistryError` in these cases:
+    - There is no generated code, or it cannot be imported.
+    - A package of the same name from another project is loaded already. Two projects in one process need two names.
+    - A loaded descriptor differs from the descriptor from which the code was generated.
     """
     if project is not None:
         _put_first(Path(project).resolve(), package)
@@ -106,12 +107,12 @@ def load_registry(project: str | Path | None = None, package: str = "generated")
 
 
 def _concerns(module: str, package: str) -> bool:
-    """Return true if a module is the package, contains it, or is inside it."""
+    """Return true if ``module`` is the package, a part of it, or a package that contains it; all are dotted names."""
     return f"{package}.".startswith(f"{module}.") or module.startswith(f"{package}.")
 
 
 def _put_first(project: Path, package: str) -> None:
-    """Put the project first on the import path, so that its own generated code is imported."""
+    """Put the project's folder first on the import path, so that the project's own generated code is imported."""
     if not (project.joinpath(*package.split(".")) / "registry.py").is_file():
         raise RegistryError(f"no generated code in {project}; run `roverlink generate` there")
     folder = project

@@ -1,6 +1,7 @@
-"""Base class of generated handlers whose ROS 2 message is a standard one: of extra topics, and of rows with one.
+"""Base class of generated handlers that convert payloads to standard ROS 2 messages, such as sensor_msgs/Imu.
 
-Such a handler takes a receive time beside the payload, for the message's header. It has no clock of its own.
+Handlers of extra topics use it, and handlers of rows whose message is a standard one. The conversion also takes the
+receive time of the payload, for the header of the message. The handler has no clock of its own.
 """
 
 from __future__ import annotations
@@ -25,23 +26,26 @@ _TOO_LARGE = 2.0**128 - 2.0**103
 
 
 class StandardHandler(Handler[P, M]):
-    """Conversion between a payload and a standard message."""
+    """Converter between a payload and a standard ROS 2 message."""
 
     @staticmethod
     @abstractmethod
     def to_ros(payload: P, stamp: Time = UNSTAMPED) -> M:
-        """Convert a payload to the standard message; ``stamp`` goes into its header."""
+        """Convert a payload to the standard message; ``stamp`` is the time for its header."""
 
     def pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """Serialize the message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
+        """Serialize the ROS 2 message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
 
-        Handlers whose varying fields have a fixed size override this with one `struct` call. It may raise any of
-        `MISFITS`; use `to_cdr` for an error that names the field.
+        Handlers whose varying fields have a fixed size override this with one `struct` call. It may raise any of the
+        exceptions in `MISFITS`; use `to_cdr` for an error that names the field.
         """
         return cdr.encode(self.to_ros(payload, stamp))
 
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """Serialize the message of a payload. Raises `ConversionError` that names row, topic and field."""
+        """Convert a payload to its serialized ROS 2 message (CDR).
+
+        Raises `ConversionError` that names row, topic and field.
+        """
         try:
             return self.pack(payload, stamp)
         # The fast path gives no field name. Repeat on the slow path, which does; this happens only for errors.
@@ -60,7 +64,10 @@ class StandardHandler(Handler[P, M]):
 
 
 class Counterparts(dict[K, V]):
-    """Map from values of one side to those of the other; a missing value raises `ConversionError`."""
+    """Map between the values of a proto field and of a ROS 2 field.
+
+    Raises `ConversionError` for a value without counterpart.
+    """
 
     def __init__(self, field: str, values: Mapping[K, V]) -> None:
         super().__init__(values)
@@ -70,19 +77,19 @@ class Counterparts(dict[K, V]):
         raise ConversionError(f"{key!r} is not among the values that the table lists for it", self._field)
 
     def back(self, field: str) -> Counterparts[V, K]:
-        """Return the inverse map; ``field`` is the field that its keys come from."""
+        """Return the map for the opposite direction; errors of the returned map name ``field``."""
         return Counterparts(field, {value: key for key, value in self.items()})
 
 
 def nanoseconds(time: Time | Duration) -> int:
-    """Return a time or duration in nanoseconds."""
+    """Return a ROS 2 time or duration as a number of nanoseconds."""
     return time.sec * 1_000_000_000 + time.nanosec
 
 
 def single(value: float) -> float:
-    """Check that a number fits protobuf's `float`, which would silently store one that is too large as infinity.
+    """Return a number unchanged if it fits protobuf's 32-bit `float`. Raises `ConversionError` if it is too large.
 
-    Raises `ConversionError`.
+    Protobuf itself would store a number that is too large as infinity, without an error.
     """
     if abs(value) >= _TOO_LARGE and not math.isinf(value):
         raise ConversionError(f"{value!r} is too large for float32")

@@ -1,4 +1,4 @@
-"""Translator of datagrams to serialized ROS 2 messages, and back: no sockets, no ROS, no clock."""
+"""Translator of datagrams to serialized ROS 2 messages, and back. It uses no socket, no ROS and no clock."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Translation:
 
 
 class Translator:
-    """Translates by the registry alone; it knows no message type itself."""
+    """Translates datagrams with the handlers of a registry. It contains no code for particular messages."""
 
     def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
-        """Accept only payloads of ``peers``, those whose address the sender has; None for all."""
+        """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
         self._registry, self._peers = registry, peers
         self._parse = registry.envelope.FromString
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
@@ -49,8 +49,8 @@ class Translator:
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
 
-        ``stamp`` is the receive time. Raises `DatagramError` with the reason, and with number and name of the payload
-        if known.
+        ``stamp`` is the receive time. Raises `DatagramError` with the reason; it contains number and name of the
+        payload if these are known.
         """
         translation = self.receive_all([datagram], stamp)
         for refusal in translation.refusals:
@@ -59,9 +59,10 @@ class Translator:
         return name, message
 
     def receive_all(self, datagrams: Sequence[bytes], stamp: Time) -> Translation:
-        """Translate a batch of datagrams; collect the errors instead of raising them.
+        """Translate a batch of datagrams; collect the errors in the result instead of raising them.
 
-        Datagrams with the same payload are converted together, because some work is then done once per batch.
+        Datagrams with the same payload type are converted together, because a part of the work is then done once per
+        batch.
         """
         translation = Translation([])
         payloads = self._sort(datagrams, translation)
@@ -76,7 +77,10 @@ class Translator:
         return translation
 
     def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:
-        """Parse datagrams and group the payloads by name; names and refusals go into ``translation``."""
+        """Parse datagrams and return their payloads, grouped by payload name.
+
+        The name of each datagram and the errors of refused ones are added to ``translation``.
+        """
         payloads: defaultdict[str, list[ProtoMessage]] = defaultdict(list)
         names = translation.names
         for datagram in datagrams:
@@ -91,7 +95,7 @@ class Translator:
         return payloads
 
     def _parsed(self, datagram: bytes) -> tuple[str, ProtoMessage]:
-        """Return name and payload of a datagram. Raises `DatagramError` if the payload is not bridged."""
+        """Return name and payload of a datagram. Raises `DatagramError` if the table does not bridge the payload."""
         message = self.parse(datagram)
         name = self._which(message, self._oneof)  # the class's method: a field could have the same name
         if name not in self._inbound:
@@ -99,7 +103,10 @@ class Translator:
         return name, getattr(message, name)
 
     def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
-        """Record payloads that cannot be converted; ``misfits`` counts only the payloads of this name."""
+        """Add the errors of payloads that cannot be converted to ``translation``.
+
+        ``misfits`` holds each error by the payload's index; the index counts only the payloads with this name.
+        """
         places = [place for place, other in enumerate(translation.names) if other == name]
         number = self._inbound[name].route.number
         for index, error in misfits.items():
@@ -109,11 +116,10 @@ class Translator:
             translation.refusals.append(refusal)
 
     def parse(self, datagram: bytes) -> ProtoMessage:
-        """Parse the envelope in a datagram, with any treatment of trailing zeros.
+        """Parse the envelope in a datagram, even if trailing zeros were stripped or appended.
 
-        Raises `DatagramError`.
-
-        A stripped or padded envelope never parses as it is, so a normal one costs only one parse.
+        Raises `DatagramError` if the datagram is not an envelope. An envelope with stripped or appended zeros never
+        parses, so the zeros are restored only after a parse has failed. A normal envelope is parsed only once.
         """
         try:
             return self._parse(datagram)
@@ -132,12 +138,12 @@ class Translator:
     def send(self, handler: AnyHandler, cdr: bytes) -> bytes:
         """Convert a serialized ROS 2 message to the datagram for the peer.
 
-        Raises `ConversionError` with row and field if a value does not fit.
+        Raises `ConversionError` that names row and field if a value does not fit.
         """
         return self.datagram(handler, handler.from_cdr(cdr))
 
     def datagram(self, handler: AnyHandler, payload: ProtoMessage) -> bytes:
-        """Return the datagram with a payload. Raises `ConversionError` if a required field (proto2) is not set."""
+        """Return the datagram for a payload. Raises `ConversionError` if a field that proto2 requires is not set."""
         try:
             datagram = self._registry.envelope(**{handler.route.name: payload}).SerializeToString()
         except EncodeError as error:  # a `required` field of proto2 that nothing has set
@@ -163,7 +169,7 @@ class Translator:
         return DatagramError(Reason.UNKNOWN_PAYLOAD, f"no row of the table has payload {explained}")
 
     def _refusal_of_known(self, name: str) -> DatagramError:
-        """Return the reason why a payload in the envelope is not bridged."""
+        """Return the error for a datagram whose payload the envelope declares, but this translator does not accept."""
         number = self._registry.envelope.DESCRIPTOR.fields_by_name[name].number
         handler = self._registry.by_name.get(name)
         if handler is None:

@@ -1,10 +1,10 @@
-"""Protobuf's wire format without a schema: tags, varints, and the extent of each field.
+"""Reader of protobuf's wire format without a schema: tags, varints, and start and end of each field.
 
 The rules, from "Encoding" on protobuf.dev:
-- A tag is the varint ``field_number << 3
-wire_type``; field number 0 does not exist.
-- A varint has 7 bits a byte, the lowest first; the high bit says that another byte follows; 10 bytes at most.
-- A delimited value is a varint length and so many bytes.
+- A tag is the varint ``field_number << 3 | wire_type``; field number 0 does not exist.
+- A varint has 7 bits in each byte, the lowest bits first. The high bit of a byte says that another byte follows. A
+  varint has at most 10 bytes.
+- A length-delimited value is a varint with the length, and then as many bytes.
 - A group is a start tag, its fields and an end tag.
 """
 
@@ -19,21 +19,21 @@ _MAX_VARINT = 10  # bytes: 64 bits, 7 in each
 
 
 class Field(NamedTuple):
-    """Field and its position in the bytes."""
+    """Field of a serialized message: its number, its wire type and its position in the bytes."""
 
     number: int
     wire_type: int
     content: int
-    """Index of the value's first byte; for a delimited field, after its length."""
+    """Index of the value's first byte; in a length-delimited field, this byte follows the length."""
     end: int
-    """Index after the value, even if the data ends before."""
+    """Index after the value; it may lie beyond the end of the data."""
 
 
 def fields(data: bytes) -> Iterator[Field]:
-    """Yield the top-level fields, up to the first byte that cannot start one.
+    """Yield the top-level fields of a serialized message, up to the first byte that cannot start a field.
 
-    A group gives two fields, its start and its end. The last field may end after the data; the missing bytes are zeros
-    that were stripped.
+    A group gives two fields: its start tag and its end tag. The last field may end after the end of the data, because
+    trailing zeros may have been stripped from it.
     """
     position = 0
     # A zero byte cannot start a field, so it ends the envelope: the rest is padding.
@@ -47,7 +47,7 @@ def fields(data: bytes) -> Iterator[Field]:
 
 
 def _extent(data: bytes, position: int, wire_type: int) -> tuple[int, int]:
-    """Return start and end of the value whose tag ends at ``position``."""
+    """Return the positions where the value of a field starts and ends; the field's tag ends at ``position``."""
     if wire_type == VARINT:
         return position, varint(data, position)[1]
     if wire_type == FIXED64:
@@ -61,7 +61,7 @@ def _extent(data: bytes, position: int, wire_type: int) -> tuple[int, int]:
 
 
 def varint(data: bytes, position: int) -> tuple[int, int]:
-    """Return the varint at a position and the position after it; bytes after the data count as stripped zeros."""
+    """Return the varint at a position, and the position after it. Bytes beyond the end of the data count as zeros."""
     value = 0
     for index in range(_MAX_VARINT):
         # Stripped zeros at the end count as present: the last byte of a varint may have been one of them.

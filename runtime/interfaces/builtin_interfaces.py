@@ -20,7 +20,7 @@ class Time(Message):
 
 @dataclass(slots=True)
 class Duration(Message):
-    """builtin_interfaces/msg/Duration: seconds, rounded down, plus nanoseconds."""
+    """builtin_interfaces/msg/Duration: seconds (rounded down to an integer), and nanoseconds that are added to them."""
 
     __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Duration"
 

@@ -1,4 +1,4 @@
-"""Classes of standard ROS 2 messages, made at run time from the definitions in the rosbags package."""
+"""Classes of standard ROS 2 messages. They are made at run time from the definitions in the rosbags package."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
 def full_name(type_name: str) -> str:
-    """Return ``sensor_msgs/Imu`` as ``sensor_msgs/msg/Imu``. Raises `SetupError` if it is not a type name."""
+    """Return ``sensor_msgs/msg/Imu`` for ``sensor_msgs/Imu`` or for itself. Raises `SetupError` for any other form."""
     parts = type_name.split("/")
     if len(parts) == 2:
         parts.insert(1, "msg")
@@ -63,7 +63,7 @@ def _field(name: str, definition: Any) -> tuple[str, Any, Any]:
 
 
 def _annotation(definition: Any) -> Any:
-    """Return the annotation of a rosbags definition, which is a kind and the details of the kind."""
+    """Return the annotation for the type of a field; rosbags describes the type as a kind and details of the kind."""
     kind, detail = definition
     if kind.name == "NAME":
         return message_type(detail)

@@ -1,4 +1,7 @@
-"""Middlewares: the connection to ROS 2. They all exchange serialized messages, so one bridge serves each of them."""
+"""Middlewares: the connections to ROS 2.
+
+All of them exchange serialized messages, so the bridge can use any of them.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,10 @@ NAMES = ("auto", "dds", "rclpy", "memory")
 
 
 def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:
-    """Connect to ROS 2; ``auto`` takes rclpy if it imports, else dds.
+    """Connect to ROS 2 as a node; ``name`` is ``dds``, ``rclpy``, ``memory``, or ``auto``.
 
-    rclpy shows ``parameters`` as those of the node. Raises `MiddlewareError` that says how to install missing parts.
+    ``auto`` selects rclpy if it can be imported, else dds. With rclpy, ROS 2 tools show ``parameters`` as the node's
+    parameters. Raises `MiddlewareError` if a package is missing; the message says how to install it.
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
@@ -35,7 +39,10 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
 
 
 def _imports(package: str) -> bool:
-    """Return true if a package imports. Finding it is not enough: it may be built for another Python version."""
+    """Return true if a package can be imported.
+
+    To find it is not enough: it may be made for another version of Python.
+    """
     try:
         importlib.import_module(package)
     except ImportError:

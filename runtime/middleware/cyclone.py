@@ -1,12 +1,12 @@
-"""Features of Cyclone DDS that its Python package does not offer; the only module that uses its private parts.
+"""Features of Cyclone DDS that its Python package does not offer. Only this module uses private parts of the package.
 
 - *Raw writes and reads*: the package's writers and readers convert sample objects, while we have bytes.
-- *Batching*: a writer collects samples until it is flushed, and sends them in one packet. The packet and waking the
-subscriber cost several times as much as all other work for a sample.
-- *Acknowledgement*: the package's own function for it fails in version 11.0.1 where it should return False.
-- *Deletion*: the package deletes an entity when its last reference is gone. At the end of a program that is never, and
-others see the node for ten more seconds; or it happens while Python shuts down. Then a thread of Cyclone DDS that needs
-Python to free a topic's type is ended by Python, and joining that thread blocks forever.
+- *Batching*: a writer collects samples until it is flushed, and sends them in one packet. Sending a packet and waking
+  the subscriber cost several times as much as all other work for a sample.
+- *Acknowledgement*: in version 11.0.1, the package's function that waits for it fails where it should return False.
+- *Deletion*: the package deletes an entity when its last reference is gone. At the end of a program this may never
+  happen; other nodes then see the node for ten more seconds. Or it happens while Python shuts down. Then a thread of
+  Cyclone DDS that needs Python to free a topic's type is ended by Python, and joining that thread blocks forever.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _PADDING = tuple(bytes(-length % _WORD) for length in range(_WORD))  # by a samp
 
 
 class WriterBatching(BasePolicy):  # type: ignore[no-untyped-call]  # its base declares no types
-    """QoS policy: the writer collects samples until it is flushed."""
+    """QoS policy of a writer: collect samples until the writer is flushed, and then send them in one packet."""
 
     __scope__ = "WriterBatching"
 
@@ -60,7 +60,7 @@ _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defi
 
 
 class RawWriter:
-    """Writes serialized samples through a DDS writer with batching."""
+    """Writes serialized samples through a DDS writer whose QoS has `WriterBatching`."""
 
     def __init__(self, writer: DataWriter[Any]) -> None:
         self._writer = writer  # deletes itself without a reference
@@ -68,10 +68,10 @@ class RawWriter:
         self._topic = writer.topic.name
 
     def write(self, samples: Sequence[bytes]) -> int:
-        """Write and send samples; return how many were accepted.
+        """Write samples and send them at once; return how many were accepted.
 
-        A reliable writer whose queue is full would have to wait; the samples from there on are not accepted. Raises
-        `MiddlewareError` if Cyclone DDS reports an error.
+        If the queue of a reliable writer is full, the remaining samples are not accepted, because the writer would have
+        to wait. Raises `MiddlewareError` if Cyclone DDS reports an error.
         """
         accepted = 0
         whole = [sample + _PADDING[len(sample) % _WORD] for sample in samples]
@@ -87,12 +87,15 @@ class RawWriter:
         return accepted
 
     def wait_for_acknowledgement(self, seconds: float) -> bool:
-        """Wait until every reliable reader has acknowledged all samples; return false if the time runs out."""
+        """Wait until every reliable reader has acknowledged all samples.
+
+        Return false if this takes longer than ``seconds``.
+        """
         return bool(_wait_for_acks(self._reference, duration(seconds=seconds)) == 0)
 
 
 class RawReader:
-    """Takes serialized samples from a DDS reader."""
+    """Takes received samples, in serialized form, from a DDS reader."""
 
     def __init__(self, reader: DataReader[Any]) -> None:
         self._reader = reader  # deletes itself without a reference
@@ -108,15 +111,15 @@ class RawReader:
         return [data for data, info in taken if info.valid_data]
 
     def has_publishers(self) -> bool:
-        """Return true if the reader matches a writer."""
+        """Return true if DDS has found a writer that matches this reader."""
         return bool(self._reader.get_matched_publications())
 
 
 def delete(entity: Entity) -> None:
-    """Delete an entity and everything that was created from it, now."""
+    """Delete a DDS entity and everything that was created from it, without waiting for Python's garbage collector."""
     _delete(entity._ref)
 
 
 def delete_at_exit(entity: Entity) -> None:
-    """Delete an entity when the program ends, while Python still works."""
+    """Delete a DDS entity when the program ends, but before Python shuts down."""
     atexit.register(delete, entity)

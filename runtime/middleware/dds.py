@@ -1,6 +1,6 @@
 """ROS 2 over plain DDS (Cyclone DDS from PyPI), without a ROS installation.
 
-A ROS 2 node sees an ordinary publisher or subscriber. The rules of the ROS 2 middlewares:
+Other ROS 2 nodes see an ordinary publisher or subscriber. This module follows the rules of the ROS 2 middlewares:
 - The DDS topic of ``/imu`` is ``rt/imu``; the type of ``comms/msg/Imu`` is ``comms::msg::dds_::Imu_``.
 - Samples are plain XCDR1, as `roverlink.runtime.core.cdr` writes them.
 - The node's name is announced on the topic ``ros_discovery_info`` (module `discovery`).
@@ -56,25 +56,25 @@ class DdsPublisher:
         self.publish = raw_writer.write
 
     def has_subscribers(self) -> bool:
-        """Return true if the writer matches a reader."""
+        """Return true if DDS has found a reader that matches this writer."""
         return bool(self._writer.get_matched_subscriptions())
 
 
 class _Topic(NamedTuple):
-    """Topic with a reader."""
+    """Subscribed topic: its reader, its callback and its priority."""
 
     reader: RawReader
     callback: Callback
     priority: int
 
     def serve(self, most: int) -> None:
-        """Pass the oldest received messages to the callback."""
+        """Take at most ``most`` received messages, oldest first, and call the callback with them."""
         if messages := self.reader.take(most):
             self.callback(messages)
 
 
 class DdsMiddleware:
-    """DDS participant that appears as a ROS 2 node, with a thread that takes samples from its readers."""
+    """DDS participant that appears as a ROS 2 node. One thread takes the samples that its readers have received."""
 
     def __init__(self, node: NodeIdentity) -> None:
         domain_id = _domain_id()
@@ -96,7 +96,7 @@ class DdsMiddleware:
         self._thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> DdsPublisher:
-        """Create a writer on a fully qualified topic."""
+        """Create a DDS writer for a fully qualified topic."""
         policies = dds_qos(qos, writing=True, type_hash=message_type.__typehash__)
         writer = DataWriter(self._participant, self._topic(topic, message_type), qos=policies)
         self._announcer.add_writer(writer)
@@ -107,7 +107,7 @@ class DdsMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> RawReader:
-        """Call ``callback`` with serialized messages of a fully qualified topic, from the taking thread."""
+        """Call ``callback`` with the serialized messages of a fully qualified topic, on the middleware's thread."""
         policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__)
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
@@ -120,7 +120,7 @@ class DdsMiddleware:
         return raw_reader
 
     def close(self) -> None:
-        """Leave the graph, after subscribers had a moment to acknowledge the last messages."""
+        """Leave the ROS 2 graph. First wait up to 0.3 s for subscribers to acknowledge the last messages."""
         if not self._open:
             return
         self._open = False
@@ -149,9 +149,10 @@ class DdsMiddleware:
 
 
 def _serve(topics: Sequence[_Topic]) -> None:
-    """Pass on one batch of each topic in turn, so that a busy topic blocks neither another one nor `close`.
+    """Call the callback of each topic once, with at most one batch of messages.
 
-    Before each topic, those with a higher priority have another turn; so they wait for one small batch at most.
+    A topic with many messages therefore delays neither the other topics nor `close`. Before each topic, all topics with
+    a higher priority are served again, so they wait for one small batch at most.
     """
     for index, topic in enumerate(topics):
         urgent = [other for other in topics[:index] if other.priority > topic.priority]
@@ -168,7 +169,7 @@ def _domain_id() -> int:
 
 
 def _configure(domain_id: int) -> None:
-    """Restrict the domain to this host if ROS 2's environment asks for it and CYCLONEDDS_URI is not set."""
+    """Restrict DDS to this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set."""
     # A user's own configuration has priority. ROS_LOCALHOST_ONLY is the variable up to Humble, the range is from Iron
     # on.
     users_own = os.environ.get("CYCLONEDDS_URI", "")
@@ -179,7 +180,10 @@ def _configure(domain_id: int) -> None:
 
 @cache
 def _domain(domain_id: int, configuration: str) -> Domain | None:
-    """Configure a domain: once per process, before its first participant, for the life of the process."""
+    """Configure a DDS domain if this process has not configured it yet; the configuration lasts until the process ends.
+
+    Must be called before the first participant of the domain is created.
+    """
     try:
         domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
     except DDSException as error:

@@ -1,7 +1,7 @@
 """DDS types and DDS QoS policies for ROS 2 messages.
 
-A type has the real structure of its message, because Cyclone DDS compares structures if both sides announce one. But
-samples are never built from it: we write and take serialized bytes.
+A DDS type has the same structure as its message, because Cyclone DDS compares the structures if both sides announce
+them. But no object of the type is ever created: we write and take serialized bytes.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ _DDS_TYPES: dict[str, Any] = {
 def dds_qos(qos: Qos, writing: bool, type_hash: str = "") -> DdsQos:
     """Return the DDS policies that the ROS 2 middlewares use for a QoS profile.
 
-    The type hash goes into the endpoint's USER_DATA, where ROS 2 looks for it from Iron on.
+    ``writing`` is true for a writer, false for a reader. The type hash is put into the USER_DATA of the writer or
+    reader; ROS 2 looks for it there since the distribution Iron.
     """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
@@ -91,7 +92,7 @@ def dds_type(message_type: type[Message]) -> type[IdlStruct]:
 
 
 def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]:
-    """Return class name, DDS type name and fields of a message, following ROS 2's IDL."""
+    """Return the class name, DDS type name and fields of a message's DDS type, following ROS 2's IDL."""
     package, kind, name = message_type.__msgtype__.split("/")
     fields = {field.name: _field_type(field.type) for field in fields_of(message_type)}
     return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}

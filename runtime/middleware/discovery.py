@@ -1,8 +1,9 @@
-"""Visibility as a ROS 2 node: announce our node and endpoints on the topic ``ros_discovery_info``.
+"""Announcement of our node, its publishers and its subscriptions on the topic ``ros_discovery_info``.
 
-`ros2 node list` reads it. ROS 2's own middlewares write there, for each participant, its nodes and the GUIDs of their
-readers and writers, in a ``rmw_dds_common/msg/ParticipantEntitiesInfo``. Its GIDs have 24 bytes up to Humble and 16
-bytes from Iron on; the topic has no ``rt/`` prefix.
+`ros2 node list` reads this topic. There, ROS 2's own middlewares publish a
+``rmw_dds_common/msg/ParticipantEntitiesInfo`` for each DDS participant: its nodes, and the GUIDs of their readers and
+writers. In this message a GUID is called a GID. A GID has 24 bytes up to Humble and 16 bytes since Iron. The topic's
+DDS name has no ``rt/`` prefix.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def _message(name: str, fields: list[tuple[str, Any]]) -> Any:
 
 
 class GraphTypes:
-    """Messages of rmw_dds_common with GIDs of one of the two sizes."""
+    """Message classes of the package rmw_dds_common, for one size of GIDs (16 or 24 bytes)."""
 
     def __init__(self, gid_bytes: int) -> None:
         name = Annotated[str, Bound(256)]
@@ -51,7 +52,7 @@ class GraphTypes:
 
 
 class GraphAnnouncer:
-    """Announces one node and its endpoints to the ROS 2 graph."""
+    """Announces one node with its publishers and subscriptions to the ROS 2 graph."""
 
     def __init__(self, participant: DomainParticipant, node: NodeIdentity) -> None:
         long = os.environ.get("ROS_DISTRO", "humble") in _LONG_GID_DISTRIBUTIONS
@@ -66,17 +67,17 @@ class GraphAnnouncer:
         self._announce()
 
     def add_reader(self, reader: Entity) -> None:
-        """Announce a new subscription."""
+        """Announce a new subscription of the node."""
         self._readers.append(self._gid(reader))
         self._announce()
 
     def add_writer(self, writer: Entity) -> None:
-        """Announce a new publisher."""
+        """Announce a new publisher of the node."""
         self._writers.append(self._gid(writer))
         self._announce()
 
     def _gid(self, entity: Entity) -> Any:
-        """Return an entity's GUID, padded with zeros to the size of a GID."""
+        """Return the GID of a DDS entity: its GUID, padded with zeros to the size of a GID."""
         return self._types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
 
     def _announce(self) -> None:

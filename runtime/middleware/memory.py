@@ -1,4 +1,4 @@
-"""Middleware inside one process, for tests and for machines without ROS 2."""
+"""Middleware that passes messages inside one process, for tests and for machines without ROS 2."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ Callbacks = list[Callback]
 
 @dataclass
 class Graph:
-    """Topics of one process with their subscribers. Middlewares that share a graph see each other."""
+    """Topics inside one process, with their subscribers and publishers.
+
+    Middlewares with the same `Graph` are connected.
+    """
 
     callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
     publishers: Counter[str] = field(default_factory=Counter)
 
 
 class MemoryPublisher:
-    """Publisher that calls every subscriber of its topic directly, on the publishing thread."""
+    """Publisher that calls the callbacks of all subscribers of its topic directly, on the publishing thread."""
 
     def __init__(self, callbacks: Callbacks) -> None:
         self._callbacks = callbacks
@@ -40,18 +43,18 @@ class MemoryPublisher:
 
 
 class MemorySubscription:
-    """Subscription that counts the publishers of its topic."""
+    """Subscription of one topic, which can tell whether the topic has publishers."""
 
     def __init__(self, graph: Graph, topic: str) -> None:
         self._graph, self._topic = graph, topic
 
     def has_publishers(self) -> bool:
-        """Return true if an open middleware publishes on the topic."""
+        """Return true if the topic has a publisher whose middleware is not closed."""
         return self._graph.publishers[self._topic] > 0
 
 
 class MemoryMiddleware:
-    """Connection to the topics of one process."""
+    """Middleware for the topics of a `Graph`."""
 
     def __init__(self, graph: Graph | None = None) -> None:
         self._graph = graph if graph is not None else Graph()
@@ -67,7 +70,7 @@ class MemoryMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> MemorySubscription:
-        """Call ``callback`` with messages of a topic, on the publishing thread."""
+        """Call ``callback`` with the messages of a topic, on the thread that publishes them."""
         callbacks = self._graph.callbacks[topic]
         callbacks.append(callback)
         self._own.append((callbacks, callback))

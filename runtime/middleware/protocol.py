@@ -1,4 +1,4 @@
-"""Interface of a middleware: a connection to the ROS 2 graph that exchanges serialized messages."""
+"""Interface that every middleware has. A middleware exchanges serialized messages with the ROS 2 graph."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ Callback = Callable[[Sequence[bytes]], None]
 
 @dataclass(frozen=True, slots=True)
 class NodeIdentity:
-    """Name and namespace of our node."""
+    """Name and namespace of the ROS 2 node that the program is."""
 
     name: str
     namespace: str = "/"
-    """Fully qualified, with a leading slash."""
+    """Namespace with a leading slash."""
 
     def topic(self, name: str) -> str:
-        """Return the fully qualified name of a topic: ``~/x`` is below the node, ``x`` in its namespace."""
+        """Return the fully qualified name of a topic: ``~/x`` is below the node's name, ``x`` in its namespace."""
         if name.startswith("/"):
             return name
         if name.startswith("~/"):
@@ -31,7 +31,7 @@ class NodeIdentity:
 
     @property
     def full_name(self) -> str:
-        """Namespace and name, as ``ros2 node list`` prints them."""
+        """Namespace and name of the node, as ``ros2 node list`` prints them."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
@@ -41,32 +41,36 @@ class Publisher(Protocol):
     def publish(self, messages: Sequence[bytes], /) -> int:
         """Publish serialized messages (CDR with header) in order, without ever waiting for a subscriber.
 
-        Returns how many were accepted. A full queue makes it stop; the caller counts the remaining messages as lost.
+        Returns how many messages were accepted. If the queue is full, the remaining messages are not accepted, and the
+        caller counts them as lost.
         """
 
     def has_subscribers(self) -> bool:
-        """Return true if a subscriber is known."""
+        """Return true if the middleware knows a subscriber of the topic."""
 
 
 class Subscription(Protocol):
     """Subscription of one topic."""
 
     def has_publishers(self) -> bool:
-        """Return true if a publisher is known. A killed publisher stays known for some seconds."""
+        """Return true if the middleware knows a publisher of the topic.
+
+        It forgets a killed publisher only after some seconds.
+        """
 
 
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
-        """Create a publisher on a fully qualified topic."""
+        """Create a publisher for a fully qualified topic."""
 
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> Subscription:
         """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
-        Topics with a larger ``priority`` are served first, if the middleware lets us choose.
+        If the middleware supports priorities, topics with a larger ``priority`` are served first.
         """
 
     def close(self) -> None:

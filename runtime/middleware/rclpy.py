@@ -1,7 +1,7 @@
-"""ROS 2 through an installed rclpy, publishing and subscribing serialized messages.
+"""ROS 2 through an installed rclpy; messages are published and received in serialized form.
 
-Needs the generated interface package built and sourced (``colcon build``): rclpy finds the type
-support of a message only through the class that rosidl generated for it.
+The generated interface package must be built (``colcon build``) and sourced, because rclpy finds the type support of a
+message only through the class that rosidl generated for the message.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ class RclpyPublisher:
         self._publisher = publisher
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Publish serialized messages; rclpy publishes an argument of type bytes without serializing it."""
+        """Publish serialized messages. If rclpy gets bytes instead of a message, it publishes the bytes unchanged."""
         for message in messages:
             self._publisher.publish(message)
         return len(messages)
 
     def has_subscribers(self) -> bool:
-        """Return true if a subscription matches."""
+        """Return true if rclpy knows a subscription that matches this publisher."""
         return bool(self._publisher.get_subscription_count())
 
 
@@ -47,12 +47,12 @@ class RclpySubscription:
         self._node, self._topic = node, topic
 
     def has_publishers(self) -> bool:
-        """Return true if the graph has a publisher of the topic."""
+        """Return true if the ROS 2 graph has a publisher of the topic."""
         return bool(self._node.count_publishers(self._topic))
 
 
 class RclpyMiddleware:
-    """rclpy node, spun by its own thread."""
+    """rclpy node with a thread that spins it: the thread waits for messages and calls the callbacks."""
 
     def __init__(self, node: NodeIdentity, parameters: Mapping[str, Any]) -> None:
         self._context = rclpy.Context()
@@ -111,7 +111,7 @@ class RclpyMiddleware:
 
 
 def _ros_class(message_type: type[Message]) -> Any:
-    """Return the class of the installed interface package that has the type support of a message."""
+    """Return the class that rosidl generated for a message, from the installed interface package."""
     package, _, name = message_type.__msgtype__.split("/")
     try:
         return getattr(importlib.import_module(f"{package}.msg"), name)

@@ -1,4 +1,7 @@
-"""Middleware wrapper that passes every message to a listener too, without changes to the bridge."""
+"""Middleware wrapper that passes a copy of every message to a listener, such as a recorder.
+
+The bridge need not know it.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +20,20 @@ class Listener(Protocol):
     """Listener to all topics, such as a recorder or a viewer."""
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
-        """Return the function that takes a topic's serialized messages. Called once per topic, at start."""
+        """Return a function that takes the serialized messages of a topic.
+
+        The wrapper calls this once for each topic, when the topic is opened.
+        """
 
 
 class TappedMiddleware:
-    """Middleware whose messages also go to a listener."""
+    """Middleware that passes every message also to a listener."""
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> Publisher:
-        """Create a publisher whose messages reach the listener once they are accepted."""
+        """Create a publisher that passes the messages it has published to the listener."""
         return _TappedPublisher(
             self._middleware.publisher(topic, message_type, qos), self._listener.topic(topic, message_type, qos)
         )
@@ -35,7 +41,7 @@ class TappedMiddleware:
     def subscribe(
         self, topic: str, message_type: type[Message], qos: Qos, callback: Callback, priority: int = 0
     ) -> Subscription:
-        """Subscribe; messages reach the listener before the callback."""
+        """Subscribe to a topic. The listener gets each message before the callback gets it."""
         tap = self._listener.topic(topic, message_type, qos)
 
         def tapped(messages: Sequence[bytes]) -> None:
@@ -60,7 +66,7 @@ class _TappedPublisher:
         self._publish, self._tap = publisher.publish, tap
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Publish messages, and pass the accepted ones to the listener."""
+        """Publish messages; pass those that the middleware accepted to the listener."""
         accepted = self._publish(messages)
         self._tap(messages if accepted == len(messages) else messages[:accepted])
         return accepted

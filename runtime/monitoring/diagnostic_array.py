@@ -1,4 +1,4 @@
-"""State of a bridge as ``diagnostic_msgs/msg/DiagnosticArray``: one status for the node, and one for each row."""
+"""Conversion of a bridge's state to a diagnostic_msgs/DiagnosticArray: a status for the node, and one for each row."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ QOS = Qos(depth=10)
 def publisher(
     middleware: Middleware, topic: str = TOPIC, clock: Callable[[], int] = time.time_ns
 ) -> Callable[[State], None]:
-    """Return a function that publishes a state. Raises `MiddlewareError` if rclpy lacks diagnostic_msgs."""
+    """Return a function that publishes a state on ``topic``. Raises `MiddlewareError` if rclpy lacks diagnostic_msgs.
+
+    ``clock`` returns the time in nanoseconds since 1970.
+    """
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
 
     def publish_state(state: State) -> None:
@@ -31,7 +34,7 @@ def publisher(
 
 
 def array_of(state: State, now: int) -> DiagnosticArray:
-    """Return the message with a stamp in nanoseconds since 1970."""
+    """Return the message for a state. Its stamp is ``now``, in nanoseconds since 1970."""
     header = Header(Time(now // 10**9, now % 10**9))
     return DiagnosticArray(header, [_node_status(state), *(_row_status(state.node, row) for row in state.rows)])
 

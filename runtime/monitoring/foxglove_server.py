@@ -1,4 +1,7 @@
-"""Live topics of a bridge in Foxglove, over its WebSocket protocol, with ROS 2 message definitions as schemas."""
+"""Server that shows the topics of a bridge live in Foxglove, over Foxglove's WebSocket protocol.
+
+The schemas of the topics are ROS 2 message definitions.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +19,14 @@ PORT = 8765
 
 
 class FoxgloveServer:
-    """Server to which Foxglove connects.
+    """Server to which Foxglove connects. A context manager, and a `Listener` of topics.
 
-    A context manager, and a `Listener` of topics.
-
-    The bridge's thread hands messages to the SDK, which queues them; topics that no viewer has opened are skipped.
+    The bridge's threads pass messages to the Foxglove SDK, which queues them. Messages of topics that no viewer has
+    opened are skipped.
     """
 
     def __init__(self, name: str, address: str, port: int) -> None:
-        """Start the server; port 0 takes a free one.
+        """Start the server; for port 0, the system selects a free port.
 
         Raises `SetupError` if foxglove-sdk is missing or the port is not available.
         """
@@ -43,7 +45,7 @@ class FoxgloveServer:
         self.port: int = self._server.port
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # WebSocket has no QoS
-        """Offer a topic to viewers."""
+        """Offer a topic to viewers, and return a function that takes the topic's messages."""
         schema = self._foxglove.Schema(
             name=message_type.__msgtype__, encoding="ros2msg", data=definition_of(message_type).encode()
         )

@@ -17,10 +17,10 @@ BOUNDS_S = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e
 
 @dataclass(frozen=True, slots=True)
 class Latencies:
-    """Histogram at one moment."""
+    """Histogram at one moment: the number of datagrams by the time that their batch took."""
 
     counts: Sequence[int]
-    """Datagrams in each bucket of `BOUNDS_S`, and in the one above."""
+    """Number of datagrams in each bucket of `BOUNDS_S`, and in the bucket above the last bound."""
     sum_s: float
 
     @property
@@ -29,9 +29,10 @@ class Latencies:
         return sum(self.counts)
 
     def quantile(self, share: float) -> float | None:
-        """Return the bucket bound in seconds below which this share (0 to 1) of the datagrams lies.
+        """Return the time in seconds that a share (0 to 1) of the datagrams did not exceed.
 
-        None if there are no datagrams, or if it lies above the last bound.
+        The time is the smallest suitable bound in `BOUNDS_S`. Returns None if there are no datagrams, or if no bound is
+        large enough.
         """
         wanted, seen = share * self.total, 0
         for bound, count in zip(BOUNDS_S, self.counts):
@@ -42,14 +43,14 @@ class Latencies:
 
 
 class LatencyProbe:
-    """Observer that measures a bridge's batches, from reading them to publishing and forwarding them."""
+    """Observer that measures the time from the reading of a batch until the batch is published and forwarded."""
 
     def __init__(self) -> None:
         self._counts = [0] * (len(BOUNDS_S) + 1)
         self._sum_s = 0.0
 
     def receiving(self, handle: Handle) -> Handle:
-        """Measure the time of a batch; it counts once for each datagram in it."""
+        """Wrap ``handle`` to measure the time of each batch. The time counts once for each datagram of the batch."""
         counts, now = self._counts, time.perf_counter
 
         def timed(batch: udp.Batch) -> None:
@@ -68,5 +69,5 @@ class LatencyProbe:
 
     @property
     def latencies(self) -> Latencies:
-        """Histogram of all batches up to now."""
+        """Histogram of all batches since the start."""
         return Latencies(tuple(self._counts), self._sum_s)

@@ -1,4 +1,7 @@
-"""Monitor of a bridge: reads its counters periodically and computes rates, ages and levels."""
+"""Monitor of a bridge: reads the bridge's counters periodically.
+
+From them it computes the rate and the level of each row, and the time since the row's last message.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
 SAMPLE_S = 0.25
-"""Interval in seconds at which the counters are read; the largest error of an age."""
+"""Interval in seconds at which the counters are read. The age of a row's last message has this error at most."""
 WINDOW_S = 2.0
 """Time window in seconds for rates, and for drops that raise a warning."""
 REPORT_S = 1.0
@@ -27,12 +30,12 @@ _SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale
 
 
 class Watched(Protocol):
-    """Part of a bridge that the monitor reads."""
+    """Parts of a bridge that the monitor reads."""
 
     account: Account
 
     def socket_state(self) -> SocketState:
-        """Return the fill level of the socket's receive buffer and the kernel's drop counter."""
+        """Return the fill level of the socket's receive buffer, and how many datagrams the kernel has dropped."""
 
 
 class _Sample(NamedTuple):
@@ -68,7 +71,10 @@ class Monitor:
         self.sample()
 
     def add_listener(self, listener: Callable[[State], None]) -> None:
-        """Call ``listener`` with the state once a second, on the monitor's thread. Use before entering the monitor."""
+        """Let the monitor call ``listener`` with the state once a second, on the monitor's thread.
+
+        Call this before entering the monitor's ``with`` block.
+        """
         self._listeners.append(listener)
 
     def __enter__(self) -> Monitor:
@@ -90,7 +96,7 @@ class Monitor:
                     listener(state)
 
     def sample(self) -> None:
-        """Read the counters once."""
+        """Read the counters once and store their values. The monitor's thread calls this periodically."""
         account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
         dropped = Counter(account.dropped_of_row)
@@ -105,7 +111,7 @@ class Monitor:
             self._samples.popleft()
 
     def state(self) -> State:
-        """Return the state of the bridge at the last reading."""
+        """Return the state of the bridge when the counters were last read."""
         account, first, last = self._bridge.account, self._samples[0], self._samples[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
@@ -164,7 +170,11 @@ class Monitor:
 
 
 def _assess(expected: float | None, rate: float, age: float | None, fresh: dict[str, int]) -> tuple[Level, str]:
-    """Return the level of a row and the reason."""
+    """Return the level of a row and, as text, the reason for it.
+
+    ``expected`` and ``rate`` are in messages a second. ``age`` is the time since the last message in seconds, or None.
+    ``fresh`` holds the messages dropped recently, by reason.
+    """
     if fresh:
         drops = ", ".join(f"{reason} {count}" for reason, count in fresh.items())
         return (Level.WARN if rate else Level.ERROR), f"dropped in the last {WINDOW_S:.0f} s: {drops}"

@@ -1,4 +1,4 @@
-"""State of a bridge as Prometheus metrics, and the HTTP server where Prometheus scrapes them."""
+"""Conversion of a bridge's state to Prometheus metrics, and the HTTP server from which Prometheus reads the metrics."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def text_of(state: State) -> str:
 
 
 class _StateCollector(Collector):
-    """Collector of the metrics of one state."""
+    """Collector, in the sense of prometheus_client, of the metrics of one state."""
 
     def __init__(self, state: State) -> None:
         self._state = state
 
     def collect(self) -> Iterator[Metric]:
-        """Yield all metrics, with the prefix ``roverlink_``."""
+        """Yield all metrics; prometheus_client calls this. The names begin with ``roverlink_``."""
         for name, help, samples in _families(self._state):
             family = CounterMetricFamily if name.endswith("_total") else GaugeMetricFamily
             metric = family(f"roverlink_{name}", help, labels=list(samples[0][0]) if samples else ())
@@ -53,7 +53,7 @@ class _StateCollector(Collector):
 
 
 def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
-    """Yield name, help text and samples of each metric but the histogram; ``_total`` marks counters."""
+    """Yield name, help text and samples of each metric except the histogram. Names of counters end in ``_total``."""
     yield "info", "Node name, and fingerprint of its table.", [
         ({"node": state.node, "fingerprint": state.fingerprint}, 1)
     ]
@@ -101,10 +101,13 @@ def _histogram(latencies: Latencies) -> HistogramMetricFamily:
 
 
 class MetricsServer(HttpServer):
-    """HTTP server with one page, ``/metrics``. A context manager."""
+    """HTTP server with one page, ``/metrics``, for Prometheus. A context manager."""
 
     def __init__(self, address: str, port: int, state: Callable[[], State]) -> None:
-        """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
+        """Bind the port; for port 0, the system selects a free port.
+
+        Raises `SetupError` if the port is not available.
+        """
 
         class Page(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
@@ -117,6 +120,6 @@ class MetricsServer(HttpServer):
                 self.wfile.write(body)
 
             def log_message(self, *_: object) -> None:
-                """Log nothing: a scrape every few seconds is not worth a line."""
+                """Log nothing. The base class would log every request, and Prometheus sends one every few seconds."""
 
         super().__init__(address, port, "metrics", Page)

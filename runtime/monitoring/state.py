@@ -1,4 +1,4 @@
-"""State of a bridge at one moment, as values."""
+"""Classes for the state of a bridge at one moment."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.runtime.monitoring.histogram import Latencies
 
 
 class Level(IntEnum):
-    """Level of a status, with the numbers of diagnostic_msgs/DiagnosticStatus."""
+    """Level of a diagnostic status, with the same numbers as in diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -43,7 +43,7 @@ class RowState:
 
 @dataclass(frozen=True)
 class Recording:
-    """State of a recording."""
+    """State of the recording that a bridge makes."""
 
     path: str
     waiting: int
@@ -54,7 +54,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class State:
-    """State of a bridge."""
+    """State of a bridge at one moment."""
 
     node: str
     fingerprint: str

@@ -1,4 +1,4 @@
-"""HTTP server on threads of its own."""
+"""HTTP server that runs on its own threads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ Self = TypeVar("Self", bound="HttpServer")
 
 
 class HttpServer:
-    """HTTP server that accepts requests on one thread and answers each on another. A context manager."""
+    """HTTP server that accepts requests on one thread, and answers each request on another thread.
+
+    A context manager.
+    """
 
     def __init__(
         self,
@@ -22,11 +25,10 @@ class HttpServer:
         handler: type[BaseHTTPRequestHandler],
         kind: type[ThreadingHTTPServer] = ThreadingHTTPServer,
     ) -> None:
-        """Bind the port; 0 takes a free one.
+        """Bind the port; for port 0, the system selects a free port.
 
-        ``what`` names the content in errors.
-
-        Raises `SetupError` if the port is not available.
+        ``what`` says in errors what is served. ``handler`` answers the requests. Raises `SetupError` if the port is not
+        available.
         """
         try:
             self._server = kind((address, port), handler)

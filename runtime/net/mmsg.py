@@ -1,7 +1,8 @@
-"""Linux's recvmmsg(2): read many datagrams with one system call.
+"""Reader that uses Linux's recvmmsg(2), which reads many datagrams with one system call.
 
-`socket.recv` costs one call per datagram and releases the interpreter lock each time; under load that means a thread
-switch per datagram. A call through `ctypes.PyDLL` keeps the lock. It never blocks, because of ``MSG_DONTWAIT``.
+`socket.recv` needs one call for each datagram and releases the interpreter lock each time. Under load this means a
+thread switch for each datagram. A call through `ctypes.PyDLL` keeps the lock. The call never blocks, because of
+``MSG_DONTWAIT``.
 
 The structures follow recvmmsg(2) and recvmsg(2).
 """
@@ -39,10 +40,10 @@ class _Mmsghdr(ctypes.Structure):
 
 
 class BatchReader:
-    """Reads the datagrams waiting in a UDP socket, up to ``slots`` at a time.
+    """Reads the datagrams that have arrived at a UDP socket, at most ``slots`` at a time.
 
     The kernel cuts a datagram longer than ``size`` bytes. Set ``size`` to one byte more than the longest allowed
-    datagram; a length of ``size`` then means that it is too long.
+    datagram: then a datagram that is read with ``size`` bytes was too long.
     """
 
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
@@ -60,13 +61,13 @@ class BatchReader:
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
 
     def _length_column(self) -> memoryview:
-        """Return the ``length`` of all headers as one strided view, which is faster than attribute access."""
+        """Return the ``length`` of all headers as one memoryview, which is faster to read than the attributes."""
         words = memoryview(self._headers).cast("B").cast("I")
         stride = ctypes.sizeof(_Mmsghdr) // words.itemsize
         return words[_Mmsghdr.length.offset // words.itemsize :: stride]
 
     def _receive(self) -> int:
-        """Read datagrams into the slots and return their number."""
+        """Read datagrams into the buffer and return how many were read."""
         count: int = self._recvmmsg(self._descriptor, self._headers, self._slots, socket.MSG_DONTWAIT, None)
         if count >= 0:
             return count
@@ -77,11 +78,9 @@ class BatchReader:
         raise OSError(code, os.strerror(code))
 
     def read(self) -> list[bytes]:
-        """Return the datagrams that have arrived, oldest first; an empty list if there are none.
+        """Return the datagrams that have arrived, oldest first; an empty list if none has arrived.
 
-        Never blocks.
-
-        Raises `OSError` as `socket.socket.recv` does.
+        Never blocks. Raises `OSError` in the same cases as `socket.socket.recv`.
         """
         count = self._receive()
         buffer, size = self._buffer, self._size
@@ -95,7 +94,7 @@ _ADDRESS_AT = 4  # offset of the address, after family and port
 
 
 class SourceReader(BatchReader):
-    """Reads datagrams with their senders' addresses."""
+    """Reads datagrams together with the addresses of their senders."""
 
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         super().__init__(sock, size, slots)
@@ -106,7 +105,7 @@ class SourceReader(BatchReader):
             self._headers[slot].header.namelen = _SOCKADDR
 
     def read_with_sources(self) -> list[tuple[bytes, bytes]]:
-        """Read as `read`; return each datagram with its sender's IPv4 address, four bytes."""
+        """Return the same datagrams as `read`, each with the IPv4 address of its sender as four bytes."""
         datagrams = self.read()
         names = self._names
         starts = range(_ADDRESS_AT, len(datagrams) * _SOCKADDR, _SOCKADDR)

@@ -1,7 +1,8 @@
-"""Access control by sender address: which peers have an address, and how many datagrams it may send.
+"""Access control by sender address: the peers that have an address, and how many datagrams an address may send.
 
-No socket and no clock: an address is four bytes, a time is in seconds of a monotonic clock. Memory is bounded: only a
-limited number of known addresses is kept, and unknown ones never are, so spoofed addresses cannot exhaust it.
+The functions get addresses as four bytes, and times in seconds of a monotonic clock. Memory is bounded: only a limited
+number of addresses of known peers is stored, and other addresses never are. So a sender that forges addresses cannot
+exhaust the memory.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def restricts_sources(peers: Iterable[Peer]) -> bool:
 
 @dataclass(slots=True)
 class _Source:
-    """Known sender address, with a token bucket for its rate."""
+    """Sender address of known peers, with a token bucket that limits its rate."""
 
     peers: frozenset[str]
     rate: float
@@ -42,7 +43,7 @@ class _Source:
     """Time of the last change of the allowance."""
 
     def take_token(self, now: float) -> bool:
-        """Take one token; return false if the bucket is empty."""
+        """Take one token from the bucket at the time ``now``; return false if the bucket is empty."""
         if self.rate == math.inf:
             return True
         # Token bucket: tokens flow in at `rate`, and at most `burst` are kept.
@@ -55,7 +56,7 @@ class _Source:
 
 
 class SourceGate:
-    """Decides by sender address which datagrams are accepted. To be used from one thread."""
+    """Decides by the sender's address if a datagram is accepted. To be used from one thread."""
 
     def __init__(self, peers: Iterable[Peer]) -> None:
         self._peers = tuple(peers)
@@ -68,9 +69,10 @@ class SourceGate:
         self._known: OrderedDict[Address, _Source] = OrderedDict()
 
     def admit(self, address: Address, now: float) -> frozenset[str]:
-        """Return the peers that have this address.
+        """Return the names of the peers that have this address.
 
-        Raises `DatagramError` if no peer has it, or if it sends more than its rate.
+        ``now`` is in seconds of a monotonic clock. Raises `DatagramError` if no peer has the address, or if the address
+        sends more datagrams a second than the table allows.
         """
         source = self._known.get(address)
         if source is None:

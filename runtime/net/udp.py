@@ -1,7 +1,7 @@
 """UDP reception: a bound socket and the thread that reads it.
 
-On Linux, closing a UDP socket does not wake a thread that is blocked on it. So the thread polls the socket together
-with a wake-up descriptor. When it stops, it first handles the datagrams that have arrived.
+On Linux, closing a UDP socket does not wake a thread that is blocked on it. So the thread polls the socket and a second
+socket, which is only used to wake the thread. When the thread stops, it first handles the datagrams that have arrived.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ Python runs signal handlers only in the main thread, and a signal that arrives j
 """
 
 _SLOTS = 64
-"""Most datagrams per system call."""
+"""Largest number of datagrams that one system call reads."""
 
 BURST = 8
-"""Most datagrams in a batch.
+"""Largest number of datagrams in a batch.
 
 A batch is published at once. Eight is below the default depth (10) of a ROS 2 subscription, so that one batch cannot
 overflow its queue.
@@ -50,7 +50,7 @@ T = TypeVar("T")
 def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
     """Return a bound UDP socket whose receive buffer is as near to ``receive_buffer`` bytes as the system allows.
 
-    Raises `SetupError` with port and cause.
+    Raises `SetupError` with port and cause if the socket cannot be bound.
     """
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
@@ -80,19 +80,22 @@ def _size_receive_buffer(sock: socket.socket, size: int) -> None:
 
 
 def receive_buffer(sock: socket.socket) -> int:
-    """Return the size of the receive buffer in bytes, as requested.
+    """Return the size of a socket's receive buffer in bytes, in the unit in which a program requests it.
 
-    Linux reports twice that, since it adds room for its own bookkeeping (socket(7)).
+    Linux reports twice the requested size, because it adds room for its own data about the datagrams (socket(7)).
     """
     size = sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
     return size // 2 if sys.platform == "linux" else size
 
 
 class SocketState(NamedTuple):
-    """Fill level of a socket's receive buffer, counted by the kernel; zeros if the system does not report it."""
+    """Fill level of a socket's receive buffer, counted by the kernel.
+
+    All numbers are zero if the system does not report them.
+    """
 
     waiting: int = 0
-    """Bytes in the buffer, with the kernel's overhead."""
+    """Bytes used in the buffer, including the kernel's own data about the datagrams."""
     size: int = 0
     """Size of the buffer in bytes."""
     drops: int = 0
@@ -100,7 +103,7 @@ class SocketState(NamedTuple):
 
 
 def socket_state(sock: socket.socket) -> SocketState:
-    """Return the fill level of a socket; zeros for a closed one."""
+    """Return the fill level of a socket's receive buffer; all numbers are zero if the socket is closed."""
     if sys.platform != "linux":
         return SocketState()
     try:
@@ -112,12 +115,15 @@ def socket_state(sock: socket.socket) -> SocketState:
 
 
 def kernel_drops(sock: socket.socket) -> int:
-    """Return how many datagrams the kernel dropped because the buffer was full; 0 if the system does not report it."""
+    """Return how many datagrams the kernel has dropped because a socket's receive buffer was full.
+
+    Returns 0 if the system does not report the number.
+    """
     return socket_state(sock).drops
 
 
 def resolve(host: str, port: int) -> tuple[str, int]:
-    """Return the IPv4 address of a host. Raises `SetupError` if the name does not resolve."""
+    """Return the IPv4 address of a host, with the port. Raises `SetupError` if the name does not resolve."""
     try:
         found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
@@ -127,25 +133,25 @@ def resolve(host: str, port: int) -> tuple[str, int]:
 
 
 def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
-    """Return a function that reads the datagrams that have arrived, without blocking.
+    """Return a function that reads the datagrams that have arrived at a socket, without blocking.
 
-    ``size`` is one byte more than the longest allowed datagram; longer ones are cut to it.
+    ``size`` is one byte more than the longest allowed datagram. Longer datagrams are cut to ``size`` bytes.
     """
     return mmsg.BatchReader(sock, size, _SLOTS).read if mmsg.AVAILABLE else OneByOneReader(sock, size, _SLOTS).read
 
 
 def source_reader(sock: socket.socket, size: int) -> Callable[[], list[SourcedDatagram]]:
-    """Return a function as `reader` does; it gives each datagram with its sender's address."""
+    """Return a function that reads datagrams like the function from `reader`, each with the address of its sender."""
     if mmsg.AVAILABLE:
         return mmsg.SourceReader(sock, size, _SLOTS).read_with_sources
     return OneByOneReader(sock, size, _SLOTS).read_with_sources
 
 
 class Receiver(Generic[T]):
-    """Thread that reads a UDP socket and passes batches to a function, which must not block.
+    """Thread that reads a UDP socket and calls a function with each batch of datagrams. The function must not block.
 
-    Datagrams that arrive meanwhile wait in the kernel's buffer, so there is no second queue. A context manager: on exit
-    it handles the datagrams that have arrived, then stops the thread.
+    Datagrams that arrive while the function runs wait in the kernel's buffer, so there is no second queue. A context
+    manager: on exit the thread handles the datagrams that have arrived, and then stops.
     """
 
     def __init__(
@@ -155,7 +161,11 @@ class Receiver(Generic[T]):
         handle: Callable[[list[T]], None],
         reader: Callable[[socket.socket, int], Callable[[], list[Any]]] = reader,
     ) -> None:
-        """Prepare the thread; ``size`` is that of `reader`. With `source_reader`, ``handle`` gets addresses too."""
+        """Prepare the thread, which calls ``handle`` with each batch.
+
+        ``size`` is one byte more than the longest allowed datagram. ``reader`` is the function `reader`; if it is
+        `source_reader`, a batch contains the senders' addresses too.
+        """
         self._sock = sock
         self._handle = handle
         self._read: Callable[[], list[T]] = reader(sock, size)
@@ -178,13 +188,16 @@ class Receiver(Generic[T]):
         self._woken.close()
 
     def stop(self) -> None:
-        """Ask the thread to drain the socket and end. Safe in a signal handler, and more than once."""
+        """Ask the thread to handle the datagrams that have arrived, and to end.
+
+        Safe in a signal handler; may be repeated.
+        """
         self._stopping = True
         with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 
     def join(self) -> None:
-        """Wait until the thread ends. Raises the exception of ``handle`` that ended it, if any."""
+        """Wait until the thread ends. If an exception of ``handle`` ended the thread, raise that exception."""
         while self._thread.is_alive():
             self._thread.join(_SIGNAL_S)
         if self._failure is not None:
@@ -204,7 +217,7 @@ class Receiver(Generic[T]):
             self._failure = failure
 
     def _handle_burst(self) -> None:
-        """Handle all datagrams that have arrived, and those that arrive meanwhile."""
+        """Handle all datagrams that have arrived, and also those that arrive while this runs."""
         more = True
         while more and not self._stopping:
             datagrams = self._read()
@@ -213,7 +226,7 @@ class Receiver(Generic[T]):
             self._handle_in_batches(datagrams)
 
     def _drain(self) -> None:
-        """Handle datagrams that have arrived, but only for a limited time: the sender may go on."""
+        """Handle the datagrams that have arrived, but only for half a second: the sender may continue to send."""
         deadline = time.monotonic() + _DRAIN_S
         while time.monotonic() < deadline and (datagrams := self._read()):
             self._handle_in_batches(datagrams)
@@ -227,18 +240,18 @@ class Receiver(Generic[T]):
 
 
 class OneByOneReader:
-    """Reads a UDP socket with system calls that every platform has."""
+    """Reads a UDP socket with one system call for each datagram, which works on every platform."""
 
     def __init__(self, sock: socket.socket, size: int, limit: int) -> None:
         self._sock, self._size, self._limit = sock, size, limit
         sock.setblocking(False)
 
     def read(self) -> Batch:
-        """Return the datagrams that have arrived, oldest first, cut to ``size`` bytes; [] if there are none."""
+        """Return the datagrams that have arrived, oldest first, cut to ``size`` bytes. The list may be empty."""
         return [datagram for datagram, _ in self._arrived()]
 
     def read_with_sources(self) -> list[SourcedDatagram]:
-        """Read as `read`; return each datagram with its sender's address."""
+        """Return the same datagrams as `read`, each with the IPv4 address of its sender as four bytes."""
         return [(datagram, socket.inet_aton(host)) for datagram, (host, _) in self._arrived()]
 
     def _arrived(self) -> Iterator[tuple[bytes, tuple[str, int]]]:

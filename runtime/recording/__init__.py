@@ -1,8 +1,8 @@
-"""Recordings: datagrams and topics of a run as MCAP files, and reading them back.
+"""Recording of the datagrams and topics of a run to MCAP files, and reading of recordings.
 
 A recording has two files. ``run.mcap`` holds the ROS 2 topics, in rosbag2's MCAP profile. ``run.datagrams.mcap`` holds
-the datagrams as they were on the wire, with the protobuf descriptors that explain them. They are two because rosbag2
-and rosbags refuse a file in which some channel is not CDR.
+the datagrams exactly as they were sent or received, with the protobuf descriptors that are needed to parse them. There
+are two files because rosbag2 and rosbags refuse a file that has a channel with another encoding than CDR.
 
 The modules of this package need the mcap package; importing them without it raises `SetupError`.
 """

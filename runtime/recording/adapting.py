@@ -1,10 +1,10 @@
-"""Conversion of recorded datagrams from an older schema to today's.
+"""Conversion of recorded datagrams from an older schema to today's, which is the schema of the current table.
 
 A row is identified by its number, as on the wire.
 
-- If the number, its name and all fields below it are unchanged, the bytes are unchanged.
+- If the number still has the same meaning, the bytes stay unchanged. Its name and all fields in it are compared.
 - If a payload or a field has another number or type today, its values are copied by name.
-- If a number means another payload today, the datagram is refused, because its bytes would be misread.
+- If a number belongs to another payload today, the datagram is refused, because its bytes would be misread.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Adapter:
-    """Converts datagrams of a recorded envelope to today's envelope."""
+    """Converts datagrams with the recorded envelope to datagrams with today's envelope."""
 
     def __init__(self, recorded: type[ProtoMessage], registry: Registry) -> None:
         self._recorded, self._registry = recorded, registry
@@ -46,14 +46,14 @@ class Adapter:
         return not self._moved and not self.refused
 
     def number_today(self, number: int) -> int:
-        """Return today's number of a recorded payload; the same number if the payload is refused."""
+        """Return the number that a recorded payload has today; a payload that is refused keeps its recorded number."""
         moved = self._moved.get(number)
         return number if moved is None else int(moved.number)
 
     def adapt(self, datagram: bytes) -> bytes:
-        """Convert a recorded datagram to today's schema; unchanged payloads keep their bytes.
+        """Convert a recorded datagram to today's schema. Payloads whose meaning is unchanged keep their bytes.
 
-        Raises `DatagramError` for a payload whose number means another payload today.
+        Raises `DatagramError` if the payload's number belongs to another payload today, or does not exist any more.
         """
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         # The last member of the oneof wins, as in `Translator`.
@@ -84,7 +84,7 @@ def _spelled(field: Any) -> str:
 
 
 def _counterpart(field: Any, today: Any) -> Any | None:
-    """Return today's field with the same name and the same message name; None if there is none."""
+    """Return the field of today's envelope with a recorded field's name and message name; None if there is none."""
     found = today.fields_by_name.get(field.name)
     if found is None or found.message_type is None or field.message_type is None:
         return None
@@ -92,7 +92,10 @@ def _counterpart(field: Any, today: Any) -> Any | None:
 
 
 def same_meaning(then: Any, now: Any) -> bool:
-    """Return true if the bytes of a field mean the same in both schemas; fields added since do not matter."""
+    """Return true if the bytes of a field mean the same in both schemas. Fields that were added later do not matter.
+
+    ``then`` is the field's descriptor in the older schema, ``now`` its descriptor in the newer one.
+    """
     if (then.is_repeated, then.type) != (now.is_repeated, now.type):
         return False
     if then.message_type is None or now.message_type is None:
@@ -122,7 +125,7 @@ def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset
 
 
 def _copy_by_name(then: Any, now: Any) -> None:
-    """Copy fields by name as far as the values fit today's types."""
+    """Copy the fields of a recorded message to a message of today by name, if the value fits today's type."""
     # An empty message is still present: a payload without fields selects its oneof member.
     now.SetInParent()
     for field, value in then.ListFields():

@@ -1,4 +1,4 @@
-"""Observer that passes a bridge's datagrams to a recorder."""
+"""Observer that passes the datagrams of a bridge to a recorder."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from roverlink.runtime.recording.recorder import Recorder
 
 
 class DatagramTap:
-    """Records datagrams that a bridge receives or makes for peers, but not those that it forwards."""
+    """Observer that records the datagrams that a bridge receives, and those that it makes from messages of topics.
+
+    Datagrams that the bridge forwards are not recorded again.
+    """
 
     def __init__(self, recorder: Recorder, registry: Registry) -> None:
         self._received = recorder.datagrams("received")
         self._sent = {peer.name: recorder.datagrams(f"sent/{peer.name}") for peer in registry.peers}
 
     def receiving(self, handle: Handle) -> Handle:
-        """Record each batch before it is handled."""
+        """Wrap ``handle`` so that each received batch is recorded before it is handled."""
         tap = self._received
 
         def received(batch: udp.Batch) -> None:
@@ -29,7 +32,7 @@ class DatagramTap:
         return received
 
     def sending(self, peer: str, send: Send) -> Send:
-        """Record datagrams before they are sent."""
+        """Wrap ``send`` so that datagrams are recorded before they are sent."""
         tap = self._sent[peer]
 
         def made(datagrams: Sequence[bytes]) -> int:

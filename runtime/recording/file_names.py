@@ -1,7 +1,7 @@
 """File names of a recording.
 
-``run.mcap`` holds the topics and ``run.datagrams.mcap`` the datagrams. If they are rotated, their parts are
-``run_1.mcap``, ``run_1.datagrams.mcap`` and so on.
+``run.mcap`` holds the topics and ``run.datagrams.mcap`` the datagrams. If a recording is split into parts of a certain
+size, the next parts are ``run_1.mcap``, ``run_1.datagrams.mcap`` and so on.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ DATAGRAMS = ".datagrams"
 
 
 def new_recording(given: Path) -> Path:
-    """Return the file of a new recording: the given file, or one named by the time in the given folder.
+    """Return the path of a new recording. If ``given`` is a folder, it is a file there, named after date and time.
 
-    Raises `SetupError` for another suffix, a missing folder, or a recording that exists already.
+    Raises `SetupError` if the suffix is not ``.mcap``, the folder is missing, or the recording exists already.
     """
     path = given / time.strftime(f"%Y-%m-%d_%H-%M-%S{SUFFIX}") if given.is_dir() else given
     if path.suffix != SUFFIX or path.name.endswith(DATAGRAMS + SUFFIX):
@@ -34,13 +34,16 @@ def new_recording(given: Path) -> Path:
 
 
 def part_of(path: Path, kind: str, number: int) -> Path:
-    """Return the file of a part; ``kind`` is `TOPICS` or `DATAGRAMS`, and the first part has number 0."""
+    """Return the path of one part of a recording.
+
+    ``kind`` is `TOPICS` or `DATAGRAMS`. ``number`` is 0 for the first part.
+    """
     counted = f"_{number}" if number else ""
     return path.with_name(f"{path.stem}{counted}{kind}{SUFFIX}")
 
 
 def files_of(path: Path) -> list[Path]:
-    """Return all files of a recording, given any one of them: its parts, and those of the other kind.
+    """Return all files of a recording from the path of any of its files: all parts, with topics and with datagrams.
 
     Raises `SetupError` if the file does not exist.
     """

@@ -1,10 +1,12 @@
 """Writer of one MCAP file (mcap.dev/spec).
 
-The mcap package's writer needs 7 us of Python per message, and the bridge waits for the interpreter lock meanwhile.
-This one needs 1 us, because it packs the messages of a chunk in one loop. The mcap package writes all other records.
+The mcap package's writer needs 7 us of Python for each message, and the bridge waits for the interpreter lock
+meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop. The mcap package writes all
+other records.
 
-A file on disk always consists of whole records, except for a last write that was cut short by a kill. `flush` ends a
-chunk and has the disk store it; `finish` adds the summary, by which readers seek.
+A file on disk consists of complete records; only if the program is killed during a write, the last record may be
+incomplete. `flush` ends a chunk and waits until the disk has stored it. `finish` writes the summary, which readers need
+to jump to a time.
 """
 
 from __future__ import annotations
@@ -48,7 +50,7 @@ Entry = tuple[int, int, bytes]
 
 @dataclass(frozen=True)
 class Channel:
-    """Topic of a file: encoding and schema of its messages."""
+    """Channel of an MCAP file: a topic, with the encoding and the schema of its messages."""
 
     id: int
     topic: str
@@ -72,7 +74,7 @@ def _serialized(*several: _Record) -> bytes:
 
 
 class _Chunk:
-    """Messages that are not on disk yet."""
+    """Messages of an MCAP chunk that are not on disk yet."""
 
     def __init__(self) -> None:
         self.parts: list[bytes] = []
@@ -90,7 +92,7 @@ class _Chunk:
         self.size = size
 
     def span(self) -> tuple[int, int]:
-        """Return the earliest and the latest time."""
+        """Return the earliest and the latest time of the chunk's messages, in nanoseconds since 1970."""
         times = [column[::2] for column in self.index.values()]
         return min(map(min, times)), max(map(max, times))
 
@@ -99,10 +101,10 @@ class McapFile:
     """MCAP file that is being written."""
 
     def __init__(self, path: Path, profile: str, compression: str, metadata: Mapping[str, str]) -> None:
-        """Create the file. Raises `OSError`; `FileExistsError` if it exists."""
+        """Create the file. Raises `FileExistsError` if it exists, and `OSError` if it cannot be written."""
         self.path = path
         self.size = 0
-        """Bytes on disk, up to the end of the last whole record."""
+        """Bytes on disk, up to the end of the last complete record."""
         self.counts: Counter[int] = Counter()
         """Messages on disk, by channel."""
         self._compression = "" if compression == "none" else compression
@@ -151,24 +153,27 @@ class McapFile:
             os.fdatasync(self._file.fileno())
 
     def finish(self) -> None:
-        """Write the chunk and the summary, and close the file. If it raises `OSError`, the file is still open."""
+        """Write the chunk and the summary, and close the file. If this raises `OSError`, the file stays open."""
         if self._chunk.size:
             self._write_chunk()
         self._write_summary()
         self.close()
 
     def close(self) -> None:
-        """Close the file as it is. Without a summary it can be read, but readers cannot seek."""
+        """Close the file without writing a summary.
+
+        Such a file can be read, but readers cannot jump to a time in it.
+        """
         self._file.close()
 
     def drop_chunk(self) -> int:
-        """Drop the messages that are not on disk yet, because the disk is full, and return their number."""
+        """Forget the messages that are not on disk yet, because the disk is full; return how many they were."""
         dropped = sum(len(column) // 2 for column in self._chunk.index.values())
         self._chunk = _Chunk()
         return dropped
 
     def _write(self, data: bytes) -> None:
-        """Write whole records, or leave the file unchanged."""
+        """Write complete records. If this fails, restore the file and raise `OSError`."""
         rest = memoryview(data)
         try:
             while rest:
@@ -181,7 +186,7 @@ class McapFile:
         self.size += len(data)
 
     def _write_chunk(self) -> None:
-        """Write the chunk and, after it, the index of its messages."""
+        """Write the Chunk record and, after it, the Message Index records of its channels."""
         chunk, plain = self._chunk, b"".join(self._chunk.parts)
         start, end = chunk.span()
         packed = self._compressed(plain)
@@ -254,6 +259,6 @@ class McapFile:
 
 
 def _message_index(channel: int, column: list[int]) -> bytes:
-    """Return the Message Index record of a channel in a chunk."""
+    """Return the Message Index record of one channel in a chunk; ``column`` holds time and offset of each message."""
     size = 8 * len(column)
     return struct.pack(f"<BQHI{len(column)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *column)

@@ -1,7 +1,8 @@
-"""ROS 2 message definitions in MCAP's encoding ``ros2msg``, made from message classes and turned back into them.
+"""Conversion of message classes to ROS 2 message definitions (MCAP's encoding ``ros2msg``), and back.
 
-A definition is the text of a .msg file. The messages that it uses follow, each after a line of ``=`` and ``MSG:
-package/Name``. Reading one does not need today's table: a recording contains all it needs.
+A definition is the text of a .msg file. The definitions of all messages inside it follow, each after a line of ``=``
+and a line ``MSG: package/Name``. The generated code is not needed to read a recording, because the recording contains
+all definitions.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _FIELD = re.compile(
 
 
 def definition_of(message_type: type[Message]) -> str:
-    """Return the definition of a message class, with those of all messages in it."""
+    """Return the definition of a message class, followed by the definitions of all messages inside it."""
     parts = [_fields_text(message_type)]
     for nested in _nested(message_type):
         parts += [_SEPARATOR, f"MSG: {_short(nested.__msgtype__)}", _fields_text(nested)]
@@ -54,7 +55,7 @@ def _short(type_name: str) -> str:
 
 
 def _nested(message_type: type[Message]) -> list[type[Message]]:
-    """Return the message classes inside a message at any depth, each once, in order of first use."""
+    """Return the message classes inside a message at any depth. Each occurs once, in the order of first use."""
     found: dict[type[Message], None] = {}
     for part in _parts(message_type):
         found.setdefault(part)
@@ -75,7 +76,7 @@ def _parts(message_type: type[Message]) -> Iterator[type[Message]]:
 
 
 def message_type_from(name: str, definition: str) -> type[Message]:
-    """Make the class of a recorded message from its definition.
+    """Make a message class from the definition in a recording; ``name`` is the message's full name.
 
     Raises `SetupError` if the definition uses a message that it does not contain, or a wide string.
     """
@@ -88,7 +89,7 @@ def message_type_from(name: str, definition: str) -> type[Message]:
 
 
 class _Reader:
-    """Makes each message of a definition once."""
+    """Makes message classes from a definition, one for each message in it."""
 
     def __init__(self, texts: dict[str, str]) -> None:
         self._texts = texts

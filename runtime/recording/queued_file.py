@@ -1,4 +1,4 @@
-"""One of the two files of a recording, with the queue in front of it."""
+"""One of the two files of a recording, with a queue of messages that wait to be written to it."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ class Settings:
 
 
 class QueuedFile:
-    """One of the two files of a recording, in one or more parts, with the queue in front of it.
+    """One of the two files of a recording, split into parts if it is large, with a queue of messages that wait.
 
-    The bridge's threads append to the queue, the recorder's thread empties it; `deque` makes both safe without a lock.
+    The bridge's threads append messages to the queue, and the recorder's thread takes them from it. No lock is needed,
+    because the operations of `deque` are safe in several threads.
     """
 
     def __init__(
@@ -44,7 +45,10 @@ class QueuedFile:
         metadata: Mapping[str, str],
         sort: Callable[[Entry], Entry] | None = None,
     ) -> None:
-        """Create the first part; ``sort`` may move a message to another channel, on the writing thread."""
+        """Create the first part; ``kind`` is `TOPICS` or `DATAGRAMS`.
+
+        ``sort`` returns a message with the channel to which it belongs. It is called on the recorder's thread.
+        """
         self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
         self.limit = settings.queue
         self.waiting: deque[Entry] = deque()
@@ -58,7 +62,7 @@ class QueuedFile:
         self.file = self._next_file()
 
     def channel(self, topic: str, encoding: str, **schema: Any) -> Tap:
-        """Add a channel; the bridge's threads call the function returned with the channel's messages."""
+        """Add a channel, and return the function that the bridge's threads call with the messages of the channel."""
         channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
         self.channels.append(channel)
         number, waiting, now = channel.id, self.waiting, time.time_ns
@@ -75,7 +79,7 @@ class QueuedFile:
         return tap
 
     def take(self) -> None:
-        """Write the waiting messages to the file, and begin the next part if this one is large enough."""
+        """Write the waiting messages to the file. If the file is then large enough, begin the next part."""
         # Only as many as wait now: a fast producer must not keep this loop going forever.
         entries = [self.waiting.popleft() for _ in range(len(self.waiting))]
         if not entries:
@@ -90,13 +94,13 @@ class QueuedFile:
             self.file, self._ended = self._next_file(), False
 
     def finish(self) -> None:
-        """Finish the file; a second call does nothing."""
+        """Write the summary and close the file. A second call does nothing."""
         if not self._ended:
             self.file.finish()
             self._end()
 
     def give_up(self) -> None:
-        """Finish the file without the messages for which the disk has no room."""
+        """Close the file after an error, such as a full disk. The waiting messages are lost, and later ones too."""
         self.limit = 0  # from now on every message is dropped and counted
         self.lost[0] += len(self.waiting) + self.file.drop_chunk()
         self.waiting.clear()
@@ -112,7 +116,7 @@ class QueuedFile:
 
     @property
     def bytes(self) -> int:
-        """Bytes on disk."""
+        """Number of bytes on disk, in all parts."""
         return self._bytes_before + self.file.size
 
     def _next_file(self) -> McapFile:

@@ -1,7 +1,7 @@
-"""Reader of recordings: contents, and messages in order of time.
+"""Reader of recordings: their contents, and their messages in order of time.
 
-A recording whose program was killed has no summary and may end within a record; it is read up to there. MCAP files of
-other programs are read too, with or without chunks.
+If the recording program was killed, a recording has no summary and may end within a record; then it is read up to the
+last complete record. The reader also accepts MCAP files of other programs, with or without chunks.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MESSAGE = struct.Struct("<HIQQ")
 
 
 class Recorded(NamedTuple):
-    """Message of a recording."""
+    """Message in a recording, with its time and its channel."""
 
     time: int
     """Nanoseconds since 1970."""
@@ -40,7 +40,7 @@ class Recorded(NamedTuple):
 
 @dataclass
 class Contents:
-    """Contents of one file."""
+    """Summary of one file of a recording."""
 
     profile: str = ""
     metadata: dict[str, str] = field(default_factory=dict)
@@ -55,10 +55,10 @@ class Contents:
 
 
 class RecordingFile:
-    """One MCAP file."""
+    """One MCAP file of a recording."""
 
     def __init__(self, path: Path) -> None:
-        """Check the first bytes. Raises `SetupError` if it is not an MCAP file or cannot be read."""
+        """Check that the file begins like an MCAP file. Raises `SetupError` if it does not, or if it cannot be read."""
         self.path = path
         try:
             with path.open("rb") as file:
@@ -70,7 +70,7 @@ class RecordingFile:
 
     @contextlib.contextmanager
     def _open(self) -> Iterator[IO[bytes]]:
-        """Open the file; damaged content raises `SetupError`."""
+        """Open the file for the block. If the block finds damaged content, raise `SetupError`."""
         try:
             with self.path.open("rb") as file:
                 yield file
@@ -85,7 +85,10 @@ class RecordingFile:
 
     @cached_property
     def contents(self) -> Contents:
-        """Channels, counts and times; from the summary if there is one, otherwise from all messages."""
+        """Channels, numbers of messages, and times.
+
+        They come from the file's summary, or else from reading all messages.
+        """
         contents = Contents()
         with self._open() as file:
             for opcode, body in _records(file, self._size, skip=(Op.CHUNK, Op.MESSAGE, Op.ATTACHMENT)):
@@ -98,7 +101,10 @@ class RecordingFile:
         return contents
 
     def messages(self) -> Iterator[Recorded]:
-        """Yield every message; within a chunk, in order of time. Raises `SetupError` if the file is damaged."""
+        """Yield every message; the messages of one chunk are in order of time.
+
+        Raises `SetupError` if the file is damaged.
+        """
         return self._scan(Contents())
 
     def _scan(self, contents: Contents) -> Iterator[Recorded]:
@@ -142,7 +148,7 @@ class RecordingFile:
         return Recorded(time, contents.channels[channel], body[_MESSAGE.size :])
 
     def _note(self, opcode: int, body: bytes, contents: Contents) -> None:
-        """Update the contents from a record that is not a message."""
+        """Store the information of a record that is not a message in ``contents``."""
         if opcode == Op.HEADER:
             contents.profile = records.Header.read(_stream(body)).profile
         elif opcode == Op.SCHEMA:
@@ -184,7 +190,7 @@ def _channel(channel: records.Channel, schemas: Mapping[int, records.Schema]) ->
 
 
 def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and body of every whole record within ``size`` bytes; records to skip are not read."""
+    """Yield opcode and body of the complete records in the first ``size`` bytes, except opcodes in ``skip``."""
     if file.tell() == 0 and file.read(len(mcap_file.MAGIC)) != mcap_file.MAGIC:
         file.seek(0)  # these are the bytes of a chunk, which have no magic
     while len(head := file.read(_RECORD.size)) == _RECORD.size:
@@ -199,34 +205,34 @@ def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = ()) -> Iterator
 
 
 class Recording:
-    """All files of a recording."""
+    """Recording with all its files."""
 
     def __init__(self, path: Path) -> None:
-        """Open a recording by any of its files. Raises `SetupError` if it does not exist or is not an MCAP file."""
+        """Open a recording from the path of any of its files. Raises `SetupError` if the path is not an MCAP file."""
         self.files = [RecordingFile(file) for file in file_names.files_of(path)]
 
     @property
     def metadata(self) -> dict[str, str]:
-        """Metadata that the recorder wrote."""
+        """Metadata that the recorder wrote into the files; empty if there is none."""
         return next((file.contents.metadata for file in self.files if file.contents.metadata), {})
 
     @property
     def start(self) -> int:
-        """Time of the first message in nanoseconds since 1970; 0 if there is none."""
+        """Time of the first message in nanoseconds since 1970; 0 if there is no message."""
         return min((file.contents.start for file in self.files if file.contents.start), default=0)
 
     @property
     def end(self) -> int:
-        """Time of the last message in nanoseconds since 1970."""
+        """Time of the last message in nanoseconds since 1970; 0 if there is no message."""
         return max((file.contents.end for file in self.files), default=0)
 
     @property
     def complete(self) -> bool:
-        """True if every file has its summary."""
+        """True if every file has its summary, which the recorder writes at its end."""
         return all(file.contents.complete for file in self.files)
 
     def channels(self) -> dict[str, tuple[Channel, int]]:
-        """Return the channel and number of messages of each topic, over all files."""
+        """Return, by topic, the channel and the number of its messages in all files."""
         found: dict[str, tuple[Channel, int]] = {}
         for file in self.files:
             for channel in file.contents.channels.values():

@@ -1,7 +1,7 @@
 """Recorder: a thread that writes the messages and datagrams of a bridge to disk.
 
-The bridge's threads only append time, channel and bytes to a bounded queue. If the disk is too slow or full, messages
-are dropped and counted. The bridge never waits for the disk, and no error here stops it.
+The bridge's threads only append messages to a queue of limited length. If the disk is too slow or full, messages are
+dropped and counted. The bridge never waits for the disk, and no error of the recorder stops the bridge.
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ _NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, belo
 
 
 class Recorder:
-    """Recorder of a run. A context manager: on exit it writes the waiting messages and finishes the files."""
+    """Recorder of a run of the bridge.
+
+    A context manager: on exit it writes the waiting messages and closes the files.
+    """
 
     def __init__(
         self,
@@ -43,9 +46,10 @@ class Recorder:
         settings: Settings | None = None,
         about: Mapping[str, str] | None = None,
     ) -> None:
-        """Create the files; ``topics`` maps fully qualified topics to the names of their rows.
+        """Create the files.
 
-        Raises `SetupError` for an impossible file name, and `OSError` if a file cannot be created.
+        ``topics`` maps fully qualified topics to the names of their rows. ``about`` is additional metadata for the
+        files. Raises `SetupError` for a file name that is not allowed, and `OSError` if a file cannot be created.
         """
         self.path = file_names.new_recording(path)
         self._registry, self._rows, self._logger = registry, topics, logger
@@ -67,7 +71,7 @@ class Recorder:
     # --- channels ---
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:
-        """Return the function that takes a topic's serialized messages."""
+        """Add a topic to the recording, and return the function that takes the topic's serialized messages."""
         row = self._registry.by_name.get(self._rows.get(topic, ""))
         about = (
             {"row": row.route.name, "number": str(row.route.number), "direction": row.route.direction} if row else {}
@@ -83,10 +87,13 @@ class Recorder:
             )
 
     def datagrams(self, name: str) -> Tap:
-        """Return the function that takes datagrams of one kind: ``received`` or ``sent/<peer>``.
+        """Add a kind of datagrams, and return the function that takes them.
 
-        A datagram that protobuf cannot parse (stripped or padded zeros, or broken) goes to the channel ``<name>/raw``
-        without a schema, because protobuf readers could not open it.
+        ``name`` is the kind: ``received``, or ``sent/<peer>``.
+
+        A datagram that protobuf cannot parse, because zeros were stripped or appended or because it is damaged, goes to
+        the channel ``<name>/raw``. That channel has no schema, because programs that use the schema could not read the
+        datagram.
         """
         with self._channels_lock:
             plain = self._datagrams.channel(
@@ -111,17 +118,17 @@ class Recorder:
 
     @property
     def lost(self) -> int:
-        """Messages that were not recorded, because the disk was too slow or the recording had failed."""
+        """Number of messages that were not recorded, because the disk was too slow or the recording had failed."""
         return sum(queued.lost.total() for queued in self._files)
 
     @property
     def waiting(self) -> int:
-        """Messages that wait to be written."""
+        """Number of messages that wait to be written."""
         return sum(len(queued.waiting) for queued in self._files)
 
     @property
     def bytes(self) -> int:
-        """Bytes on disk."""
+        """Number of bytes on disk, in all files."""
         return sum(queued.bytes for queued in self._files)
 
     def summary(self) -> str:
@@ -156,7 +163,7 @@ class Recorder:
             self._logger.info("%s", self.summary())
 
     def _delete_files(self) -> None:
-        """Delete empty files; otherwise the next run could not use the same name."""
+        """Delete the files, because they contain no message; otherwise the next run could not use the same name."""
         for queued in self._files:
             queued.file.path.unlink()
         self._logger.info("nothing was recorded, so %s was not kept", self.path)
@@ -172,7 +179,10 @@ class Recorder:
             self._check_free_space()
 
     def _check_free_space(self) -> None:
-        """Warn once if the disk will be full within minutes; warn again if it had recovered meanwhile."""
+        """Log a warning if the disk will be full within five minutes.
+
+        Log it again only if the disk had more space meanwhile.
+        """
         rate, self._bytes_seen = (self.bytes - self._bytes_seen) / _FLUSH_S, self.bytes
         disk = os.statvfs(self.path.parent)
         free = disk.f_bavail * disk.f_frsize
@@ -188,7 +198,10 @@ class Recorder:
             )
 
     def _fail(self, error: Exception) -> None:
-        """End the recording; files on disk stay, with a summary if there is room for it."""
+        """End the recording because of an error.
+
+        The files on disk stay; they get a summary if the disk has room for it.
+        """
         reason = error.strerror if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
         for queued in self._files:
             queued.give_up()

@@ -1,4 +1,4 @@
-"""Replay of a recording: selects messages and converts them to today's schema."""
+"""Replay of a recording: selects messages, and converts them to today's schema (the schema of the current table)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Timed(NamedTuple):
 
 
 class Endpoint(NamedTuple):
-    """Topic to publish on."""
+    """Message type and QoS of a topic on which a replay publishes."""
 
     message_type: type[Message]
     qos: Qos
@@ -48,7 +48,7 @@ def paced(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Iterator[Timed]:
-    """Yield messages at the pace of the recording, ``speed`` times as fast."""
+    """Yield messages in the same intervals as in the recording, divided by ``speed``."""
     messages = iter(messages)
     first = next(messages, None)
     if first is None:
@@ -60,7 +60,7 @@ def paced(
 
 
 class _Replay:
-    """Base of both replays: the recorded envelope, and counts of messages that cannot be replayed."""
+    """Base class of both kinds of replay. It counts the messages that cannot be replayed."""
 
     def __init__(self, recording: Recording, registry: Registry) -> None:
         self._recording, self._registry = recording, registry
@@ -71,7 +71,7 @@ class _Replay:
 
     @property
     def notes(self) -> list[str]:
-        """Notes on differences from the recording, for the user."""
+        """Texts for the user about messages that are not replayed exactly as they were recorded."""
         changed = self.adapter.changed
         return [f"converted to today's schema by field name: {', '.join(changed)}"] if changed else []
 
@@ -82,10 +82,10 @@ def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:
 
 
 class BoardReplay(_Replay):
-    """Datagrams that the bridge received, to be sent to a bridge again."""
+    """Replay of the datagrams that the bridge received; they are meant to be sent to a bridge again."""
 
     def messages(self) -> Iterator[Timed]:
-        """Yield the datagrams; their bytes are unchanged if the schema is unchanged."""
+        """Yield the datagrams, converted to today's schema. If the schema is unchanged, the bytes are unchanged."""
         for recorded in self._recording.messages():
             if not recorded.channel.topic.startswith(RECEIVED):
                 continue
@@ -96,18 +96,19 @@ class BoardReplay(_Replay):
 
 
 class RosReplay(_Replay):
-    """Topics of a recording, in today's message types.
+    """Replay of the topics of a recording, with today's message types.
 
-    If a topic's message definition is unchanged, its messages are published as recorded. If it has changed, today's
-    handlers make them again from the recorded datagrams.
+    If the definition of a topic's message is unchanged, the recorded messages are published. If it has changed, today's
+    handlers make the messages again from the recorded datagrams.
     """
 
     def __init__(
         self, recording: Recording, registry: Registry, topics: Collection[str] = (), commands: bool = False
     ) -> None:
-        """Select topics by fully qualified name; none selects those of all rows.
+        """Select topics by fully qualified name; if ``topics`` is empty, the topics of all rows are selected.
 
-        Without ``commands``, topics that go from ROS 2 to a peer are left out, because they would move the rover.
+        Unless ``commands`` is true, topics that go from ROS 2 to a peer are left out, because they would move the
+        rover.
         """
         super().__init__(recording, registry)
         self._translator = Translator(registry)
@@ -147,19 +148,19 @@ class RosReplay(_Replay):
             self.endpoints[topic] = Endpoint(handler.message_type, handler.route.qos)
 
     def _handler(self, number: int) -> AnyHandler | None:
-        """Return today's handler of a recorded number; None if there is none."""
+        """Return the handler that a recorded number has today; None if today's table has no row for it."""
         if number in self.adapter.refused:
             return None
         return self._registry.by_number.get(self.adapter.number_today(number))
 
     @property
     def notes(self) -> list[str]:
-        """Notes on differences from the recording, for the user."""
+        """Texts for the user about messages that are not replayed exactly as they were recorded."""
         made = sorted(self._reconverted.values())
         return [*super().notes, *([f"made again from the recorded datagrams: {', '.join(made)}"] if made else [])]
 
     def messages(self) -> Iterator[Timed]:
-        """Yield the messages to publish."""
+        """Yield the messages to publish, each with its topic."""
         for recorded in self._recording.messages():
             topic = recorded.channel.topic
             if recorded.channel.encoding == "cdr":

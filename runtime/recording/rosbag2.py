@@ -1,4 +1,4 @@
-"""Metadata that rosbag2 expects beside the messages."""
+"""Metadata of a channel that rosbag2 expects in an MCAP file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
 
 
 def qos_text(qos: Qos) -> str:
-    """Return a QoS profile as rosbag2 writes it: a YAML list of profiles, with the numbers of rmw's enums."""
+    """Return a QoS profile as rosbag2 writes it: a YAML list with one profile, and rmw's enum values as numbers."""
     profile: dict[str, Any] = {
         "history": {"keep_last": 1, "keep_all": 2}[qos.history],
         "depth": qos.depth,

@@ -1,4 +1,4 @@
-"""Protobuf schema of a recording: descriptors of its envelopes, and classes made from them."""
+"""Protobuf schema of a recording: serializes the descriptors of the envelope, and makes message classes from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def descriptor_set_of(message_type: type[ProtoMessage]) -> bytes:
-    """Return the ``FileDescriptorSet`` of a message class, serialized; imported files come first."""
+    """Return the serialized ``FileDescriptorSet`` of a message class. A file stands after all files that it imports."""
     files: dict[str, descriptor_pb2.FileDescriptorProto] = {}
     _add(message_type.DESCRIPTOR.file, files)
     return descriptor_pb2.FileDescriptorSet(file=files.values()).SerializeToString(deterministic=True)
@@ -31,7 +31,10 @@ def _add(file: Any, files: dict[str, descriptor_pb2.FileDescriptorProto]) -> Non
 
 
 def message_type_from(name: str, descriptor_set: bytes) -> type[ProtoMessage]:
-    """Make the class of a recorded message from its descriptors. Raises `SetupError` if they are invalid."""
+    """Make a message class from the descriptors in a recording; ``name`` is the full name of the message.
+
+    Raises `SetupError` if the descriptors are invalid.
+    """
     pool = descriptor_pool.DescriptorPool()
     try:
         for file in descriptor_pb2.FileDescriptorSet.FromString(descriptor_set).file:

@@ -1,4 +1,4 @@
-"""Topics of a recording as tables for spreadsheets and notebooks: one row per message, one column per field."""
+"""Conversion of a recorded topic to a table for spreadsheets and notebooks: one row for each message."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ _BATCH = 50_000  # rows of a Parquet row group, held in memory
 
 
 def rows_of(recording: Recording, topic: str) -> Iterator[Row]:
-    """Yield the messages of a topic; nested fields are dotted columns, ``time_ns`` is in nanoseconds since 1970.
+    """Yield one table row for each message of a topic.
 
-    Messages are parsed with the definition in the recording. Raises `SetupError` if the topic does not exist or is not
-    a ROS 2 topic.
+    The column ``time_ns`` is the time in nanoseconds since 1970. Each field is a column; a field of a nested message is
+    a column with a dotted name. Messages are parsed with the definition in the recording. Raises `SetupError` if the
+    topic does not exist or is not a ROS 2 topic.
     """
     channel = _channel(recording, topic)
     message_type = message_type_from(channel.schema_name, channel.schema.decode())
@@ -54,7 +55,7 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> Row:
 
 
 def write_csv(rows: Iterator[Row], path: Path) -> int:
-    """Write a CSV file, with lists as JSON; return the number of rows. Raises `OSError`."""
+    """Write rows to a CSV file; lists are written as JSON. Return the number of rows. Raises `OSError`."""
     with path.open("w", encoding="utf-8", newline="") as file:
         written = 0
         writer = csv.writer(file, lineterminator="\n")
@@ -67,7 +68,10 @@ def write_csv(rows: Iterator[Row], path: Path) -> int:
 
 
 def write_parquet(rows: Iterator[Row], path: Path) -> int:
-    """Write a Parquet file; return the number of rows. Raises `OSError`, and `SetupError` if pyarrow is missing."""
+    """Write rows to a Parquet file and return their number.
+
+    Raises `OSError`, and `SetupError` if pyarrow is missing.
+    """
     try:
         import pyarrow
         import pyarrow.parquet

@@ -1,1 +1,1 @@
-"""ROS 2 arguments of the node: the arguments after ``--ros-args``, and the parameters among them."""
+"""Reading of the ROS 2 arguments of the node (those after ``--ros-args``), and of the node's parameters."""

@@ -1,4 +1,4 @@
-"""Parameters of the node ``udp_forwarder``, as `node_parameters.yaml` declares them."""
+"""Parameters of the node ``udp_forwarder``. The file `node_parameters.yaml` declares them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.runtime.text import strict_yaml
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """Declaration of a parameter that the node always has."""
+    """Declaration of a parameter that does not depend on the table."""
 
     default: int | str
     description: str
@@ -28,7 +28,7 @@ class Declaration:
     """Allowed texts; empty if any text is allowed."""
 
     def check(self, name: str, value: int | str) -> None:
-        """Raise `SetupError` for a value that the parameter cannot have."""
+        """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
         if self.choices and value not in self.choices:
             raise SetupError(f"parameter {name} is {value!r}; it must be one of {', '.join(self.choices)}")
         if self.limits and not self.minimum <= int(value) <= self.maximum:
@@ -39,13 +39,13 @@ _FILE = Path(__file__).with_name("node_parameters.yaml")
 DECLARED: Mapping[str, Declaration] = {
     name: Declaration(**said) for name, said in strict_yaml.load(_FILE.read_text(encoding="utf-8")).items()
 }
-"""Declarations by name."""
+"""Declarations of parameters, by the name of the parameter."""
 LISTEN_PORT = DECLARED["listen_port"].default
 
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """Parameters of a run. Declared parameters are attributes of the same name."""
+    """Values of the node's parameters. Each declared parameter is an attribute of the same name."""
 
     listen_port: int
     listen_address: str
@@ -61,13 +61,19 @@ class Parameters:
 
 
 def defaults(registry: Registry) -> dict[str, Any]:
-    """Return every parameter's name and default. The table names the parameters of the peers' ports."""
+    """Return the default of every parameter, by name.
+
+    Besides the declared parameters there is one parameter for the UDP port of each peer; the table gives its name.
+    """
     ports = {peer.port_parameter: peer.port for peer in registry.peers}
     return {name: declared.default for name, declared in DECLARED.items()} | ports
 
 
 def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
-    """Return the parameters of a run. Raises `SetupError` for an unknown name or a wrong value."""
+    """Return the parameters: the given values, and the defaults of all others.
+
+    Raises `SetupError` for an unknown name or a value that is not allowed.
+    """
     values = defaults(registry)
     for name, value in given.items():
         if name == "use_sim_time":  # rclcpp and rclpy declare it for every node; this node does not use it

@@ -1,9 +1,9 @@
 """Command line of a ROS 2 node: the arguments after ``--ros-args``.
 
 As in rcl, these are ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` (also with ``__ns`` and ``__node``) and
-``--log-level``. ``--`` or the end of the line closes them. ``--disable-stdout-logs`` silences the console; switches for
-features that this node does not have are accepted and have no effect. A remap or a parameter may name its node
-(``node:name:=value``).
+``--log-level``. They end at ``--`` or at the end of the command line. ``--disable-stdout-logs`` turns off the log on
+the console. Switches for features that this node does not have are accepted and have no effect. A remap or a parameter
+may begin with the name of the node for which it is meant (``node:name:=value``).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _Remap:
 
 @dataclass(slots=True)
 class RosArguments:
-    """ROS 2 command line, as far as it concerns one node."""
+    """ROS 2 arguments that concern one node."""
 
     node: NodeIdentity
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -53,7 +53,7 @@ class RosArguments:
 
 
 def split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Split a command line into the program's own arguments and those between ``--ros-args`` and ``--``."""
+    """Split a command line into two lists: the program's own arguments, and those between ``--ros-args`` and ``--``."""
     own: list[str] = []
     ros: list[str] = []
     target = own
@@ -68,7 +68,10 @@ def split(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def parse(arguments: list[str], default_name: str) -> RosArguments:
-    """Read the arguments after ``--ros-args``. Raises `SetupError`, which quotes the wrong argument."""
+    """Read the arguments after ``--ros-args``. Raises `SetupError` that quotes the wrong argument.
+
+    ``default_name`` is the node's name if no argument sets it.
+    """
     options = list(_options(arguments))
     parsed = RosArguments(_identity(options, default_name))
     for option, value in options:
@@ -85,7 +88,7 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
 
 
 def _last_of(switches: tuple[str, ...], arguments: list[str]) -> str:
-    """Return the last of some switches on the command line; empty if none is there."""
+    """Return the last argument that is one of ``switches``; an empty text if there is none."""
     return next((argument for argument in reversed(arguments) if argument in switches), "")
 
 
@@ -125,7 +128,7 @@ def _options(arguments: list[str]) -> Iterator[tuple[str, str]]:
 
 
 def _assignment(text: str, what: str) -> tuple[str, str, str]:
-    """Split ``[node:]name:=value`` into node (or empty), name and value."""
+    """Split ``[node:]name:=value`` into node (or empty), name and value; ``what`` says in errors what the text is."""
     left, separator, value = text.partition(":=")
     found = _LEFT_SIDE.fullmatch(left)
     if not separator or found is None:
@@ -170,7 +173,7 @@ def _add_remap(parsed: RosArguments, text: str) -> None:
 
 
 def _log_level(text: str) -> str:
-    """Return the level of ``level`` or ``logger:=level``; all loggers share one level."""
+    """Return the level from ``level`` or ``logger:=level``. The name of the logger is ignored."""
     level = text.rpartition(":=")[2].lower()
     if level not in LOG_LEVELS:
         raise SetupError(f"unknown log level {level!r} (known: {', '.join(LOG_LEVELS)})")
@@ -178,7 +181,10 @@ def _log_level(text: str) -> str:
 
 
 def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
-    """Return a file's parameters for a node: under its name, its full name, or a wildcard."""
+    """Return the parameters for a node from a parameter file.
+
+    A section of the file belongs to the node if its key is the node's name, its full name, or a wildcard that matches.
+    """
     try:
         content = strict_yaml.load(path.read_text(encoding="utf-8"))
     except strict_yaml.YamlTextError as error:
@@ -196,7 +202,7 @@ def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
 
 
 def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """Yield the node sections of a parameter file, also sections in nested namespaces."""
+    """Yield the key and content of each node's section in a parameter file, also inside namespaces."""
     for key, value in content.items():
         name = f"{prefix.rstrip('/')}/{str(key).strip('/')}" if prefix else str(key)
         if isinstance(value, Mapping) and "ros__parameters" not in value and value:

@@ -1,1 +1,1 @@
-"""Text forms of messages, payloads and YAML, for people."""
+"""Conversion of messages, payloads and YAML to and from text that people read and write."""

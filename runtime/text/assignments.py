@@ -1,4 +1,4 @@
-"""Payloads from assignments of values to dotted paths, as ``roverlink send`` takes them."""
+"""Making of a payload from assignments such as ``imu.accel_x=1``, as ``roverlink send`` takes them."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ _INTEGERS = {
 
 
 def payload_from_assignments(payload_type: type[P], assignments: Mapping[str, Any]) -> P:
-    """Build a payload from values by dotted path.
+    """Build a payload from values; the keys of ``assignments`` are dotted paths of fields.
 
-    A text is read by the type of its field: an enum value by name or number, bytes in hexadecimal, a string unchanged,
-    and numbers, lists and nested messages as YAML. Raises `ConversionError` for an unknown path or a value that does
-    not fit.
+    A value that is a text is read by the type of its field: an enum value by name or number, bytes in hexadecimal, a
+    string unchanged, and numbers, lists and nested messages as YAML. Raises `ConversionError` for an unknown path or a
+    value that does not fit.
     """
     values: dict[str, Any] = {}
     for path, value in assignments.items():
@@ -68,7 +68,7 @@ def _nested(descriptor: Any, name: str, path: str) -> Any:
 
 
 def _field_value(field: Any, value: Any, path: str) -> Any:
-    """Return the value in the form that the payload's class accepts."""
+    """Return a value in the form that the protobuf class of the payload accepts for a field."""
     # A path has no way to write a map's keys.
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
         raise ConversionError("it is a map, which cannot be assigned here", path)
@@ -119,7 +119,7 @@ def _bytes_value(value: Any, path: str) -> bytes:
 
 
 def _number_value(field: Any, value: Any, path: str) -> Any:
-    """Return a bool or a number; a text is parsed as YAML."""
+    """Return a number or a bool for a field; a value that is a text is parsed as YAML."""
     read = _scalar(value) if isinstance(value, str) else value
     if not _fits(field, read):
         raise ConversionError(f"{value!r} is not a valid {scalar_name(field)}", path)
@@ -127,7 +127,10 @@ def _number_value(field: Any, value: Any, path: str) -> Any:
 
 
 def _scalar(text: str) -> Any:
-    """Parse a scalar as YAML, but accept numbers such as 1e-3 too: YAML 1.1 requires a decimal point."""
+    """Parse a YAML scalar.
+
+    Numbers such as 1e-3 are accepted too, although YAML 1.1 requires a decimal point in them.
+    """
     try:
         read = strict_yaml.load(text)
         return float(text) if read == text else read
@@ -150,7 +153,7 @@ def _fits(field: Any, number: Any) -> bool:
 
 
 def _yaml(text: str, path: str) -> Any:
-    """Parse lists and mappings; scalars stay texts, which their fields parse."""
+    """Parse YAML to lists, mappings and texts. Texts are parsed later, by the type of their field."""
     try:
         return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # BaseLoader makes only lists, mappings and strings
     except (yaml.YAMLError, RecursionError) as error:

@@ -1,7 +1,7 @@
-"""Strict YAML for files and command lines: PyYAML with checks for the errors that it ignores.
+"""Strict reader of YAML for files and command lines: PyYAML, with checks for errors that PyYAML ignores.
 
-PyYAML silently keeps the last of two values with the same key. And it raises any kind of exception if the value of a
-tag cannot be converted.
+If a key occurs twice, PyYAML silently keeps the last value. And if a value cannot be converted to the type of its tag,
+PyYAML may raise any kind of exception.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ _SHOWN = 40  # characters of a value in a message
 
 
 class YamlTextError(ValueError):
-    """Error in a YAML text, with its place."""
+    """Error in a YAML text, with line and column."""
 
     def __init__(self, problem: str, mark: yaml.Mark | None = None) -> None:
         super().__init__(problem)
         self._place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
 
     def in_file(self, path: Path) -> str:
-        """Return the message with path, line and column of the file."""
+        """Return the error message with the path of the file, the line and the column before it."""
         return f"{path}{self._place}: {self}"
 
 
 def load(text: str) -> Any:
-    """Parse a text into plain values. Raises `YamlTextError`."""
+    """Parse a YAML text into plain Python values. Raises `YamlTextError` if the text is not valid."""
     node = compose(text)
     for inner in _nodes(node):
         if isinstance(inner, yaml.ScalarNode):
@@ -41,7 +41,7 @@ def load(text: str) -> Any:
 
 
 def compose(text: str) -> yaml.Node:
-    """Parse a text into nodes; keys merged by ``<<`` come before a mapping's own keys.
+    """Parse a YAML text into nodes. Keys that ``<<`` merges into a mapping come before the mapping's own keys.
 
     Raises `YamlTextError` for invalid YAML and for a key that occurs twice in a mapping.
     """
@@ -65,7 +65,7 @@ def compose(text: str) -> yaml.Node:
 
 
 def construct(node: yaml.Node) -> Any:
-    """Convert a node to a plain value. Raises `YamlTextError` if it has none, such as February 30."""
+    """Convert a YAML node to a plain Python value. Raises `YamlTextError` if that is impossible, as for February 30."""
     try:
         value = yaml.constructor.SafeConstructor().construct_document(node)
     # PyYAML's constructors look up, match and convert without catching the errors of these operations.
@@ -77,7 +77,7 @@ def construct(node: yaml.Node) -> Any:
 
 
 def shown(node: yaml.Node) -> str:
-    """Return a node as text for messages: as written, or its kind."""
+    """Return a YAML node as text for error messages: a scalar as it is written, "a mapping", or "a list of ..."."""
     if isinstance(node, yaml.MappingNode):
         return "a mapping"
     if isinstance(node, yaml.SequenceNode):
@@ -89,7 +89,7 @@ def shown(node: yaml.Node) -> str:
 
 
 def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
-    """Yield each node once, even if it has several aliases."""
+    """Yield a YAML node and all nodes inside it. Each is yielded once, even if the text refers to it several times."""
     seen: set[int] = set()
     waiting = deque([root])
     while waiting:
@@ -105,7 +105,7 @@ def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
 
 
 def _check_keys(mapping: yaml.MappingNode) -> None:
-    """Raise `YamlTextError` for a key that occurs twice, or that is a list or a mapping."""
+    """Raise `YamlTextError` if a key of a mapping occurs twice, or if a key is a list or a mapping."""
     keys: set[Any] = set()
     for key, _ in mapping.value:
         if not isinstance(key, yaml.ScalarNode):

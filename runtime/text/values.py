@@ -1,6 +1,6 @@
-"""Messages as plain values, for the command line.
+"""Conversion of messages to plain Python values and back, for the command line.
 
-ROS 2 messages are keyed by their ROS field names, payloads by their proto field names.
+The keys are the ROS field names for ROS 2 messages, and the proto field names for payloads.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _KINDS = {"?": bool, "f": (int, float), "d": (int, float)}
 
 
 def message_to_values(message: Message) -> dict[str, Any]:
-    """Convert a message to mappings, lists and scalars; ``uint8[]`` becomes a list of numbers."""
+    """Convert a ROS 2 message to mappings, lists and scalars; ``uint8[]`` becomes a list of numbers."""
     return {field.name: _to_value(getattr(message, field.name)) for field in fields_of(type(message))}
 
 
@@ -50,7 +50,7 @@ def _to_value(value: Any) -> Any:
 
 
 def message_from_values(message_type: type[M], values: object, path: str = "") -> M:
-    """Build a message from plain values; missing fields are zero.
+    """Build a ROS 2 message from plain values; missing fields are zero. ``path`` is the message's path, for errors.
 
     Raises `ConversionError` for an unknown field or a value of the wrong type.
     """
@@ -111,10 +111,10 @@ def _from_list(element: FieldType, value: Any, path: str) -> Any:
 
 
 def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
-    """Convert a payload to mappings, lists and scalars, zeros included; enum values by name, bytes in base64.
+    """Convert a payload to mappings, lists and scalars. Fields that are zero are included.
 
-    Protobuf's JSON has no form for some values, such as an Any of unknown type or a time out of range. The message that
-    contains one is converted field by field.
+    Enum values become names, bytes become base64. Protobuf's JSON has no form for some values, such as an Any of
+    unknown type or a time out of range. A message that contains such a value is converted field by field.
     """
     try:
         values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
@@ -142,7 +142,7 @@ def _one_to_value(field: Any, value: Any) -> Any:
 
 
 def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
-    """Sort values in the order of the fields, since protobuf puts those that are zero last."""
+    """Return values sorted in the order in which the message declares the fields; protobuf puts zero fields last."""
     return {
         field.name: _parts_as_declared(field, values[field.name]) for field in descriptor.fields if field.name in values
     }
@@ -157,7 +157,7 @@ def _parts_as_declared(field: Any, value: Any) -> Any:
 
 
 def _has_declared_parts(field: Any) -> bool:
-    """Return true if protobuf's JSON form of a field is a mapping of its message's fields."""
+    """Return true if a field is a message whose JSON form is a mapping with its fields as keys."""
     message = field.message_type
     return message is not None and not message.GetOptions().map_entry and _is_declared(message)
 

@@ -1,4 +1,4 @@
-"""Well-known types (google.protobuf.*) to and from their ROS 2 counterparts, one module each.
+"""Conversion of well-known types (google.protobuf.*) to their ROS 2 counterparts and back, one module for each type.
 
-``field`` is the field's name, for errors.
+``field`` is the name of the field that is converted. Error messages contain it.
 """

@@ -1,4 +1,4 @@
-"""google.protobuf.Duration to and from builtin_interfaces/Duration.
+"""Conversion of google.protobuf.Duration to builtin_interfaces/Duration and back.
 
 In protobuf, seconds and nanoseconds have the same sign (duration.proto): -0.5 s is 0 s and -500,000,000 ns. In ROS 2
 nanoseconds are never negative: -0.5 s is -1 s and 500,000,000 ns.
@@ -14,12 +14,15 @@ from roverlink.runtime.interfaces import Duration
 
 
 def to_ros(payload: Payload, field: str) -> Duration:
-    """Convert a duration. Raises `ConversionError` if it is longer than 68 years (int32 seconds) or invalid."""
+    """Convert a protobuf duration to a ROS 2 duration.
+
+    Raises `ConversionError` if it is longer than 68 years (the range of int32 seconds), or is not a valid duration.
+    """
     return Duration(*parts(payload, field))
 
 
 def parts(payload: Payload, field: str) -> tuple[int, int]:
-    """Convert as `to_ros`, to a pair of seconds and nanoseconds."""
+    """Convert a protobuf duration to ROS 2's seconds and nanoseconds. Raises `ConversionError` as `to_ros` does."""
     seconds, nanoseconds = payload.seconds, payload.nanos
     if not -NANOSECONDS < nanoseconds < NANOSECONDS:
         raise ConversionError(f"{nanoseconds} nanoseconds are a second or more; protobuf allows less", field)
@@ -36,7 +39,7 @@ def parts(payload: Payload, field: str) -> tuple[int, int]:
 
 
 def from_ros(message: Duration, field: str) -> Payload:
-    """Convert a duration back. Raises `ConversionError` if its nanoseconds are a second or more."""
+    """Convert a ROS 2 duration to protobuf. Raises `ConversionError` if the nanoseconds are a second or more."""
     check_time(message.sec, message.nanosec, field)
     if message.sec < 0 < message.nanosec:
         return Payload(seconds=message.sec + 1, nanos=message.nanosec - NANOSECONDS)

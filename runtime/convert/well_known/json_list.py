@@ -1,4 +1,4 @@
-"""google.protobuf.ListValue to and from a JSON array in a string."""
+"""Conversion of google.protobuf.ListValue to a string with a JSON array, and back."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def to_ros(payload: ListValue, field: str) -> str:
-    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
+    """Return a ListValue as JSON text. Raises `ConversionError` if JSON cannot hold one of its values."""
     return text_of(plain_list, payload, field)
 
 
 def from_ros(text: str, field: str) -> ListValue:
-    """Parse JSON text. Raises `ConversionError` if it is not a JSON array."""
+    """Parse JSON text to a ListValue. Raises `ConversionError` if the text is not a JSON array."""
     value = value_of(text, field)
     if not value.HasField("list_value"):
         raise ConversionError("is JSON, but not an array", field)

@@ -1,4 +1,4 @@
-"""google.protobuf.Struct to and from a JSON object in a string."""
+"""Conversion of google.protobuf.Struct to a string with a JSON object, and back."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def to_ros(payload: Struct, field: str) -> str:
-    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
+    """Return a Struct as JSON text. Raises `ConversionError` if JSON cannot hold one of its values."""
     return text_of(plain_struct, payload, field)
 
 
 def from_ros(text: str, field: str) -> Struct:
-    """Parse JSON text. Raises `ConversionError` if it is not a JSON object."""
+    """Parse JSON text to a Struct. Raises `ConversionError` if the text is not a JSON object."""
     value = value_of(text, field)
     if not value.HasField("struct_value"):
         raise ConversionError("is JSON, but not an object", field)

@@ -1,4 +1,4 @@
-"""JSON text of google.protobuf.Value and back, without loss.
+"""Conversion of google.protobuf.Value, Struct and ListValue to JSON text, and of JSON text to Value, without loss.
 
 Every double keeps its bits. NaN and infinity are refused, because JSON has no number for them (RFC 8259, section 6).
 """
@@ -18,7 +18,10 @@ from roverlink.runtime.core.errors import ConversionError
 
 
 def text_of(read: Callable[[Any], object], payload: Struct | Value | ListValue, field: str) -> str:
-    """Write a payload as JSON with sorted keys. Raises `ConversionError` if JSON cannot hold a value."""
+    """Return a payload as JSON text with sorted keys. Raises `ConversionError` if JSON cannot hold a value.
+
+    ``read`` converts the payload to plain Python values.
+    """
     try:
         # Keys are sorted: a protobuf map has no order, and equal payloads must give equal messages.
         return json.dumps(read(payload), ensure_ascii=False, sort_keys=True, allow_nan=False)
@@ -27,7 +30,10 @@ def text_of(read: Callable[[Any], object], payload: Struct | Value | ListValue, 
 
 
 def value_of(text: str, field: str) -> Value:
-    """Parse JSON text. Raises `ConversionError` if it is not JSON, or if a Value cannot hold it."""
+    """Parse JSON text to a Value.
+
+    Raises `ConversionError` if the text is not JSON, or if a Value cannot hold its content.
+    """
     try:
         said = json.loads(
             text, parse_int=_integer, parse_float=_finite, parse_constant=_finite, object_pairs_hook=_without_repetition
@@ -61,7 +67,10 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def plain(value: Value) -> object:
-    """Return a Value as a plain Python value. Raises `ValueError` if no kind is set."""
+    """Return a Value as a plain Python value.
+
+    Raises `ValueError` if the Value has no content: its oneof ``kind`` is not set.
+    """
     kind = value.WhichOneof("kind")
     if kind is None:
         raise ValueError("a google.protobuf.Value has no kind set")

@@ -1,4 +1,4 @@
-"""google.protobuf.Value to and from JSON text in a string."""
+"""Conversion of google.protobuf.Value to a string with JSON text, and back."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from roverlink.runtime.convert.well_known.json_text import plain, text_of, value
 
 
 def to_ros(payload: Value, field: str) -> str:
-    """Convert to JSON text. Raises `ConversionError` if a value has no JSON form."""
+    """Return a Value as JSON text. Raises `ConversionError` if JSON cannot hold it."""
     return text_of(plain, payload, field)
 
 
 def from_ros(text: str, field: str) -> Value:
-    """Parse JSON text. Raises `ConversionError` if it is not JSON."""
+    """Parse JSON text to a Value. Raises `ConversionError` if the text is not JSON."""
     return value_of(text, field)

@@ -1,4 +1,4 @@
-"""Range of ROS 2 times: int32 seconds, and nanoseconds that are added to them."""
+"""Range check of ROS 2 times, which consist of int32 seconds and of nanoseconds that are added to the seconds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _SECONDS = range(-(2**31), 2**31)
 
 
 def check_time(seconds: int, nanoseconds: int, field: str) -> None:
-    """Raise `ConversionError` if builtin_interfaces cannot hold the time, or the nanoseconds are a second or more."""
+    """Raise `ConversionError` if the seconds do not fit int32, or the nanoseconds are not from 0 to 999,999,999."""
     if seconds not in _SECONDS:
         raise ConversionError(f"{seconds} seconds do not fit int32, the type of seconds in ROS 2", field)
     if not 0 <= nanoseconds < NANOSECONDS:

@@ -1,4 +1,7 @@
-"""google.protobuf.Timestamp to and from builtin_interfaces/Time; in both, nanoseconds count forward."""
+"""Conversion of google.protobuf.Timestamp to builtin_interfaces/Time and back.
+
+In both types, nanoseconds are never negative.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +12,21 @@ from roverlink.runtime.interfaces import Time
 
 
 def to_ros(payload: Timestamp, field: str) -> Time:
-    """Convert a timestamp. Raises `ConversionError` if it is before 1901, after 2038 (int32 seconds) or invalid."""
+    """Convert a protobuf timestamp to a ROS 2 time.
+
+    Raises `ConversionError` if it is before 1901 or after 2038 (the range of int32 seconds), or is not a valid
+    timestamp.
+    """
     return Time(*parts(payload, field))
 
 
 def parts(payload: Timestamp, field: str) -> tuple[int, int]:
-    """Convert as `to_ros`, to a pair of seconds and nanoseconds."""
+    """Convert a protobuf timestamp to ROS 2's seconds and nanoseconds. Raises `ConversionError` as `to_ros` does."""
     check_time(payload.seconds, payload.nanos, field)
     return payload.seconds, payload.nanos
 
 
 def from_ros(message: Time, field: str) -> Timestamp:
-    """Convert a time back. Raises `ConversionError` if its nanoseconds are a second or more."""
+    """Convert a ROS 2 time to protobuf. Raises `ConversionError` if the nanoseconds are a second or more."""
     check_time(message.sec, message.nanosec, field)
     return Timestamp(seconds=message.sec, nanos=message.nanosec)

@@ -2,12 +2,13 @@
 
 The rules, from OMG DDS-XTypes 1.3, 7.4.1 (PLAIN_CDR):
 
-- A primitive is aligned to its own size, counted from the first byte after the header.
-- A string is a uint32 byte count that includes the closing NUL, then the bytes and the NUL.
-- A sequence is a uint32 count and its elements; an array and a nested message are only their parts.
-- A message without fields carries one uint8, as ROS 2's IDL does (``structure_needs_at_least_one_member``).
+- A primitive is aligned to its own size. Positions count from the first byte after the header.
+- A string is a uint32 byte count, the bytes, and a closing NUL. The count includes the NUL.
+- A sequence is a uint32 count and then its elements. An array or a nested message is only its elements or fields.
+- A message without fields is one uint8, as in ROS 2's IDL (``structure_needs_at_least_one_member``).
 
-A message whose fields all have a fixed size is read and written by one `struct.Struct`, any other part by part.
+A message whose fields all have a fixed size is read and written with one `struct.Struct`. Any other message is read and
+written field by field.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ _BYTE_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 
 
 def encode(message: Message) -> bytes:
-    """Serialize a message, with the encapsulation header.
+    """Serialize a message to CDR, with the encapsulation header.
 
-    Raises `ConversionError` with the path of the field whose value does not fit its type.
+    Raises `ConversionError` if the value of a field does not fit its type; the error names the path of the field.
     """
     codec = _codec(type(message), "<")
     try:
@@ -46,7 +47,7 @@ def encode(message: Message) -> bytes:
 
 
 def template(message: Message, varying: Sequence[str]) -> Template:
-    """Serialize a message once, leaving out the fields at the paths in ``varying``."""
+    """Serialize a message and return its template: the bytes without the fields at the paths in ``varying``."""
     return template_of(encode(message), message, varying)
 
 

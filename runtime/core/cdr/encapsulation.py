@@ -1,4 +1,4 @@
-"""Basics of the codecs: the encapsulation header, a pair of functions per type, and the check of bools."""
+"""Definitions that all CDR codecs use: the encapsulation header, the class `Codec`, and the check of bools."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Codec(Generic[M]):
 def check_flags(values: Iterable[Any]) -> None:
     """Raise `TypeError` if a value is not a bool.
 
-    `struct` would accept any object and write whether it is true.
+    `struct` would accept any object, and write True for every object that Python regards as true.
     """
     for value in values:
         if value not in (True, False):

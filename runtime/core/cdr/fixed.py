@@ -1,4 +1,4 @@
-"""Codec of messages whose fields all have a fixed size: one `struct.Struct` each."""
+"""CDR codec of messages whose fields all have a fixed size. One `struct.Struct` packs a whole message."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ M = TypeVar("M", bound=Message)
 
 
 class Leaf(NamedTuple):
-    """A primitive in a message, with its dotted path."""
+    """Primitive field inside a message at any depth, with its dotted path."""
 
     path: str
     primitive: Primitive
 
 
 def leaves_of(message_type: type[Message]) -> list[Leaf] | None:
-    """Return the primitives of a message in wire order; None if a part has no fixed size."""
+    """Return the primitive fields of a message class in wire order; None if a field has no fixed size."""
     leaves = list(_leaves(message_type))
     return None if None in leaves else [leaf for leaf in leaves if leaf is not None]
 
 
 def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | None]:
-    """Yield the primitives of a message in wire order; None for a part without a fixed size."""
+    """Yield the primitive fields of a message class in wire order; None for a field without a fixed size."""
     fields = fields_of(message_type)
     # A message without fields is written as a placeholder byte, which only the codec by parts knows.
     if not fields:
@@ -42,7 +42,7 @@ def _leaves(message_type: type[Message], prefix: str = "") -> Iterator[Leaf | No
 
 
 def layout(primitives: list[Primitive]) -> str:
-    """Return the `struct` format, without byte order, of primitives in sequence, with CDR's padding.
+    """Return the `struct` format, without byte order, for primitives that follow each other with CDR's padding.
 
     >>> layout([Primitive("bool", "?", 1), Primitive("float64", "d", 8)])
     '?7xd'
@@ -58,9 +58,10 @@ def layout(primitives: list[Primitive]) -> str:
 
 
 def fixed_layout(message_type: type[Message]) -> struct.Struct:
-    """Return the layout of a message of fixed size; pack it with `LITTLE_ENDIAN` and the values in wire order.
+    """Return the `struct.Struct` that packs a message of fixed size.
 
-    Raises `TypeError` if the message has a part of variable size.
+    It packs the header `LITTLE_ENDIAN` and then the values in wire order. Raises `TypeError` if the message has a field
+    of variable size.
     """
     leaves = leaves_of(message_type)
     if leaves is None:
@@ -73,7 +74,7 @@ def _struct(order: str, leaves: list[Leaf]) -> struct.Struct:
 
 
 def fixed_codec(message_type: type[M], order: str, leaves: list[Leaf]) -> Codec[M]:
-    """Make the codec of a message that consists of these primitives."""
+    """Make the codec of a message class from its primitive fields; ``order`` is the byte order, as in `struct`."""
     packer = _struct(order, leaves)
     paths = [leaf.path for leaf in leaves]
     values_of = attrgetter(*paths) if len(paths) > 1 else _one(attrgetter(paths[0]))
@@ -100,7 +101,7 @@ def _one(getter: Callable[[Any], Any]) -> Callable[[Any], tuple[Any]]:
 
 
 def _builder(message_type: type[Message]) -> Callable[[Iterator[Any]], Any]:
-    """Return a function that builds a message of fixed size from its values in wire order."""
+    """Return a function that builds a message of fixed size; its argument yields the primitive values in wire order."""
     parts: list[Callable[[Iterator[Any]], Any]] = [
         _builder(field.type) if isinstance(field.type, type) else next for field in fields_of(message_type)
     ]

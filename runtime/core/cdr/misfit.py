@@ -1,4 +1,4 @@
-"""Search for the value of a message that does not fit its type, for an error that names the field."""
+"""Search for the field whose value does not fit its type, so that an error can name the field."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ UNWRITABLE = (struct.error, OverflowError, TypeError, ValueError, AttributeError
 
 
 def misfit(message: Message, prefix: str = "") -> ConversionError | None:
-    """Return the error of the first field that cannot be written, found by writing the fields one at a time."""
+    """Return the error of the first field whose value does not fit its type; None if all values fit.
+
+    ``prefix`` is the path of the message inside another message, with a dot at its end.
+    """
     for field in fields_of(type(message)):
         found = _value_misfit(field.type, getattr(message, field.name), prefix + field.name)
         if found is not None:

@@ -1,4 +1,4 @@
-"""Messages with a constant part: it is serialized once, and only the varying fields are packed each time."""
+"""Templates of messages: the constant fields are serialized once, and only the varying fields are packed each time."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from roverlink.runtime.core.messages import Sequence as RosSequence
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """Layout of a message with its constant parts.
+    """Precomputed form of a message whose constant fields are serialized already.
 
-    Pack `layout` with the varying values in wire order, and the `constants` before, between and after them.
+    Pack `layout` with the `constants` and the varying values, in the order in which they stand in the message. The
+    first constant is the encapsulation header.
     """
 
     layout: struct.Struct
@@ -24,18 +25,22 @@ class Template:
 
 
 class _Stretch(NamedTuple):
-    """Byte range of a primitive, of an array of primitives, or of a constant part."""
+    """Byte range of a primitive, an array of primitives or another constant part.
+
+    Positions count from after the header.
+    """
 
     start: int
     end: int
     format: str
-    """`struct` format of a varying part; empty for a constant one."""
+    """`struct` format of a varying part; empty for a constant part."""
 
 
 def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Template:
-    """Build the template of a message; only the fields at the paths in ``varying``, and those below them, vary.
+    """Build the template of a message from its serialized form; the fields at the paths in ``varying`` vary.
 
-    Raises `TypeError` if a varying field has no fixed size.
+    If a path leads to a nested message, all fields of the nested message vary. Raises `TypeError` if a varying field
+    has no fixed size.
     """
     stretches = list(_Walk(varying).message(message, 0, ""))
     format, constants, end, fixed = "<", [], -len(LITTLE_ENDIAN), True
@@ -54,13 +59,16 @@ def template(serialized: bytes, message: Message, varying: Sequence[str]) -> Tem
 
 
 class _Walk:
-    """Computes the byte range of every part of a message, in wire order."""
+    """Computes the byte range of every field of a message, in wire order."""
 
     def __init__(self, varying: Sequence[str]) -> None:
         self._varying = varying
 
     def message(self, message: Message, position: int, prefix: str) -> Iterator[_Stretch]:
-        """Yield the byte ranges of a message that starts at a position of the body."""
+        """Yield the byte range of each field of a message that starts at a position of the CDR body.
+
+        ``prefix`` is the path of the message inside another message, with a dot at its end.
+        """
         for field in fields_of(type(message)):
             path = f"{prefix}{field.name}"
             for stretch in self._value(field.type, getattr(message, field.name), position, path):
@@ -85,7 +93,10 @@ class _Walk:
             yield from self.message(value, position, f"{path}.")
 
     def _counted(self, type: FieldType, value: Any, position: int, path: str) -> Iterator[_Stretch]:
-        """Yield the byte ranges of a string, a sequence or an array of non-primitives. Only an array has no count."""
+        """Yield the byte ranges of a string, or of a sequence or array whose elements are not all of fixed size.
+
+        A string or a sequence begins with a count, an array does not.
+        """
         if not isinstance(type, Array):
             start = position + -position % 4
             size = len(value.encode()) + 1 if isinstance(value, str) else 0

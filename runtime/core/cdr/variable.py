@@ -1,4 +1,4 @@
-"""Codec of messages with a part of variable size: parts are written and read one after the other."""
+"""CDR codec of messages with a field of variable size: the fields are written and read one after the other."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _COUNT = Primitive("uint32", "I", 4)
 
 
 class _Reader:
-    """Read position in serialized data, counted from the first byte after the encapsulation header."""
+    """Serialized data with the position up to which it was read, counted from after the encapsulation header."""
 
     __slots__ = ("body", "position")
 
@@ -55,14 +55,14 @@ _Read = Callable[[_Reader], Any]
 
 
 class Part(NamedTuple):
-    """Functions that append a value of one type to a body, and read one at a reader's position."""
+    """Functions for one type: `write` appends a value to a CDR body, `read` reads a value from a `_Reader`."""
 
     write: _Write
     read: _Read
 
 
 def variable_codec(message_type: type[M], order: str) -> Codec[M]:
-    """Make the codec of a message with any fields."""
+    """Make the codec of any message class; ``order`` is the byte order, ``<`` or ``>`` as in `struct`."""
     part = _message_part(message_type, order)
 
     def encode_variable(message: M) -> bytes:
@@ -102,7 +102,7 @@ def _placeholder_part(message_type: type[Message], order: str) -> Part:
 
 
 def part_of(field_type: FieldType, order: str) -> Part:
-    """Return the functions that write and read a value of this type."""
+    """Return the functions that write and read a value of a field type; ``order`` is the byte order, as in `struct`."""
     if isinstance(field_type, Primitive):
         return _primitive_part(field_type, order)
     if isinstance(field_type, Text):
