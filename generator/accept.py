@@ -1,6 +1,6 @@
-"""Acceptance of history: numbers with several meanings in git become burned numbers in the ledger.
+"""Acceptance of the past: numbers that had several meanings in git's history are recorded in the ledger as burned.
 
-Later runs of the lint do not report them again.
+A burned number must never be used again. Later runs of the lint do not report it.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ _HISTORY_RULES = ("HIS101", "HIS103")
 
 
 def accept(table_path: Path, found: Linted) -> tuple[list[Change], int]:
-    """Return the changes that burn the numbers found in history, and the count of these numbers.
+    """Return the changes of files that record the numbers found in history as burned, and how many numbers these are.
 
-    Raises `DiagnosticsError` if there is no table, or if it does not compile.
+    ``found`` is the result of the lint. Raises `DiagnosticsError` if there is no table, or if it does not compile.
     """
     past = found.context.past
     if not found.context.table.proto.root or past is None or not past.of_numbers:
@@ -47,7 +47,7 @@ def _burned(finding: Diagnostic, context: Context) -> Burned:
 
 
 def _joined(known: Burned | None, one: Burned) -> Burned:
-    """Merge an earlier burned number with a new one."""
+    """Return the burned number with its new and its known meanings; ``known`` is None if it was not burned before."""
     if known is None:
         return one
     return dataclasses.replace(one, uses=tuple(dict.fromkeys((*known.uses, *one.uses))))

@@ -1,4 +1,4 @@
-"""Rules, and the diagnostics that they raise: a fault, its place and the suggested repair."""
+"""Rules, and the diagnostics that they raise. A diagnostic is a fault with its place and a suggested repair."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roverlink.generator.git import Commit
 
 
 class Severity(str, Enum):
-    """The effect of a diagnostic on a run."""
+    """Severity of a diagnostic. It decides if files are written, and the exit code."""
 
     FATAL = "fatal"
     """An input cannot be read, or an output cannot be written; the exit code is 2."""
@@ -20,7 +20,7 @@ class Severity(str, Enum):
     WARNING = "warning"
     """The input is questionable; the run goes on, but `lint` exits with 1."""
     HINT = "hint"
-    """A remark that is not a fault; the exit code stays the same."""
+    """The input is right, but could be better; the exit code stays the same."""
 
     @property
     def rank(self) -> int:
@@ -44,7 +44,10 @@ class Span:
 
 
 def shown(folder: str, path: str) -> str:
-    """Join a folder and a path for display: ``proto/imu.proto``, or ``main:imu.proto`` for a git ref."""
+    """Join a folder and a path to the file name that diagnostics show.
+
+    The folder is a path, as in ``proto/imu.proto``, or a git ref with a colon, as in ``main:imu.proto``.
+    """
     return f"{folder}{path}" if not folder or folder.endswith(":") else f"{folder}/{path}"
 
 
@@ -52,12 +55,12 @@ def shown(folder: str, path: str) -> str:
 class Rule:
     """A kind of diagnostic.
 
-    An id is never given to another rule, even after its own rule is gone.
+    The id of a removed rule is never given to a new rule.
 
-    The first line of the documentation says what the rule finds. Then it says why that is a fault. It ends with the
-    sections ``Bad::`` and ``Good::``, each with one example. An example is a part of a project: rows or sections of
-    mapping.yaml, or a .proto file. A comment with a path starts another file. If files cannot show the fault, the
-    example is a terminal's text.
+    The first line of the documentation says what the rule finds. The next lines say why that is a fault. The sections
+    ``Bad::`` and ``Good::`` follow, each with one example. An example is a part of a project: rows or sections of
+    mapping.yaml, or a .proto file. A comment that consists of a path starts another file. If files cannot show the
+    fault, the example is the output of a command.
     """
 
     id: str
@@ -67,7 +70,7 @@ class Rule:
 
     @property
     def summary(self) -> str:
-        """The first line of the documentation."""
+        """The first line of the rule's documentation."""
         return self.documentation.strip().splitlines()[0]
 
     def at(
@@ -82,12 +85,12 @@ class Rule:
         uses: Sequence[Use] = (),
         rests_on: Sequence[Span] = (),
     ) -> Diagnostic:
-        """Return a diagnostic of this kind.
+        """Return a diagnostic of this rule at a place.
 
         ``also`` lists related places, each with a text. ``type`` is the full name of the message or enum concerned.
         ``number`` is the number of the field or enum value, or of the payload in the envelope. ``uses`` are the
-        meanings that the number had in history. ``rests_on`` are places that the diagnostic assumes to be right: it is
-        dropped if one of them has an error of its own (see `independent`).
+        meanings that the number had in history. ``rests_on`` are places that the diagnostic assumes to be right: if one
+        of them has an error itself, the diagnostic is dropped (see `independent`).
         """
         rests = tuple(rests_on)
         return Diagnostic(self, span, message, help, tuple(also), type, number, self.severity, tuple(uses), rests)
@@ -101,7 +104,7 @@ class Use:
     name: str
     came: Commit
     went: Commit | None
-    """The commit that removed it last; None if a branch still has it."""
+    """The last commit that removed this meaning; None if a branch still has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,15 +117,15 @@ class Diagnostic:
     help: str = ""
     also: tuple[tuple[Span, str], ...] = ()
     type: str = ""
-    """Full name of the message or enum concerned; empty for none."""
+    """Full name of the message or enum that the diagnostic is about; empty if it is about none."""
     number: int | None = None
-    """Number of the field or enum value concerned; None for none."""
+    """Number of the field, enum value or payload that the diagnostic is about; None if it is about none."""
     severity: Severity = Severity.ERROR
-    """The rule's severity, unless the table lowers it."""
+    """Severity of this diagnostic: the rule's severity, or a lower one that the table sets."""
     uses: tuple[Use, ...] = ()
-    """The usages of the number, the earliest first; only diagnostics about history have any."""
+    """Meanings that the number had in history, the earliest first. Only rules about history set this."""
     rests_on: tuple[Span, ...] = ()
-    """Places that the diagnostic assumes to be right."""
+    """Places that the diagnostic assumes to be right. If one of them has an error, the diagnostic is dropped."""
 
     def render(self) -> str:
         """Return the diagnostic as text: place, message, related places, help."""
@@ -134,9 +137,9 @@ class Diagnostic:
 
 
 class DiagnosticsError(Exception):
-    """Raised when a phase cannot go on; the diagnostics say why.
+    """Raised when the generator cannot continue; ``findings`` contains the diagnostics that say why.
 
-    ``texts`` holds the text of each file that the diagnostics name and that is not on disk in this state.
+    ``texts`` is the text of each file that the diagnostics name and that is not on disk, or has another text on disk.
     """
 
     def __init__(self, findings: Iterable[Diagnostic], texts: Mapping[str, str] | None = None) -> None:
@@ -146,9 +149,10 @@ class DiagnosticsError(Exception):
 
 
 def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Drop every diagnostic that only follows from an error at another place.
+    """Return the diagnostics without those that only follow from an error at another place (`Diagnostic.rests_on`).
 
-    An error that itself rests on other places drops nothing, so two diagnostics never drop each other.
+    An error that has `rests_on` places itself causes no other diagnostic to be dropped. So two diagnostics never drop
+    each other.
     """
     findings = list(findings)
     wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
@@ -156,12 +160,12 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def in_order(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Sort diagnostics by place, then id. Drops duplicates, and those that only follow from others."""
+    """Sort diagnostics by place, then by rule id. Drops duplicates, and diagnostics that only follow from others."""
     return sorted(set(independent(findings)), key=lambda finding: (finding.span, finding.rule.id, finding.message))
 
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
-    """Return True if any diagnostic is an error or fatal."""
+    """Return True if the severity of at least one diagnostic is error or fatal."""
     return any(finding.severity.rank <= Severity.ERROR.rank for finding in findings)
 
 

@@ -1,4 +1,4 @@
-"""Plausible payloads, made from descriptors alone: for examples, the demo and simulated boards."""
+"""Payloads with plausible values, made from protobuf's descriptors. Examples, demo and simulation use them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 P = TypeVar("P", bound="ProtoMessage")
 
 EXAMPLE_S = 1.0
-"""Time in seconds of the payloads that are shown as examples."""
+"""Time, in seconds, at which the payloads of the documentation's examples are computed."""
 _PERIOD_S = 6.0
 _LIST_LENGTH = 3
 _ANY = "google.protobuf.Any"
@@ -33,19 +33,22 @@ _SIGNALS = {
     "gyro": (0.0, 0.3),
     "mag": (0.0, 40.0),
 }
-"""Mean and amplitude of a signal, by a word in the field's name; other numbers have 0 and 10."""
+"""Mean value and amplitude of a field, by a word in its name. Other float fields have 0 and 10, integers 50 and 50."""
 _GRAVITY = -9.81  # m/s^2
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
-    """Return a payload: its numbers oscillate, its flags toggle, its enums step through their values."""
+    """Return the payload of a time: its numbers oscillate, booleans toggle, and enums step through their values."""
     payload = payload_type()
     _fill(payload, seconds, frozenset())
     return payload
 
 
 def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None:
-    """Fill a payload. Fields of a type in `inside` contain the payload itself; they stay empty to end the recursion."""
+    """Set the fields of a payload.
+
+    A field that contains a type of `inside` stays empty, because its content never ends.
+    """
     inside |= {payload.DESCRIPTOR.full_name}
     for field in payload.DESCRIPTOR.fields:
         message = field.message_type
@@ -67,7 +70,7 @@ def _fill(payload: ProtoMessage, seconds: float, inside: frozenset[str]) -> None
 
 
 def _is_chosen(field: Any, seconds: float) -> bool:
-    """Return True if a field is set at this time; the members of a oneof take turns."""
+    """Return True if a field is set at a time. Members of a oneof are set one after another, for one second each."""
     members = field.containing_oneof.fields if field.containing_oneof else [field]
     return bool(members[int(seconds) % len(members)].number == field.number)
 
@@ -93,7 +96,7 @@ def _value(field: Any, seconds: float) -> Any:
 
 
 def _signal(name: str) -> tuple[float, float] | None:
-    """Return mean and amplitude for a field's name; None if the name has no known word."""
+    """Return mean value and amplitude of a field by its name; None if the name contains no known word."""
     if name == "accel_z":
         return _GRAVITY, 0.4
     return next((_SIGNALS[word] for word in name.split("_") if word in _SIGNALS), None)

@@ -22,7 +22,7 @@ _FILES = ("100644", "100755")  # modes of regular files; a link has 120000, a su
 
 
 class GitError(Exception):
-    """Raised when git is not installed or refuses; the text is git's own."""
+    """Raised when git is not installed or reports an error; the text is git's error message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Repository:
     folder: Path
 
     def exists(self) -> bool:
-        """Return True if git finds a repository there, even one without commits."""
+        """Return True if the folder is in a git repository, even if the repository has no commits."""
         try:
             self._run("rev-parse", "--git-dir")
         except GitError:
@@ -53,7 +53,7 @@ class Repository:
         return True
 
     def has(self, ref: str, path: str) -> bool:
-        """Return True if a commit contains a file."""
+        """Return True if a file exists in a commit. The ref may be a commit id, a branch or a tag."""
         try:
             self._run("cat-file", "-e", f"{ref}:./{path}")
         except GitError:
@@ -61,24 +61,24 @@ class Repository:
         return True
 
     def names(self) -> set[str]:
-        """Return the names of the repository: its folder's name, and the last part of each remote's address."""
+        """Return the names of the repository: the name of its folder, and the last part of each remote's address."""
         folder = (self.folder / self._run("rev-parse", "--git-common-dir").strip()).resolve()
         remotes = [line.split()[1] for line in self._run("remote", "--verbose").splitlines()]
         addresses = [str(folder).removesuffix("/.git"), *remotes]
         return {name_of_repository(address) for address in addresses}
 
     def resolve(self, ref: str) -> str:
-        """Return the full id of the commit that a ref names. Raises `GitError` if it names none."""
+        """Return the full id of the commit that a ref names. Raises `GitError` if the ref names none."""
         return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
 
     def commit(self, ref: str) -> Commit:
-        """Return the commit that a ref names. Raises `GitError` if it names none."""
+        """Return the commit that a ref names. Raises `GitError` if the ref names none."""
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
         return commit_of(id, seconds, subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
-        """Return mode, object id and path of each entry below the folder in a commit."""
+        """Return mode, object id and path of each file, link and submodule below the folder in a commit."""
         listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
         prefix = self._run("rev-parse", "--show-prefix").strip()
         entries = (entry.split("\t", 1) for entry in listed if entry)
@@ -89,7 +89,10 @@ class Repository:
         return [path for mode, _, path in self.entries(commit) if mode in _FILES]
 
     def contents(self, commit: str, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
-        """Yield path and content of files in a commit. Raises `GitError` if the clone lacks one."""
+        """Yield path and content of the given files in a commit.
+
+        Raises `GitError` if the clone does not contain a file.
+        """
         paths = list(paths)
         asked = "".join(f"{commit}:./{path}\n" for path in paths)
         answer = self._run_bytes("cat-file", "--batch", input=asked.encode())
@@ -104,7 +107,11 @@ class Repository:
             position = head_end + 1 + size + 1
 
     def commit_of_line(self, path: str, line: int, commit: str | None = None) -> Commit | None:
-        """Return the commit that last changed a line; None if it is uncommitted or git cannot tell."""
+        """Return the commit that last changed a line of a file.
+
+        ``commit`` selects an earlier state of the file. Returns None if the change is uncommitted, or if git cannot
+        tell.
+        """
         try:
             said = self._run("blame", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path)
         except GitError:
@@ -131,17 +138,17 @@ class Repository:
 
 
 def name_of_repository(address: str) -> str:
-    """Return the last part of a repository's address, which is a URL or a folder, without ``.git``."""
+    """Return the name of a repository: the last part of its address (a URL or a folder) without ``.git``."""
     return re.split(r"[/:]", address.rstrip("/"))[-1].removesuffix(".git")
 
 
 def environment() -> dict[str, str]:
-    """Return the environment for git, without the variables that a hook sets."""
+    """Return the environment variables for git, without those that git sets when it runs a hook."""
     return {name: value for name, value in os.environ.items() if name not in _OF_A_HOOK}
 
 
 def commit_of(id: str, seconds: str, subject: str) -> Commit:
-    """Return a commit.
+    """Return a commit, given its id, the author's time in seconds since 1970, and its subject.
 
     Unprintable characters of the subject are replaced: a terminal might obey them, and XML forbids some.
     """
@@ -149,7 +156,7 @@ def commit_of(id: str, seconds: str, subject: str) -> Commit:
 
 
 def _date_of(seconds: str) -> str:
-    """Return the date of a Unix time; empty if the time is outside of the calendar."""
+    """Return the date of a Unix time as ``2026-11-21``; empty if Python cannot represent the date."""
     try:
         return (_EPOCH + timedelta(seconds=int(seconds))).date().isoformat()
     except (ValueError, OverflowError):

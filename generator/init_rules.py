@@ -1,4 +1,4 @@
-"""Rules of `roverlink init`."""
+"""Rules for the command `roverlink init`."""
 
 from __future__ import annotations
 

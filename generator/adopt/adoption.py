@@ -1,4 +1,4 @@
-"""Adoption of a tree in one pass: read, guess, fit, lint, compile."""
+"""Adoption of a tree of .proto files in one pass: reads the tree, drafts the table, and compiles it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from roverlink.generator.table import reader
 
 @dataclass(frozen=True, slots=True)
 class AdoptionRequest:
-    """Tree to take over. Empty attributes are found automatically."""
+    """Tree of .proto files for which a table is wanted. An empty ``file``, ``message`` or ``oneof`` is guessed."""
 
     root: Path
     file: str = ""
@@ -43,13 +43,13 @@ class AdoptionRequest:
 
 @dataclass(frozen=True, slots=True)
 class Adoption:
-    """Result of taking over a tree."""
+    """Draft of a table, with the files that it compiles to and the findings of the lint."""
 
     draft: Draft
     past: AdoptedPast
     compiled: Compiled
     findings: tuple[Diagnostic, ...]
-    """Diagnostics of the lint, with the severities of the drafted table."""
+    """Diagnostics of the lint that remain after the drafted table has lowered the severity of some rules."""
     changes: tuple[Change, ...]
     """Files to write, including the table."""
     scalars: tuple[str, ...]
@@ -57,11 +57,10 @@ class Adoption:
 
 
 def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int], None] | None = None) -> Adoption:
-    """Take over a tree of .proto files.
+    """Draft a table for a tree of .proto files, and compile it. Nothing is written to disk.
 
-    Nothing is written.
-
-    Raises `DiagnosticsError` with all mistakes that a table cannot work around.
+    ``report`` is called with the number of file states read from git's history, and their total. Raises
+    `DiagnosticsError` if the table cannot be compiled; it contains all mistakes.
     """
     project, root = table_path.resolve().parent, wanted.root.resolve()
     shown_root = Path(os.path.relpath(root, project)).as_posix()
@@ -98,7 +97,10 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
 
 
 def _context(draft: Draft, tree: Tree, table_file: str, findings: list[Diagnostic]) -> Context:
-    """Return the rules' context: the draft, and the tree with the envelope that generate will write."""
+    """Return the context in which the rules check the draft.
+
+    It has the drafted table, and the tree. If generate will write the envelope's file, that text replaces the file.
+    """
     table = reader.parse(text_of(draft), table_file, [])
     schema, files = tree.schema, {file: one for file, one in tree.files.items() if file not in tree.exclude}
     if draft.owner == "mapping":

@@ -1,4 +1,4 @@
-"""Draft of a table: facts and guesses, with the reasons."""
+"""Draft of a table: its facts and guesses, each with the reason for it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class DraftRow:
-    """Draft of a row."""
+    """Draft of a row of the table."""
 
     number: int
     name: str
@@ -19,16 +19,16 @@ class DraftRow:
     doubt: str
     """Reason why the direction is a guess; empty if it is certain."""
     ros: str = ""
-    """Name of the ROS message, if it differs from the proto's."""
+    """Name of the ROS message; empty if it is the name of the proto message."""
     fields: dict[str, str] = field(default_factory=dict)
     ignore: dict[str, str] = field(default_factory=dict)
-    """Fields that cannot be converted, with the reasons."""
+    """Fields of the payload that cannot be converted; each name with the reason."""
     lint: dict[str, str] = field(default_factory=dict)
-    """Rules with a lower severity for this row, with the reasons."""
+    """Ids of the rules whose severity is lowered for this row; each id with the reason."""
 
     @property
     def direction(self) -> str:
-        """Direction as the table spells it."""
+        """Direction as the table writes it: ``hardware_to_ros`` or ``ros_to_hardware``."""
         return f"{self.peer}_to_ros" if self.inbound else f"ros_to_{self.peer}"
 
 
@@ -42,7 +42,7 @@ class DraftPeer:
 
 @dataclass(frozen=True, slots=True)
 class DraftRetired:
-    """Number that was used before, by git's history."""
+    """Number that the envelope used in the past, according to git's history, and does not use now."""
 
     number: int
     name: str
@@ -52,23 +52,23 @@ class DraftRetired:
 
 @dataclass(slots=True)
 class Draft:
-    """Draft of the table."""
+    """Draft of the whole table."""
 
     root: str
     """Folder of the protos, relative to the table."""
     package: str
     file: str
-    """File of the envelope."""
+    """File of the envelope, relative to the folder of the protos."""
     message: str
     oneof: str
     oneof_doubt: str
-    """Reason why envelope and oneof are guesses; empty if they are certain."""
+    """Reason why the choice of the envelope is a guess; empty if it is certain."""
     owner: str
     owner_reason: str
     exclude: dict[str, str]
-    """Files that do not compile with the others, with the reasons."""
+    """Files that do not compile with the others; each path with the reason."""
     peers: list[DraftPeer]
     rows: list[DraftRow]
     retired: list[DraftRetired]
     lint: dict[str, str] = field(default_factory=dict)
-    """Rules with a lower severity, with the reasons."""
+    """Ids of the rules whose severity is lowered for the whole table; each id with the reason."""

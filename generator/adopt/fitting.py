@@ -1,6 +1,6 @@
-"""Fitting of payloads to ROS 2: allowed names for messages and fields, and fields that are left out.
+"""Changes of a draft for ROS 2: renames messages and fields, and leaves out fields that cannot be converted.
 
-Every row is resolved once, as generate resolves it. Each diagnostic is then assigned to the fields that cause it.
+Every row is resolved once, as generate does it. Each diagnostic is then assigned to the field that causes it.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from roverlink.generator.table import reader
 
 
 def fit(draft: Draft, schema: Schema, table: str) -> None:
-    """Rename messages and fields, and leave out fields that cannot be converted, with the reasons.
+    """Set in the draft's rows the names that ROS 2 allows, and the fields to ignore.
 
-    ``table`` is the draft's file name. A mistake that concerns a payload as a whole stays; generate reports it.
+    A field is ignored if it cannot be converted; the reason is the diagnostic's message. ``table`` is the file name of
+    the draft. A mistake that concerns a whole payload is not repaired; generate reports it.
     """
     _name_messages(draft.rows, schema)
     findings: list[Diagnostic] = []
@@ -36,7 +37,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
 
 
 def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
-    """Give every payload a ROS name that is allowed and unique."""
+    """Set for each payload a ROS message name that ROS allows and that no other message has."""
     protos = {row.proto: row.name for row in rows}
     nested = schema.reachable(*protos)[0] - protos.keys()
     taken = {
@@ -57,7 +58,7 @@ def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
 
 
 def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]]:
-    """Return the message or enum that is declared at each place, with the field for the place of a field."""
+    """Return the message or enum that is declared at each place, and the field if a field is declared there."""
     found: dict[Span, tuple[str, ProtoField | None]] = {enum.span: (name, None) for name, enum in schema.enums.items()}
     for message in schema.messages.values():
         found[message.span] = message.full_name, None
@@ -66,7 +67,11 @@ def _declarations(schema: Schema) -> Mapping[Span, tuple[str, ProtoField | None]
 
 
 def _fit(rows: list[DraftRow], type: str, field: ProtoField | None, finding: Diagnostic, schema: Schema) -> None:
-    """Rename a field of a payload, or leave out the payloads' fields that contain the fault."""
+    """Change the rows so that a diagnostic does not appear again.
+
+    ``type`` and ``field`` are the declaration at the place of the diagnostic. If the field belongs to a payload, the
+    field is renamed or ignored. If the type is inside payloads, their fields that contain the type are ignored.
+    """
     payloads = {row.proto for row in rows}
     for row in rows:
         own = schema.messages[row.proto].fields
@@ -87,7 +92,10 @@ def _free_name(field: ProtoField, fields: Collection[ProtoField]) -> str:
 
 
 def _inside(type: str, schema: Schema, payloads: Collection[str]) -> set[str]:
-    """Return the messages and enums in a field of a type, without payloads, which have rows of their own."""
+    """Return a type, and all messages and enums inside it.
+
+    The search does not look into payloads, because they have rows of their own.
+    """
     found: set[str] = set()
     waiting = [type]
     while waiting:

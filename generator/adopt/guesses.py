@@ -1,4 +1,4 @@
-"""Guesses of senders and receivers, from names, folders and comments. Each doubt is written into the draft."""
+"""Guesses of each message's sender and receivers, from names, folders and comments. The draft shows each doubt."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ _MACHINES = {
 
 @dataclass(frozen=True, slots=True)
 class _Component:
-    """Machine that some messages belong to."""
+    """Machine that sends or receives some of the messages."""
 
     prefix: str
-    """Start of its messages' names; empty if only the folder names the machine."""
+    """First words of the names of this machine's messages; empty if only the folder names the machine."""
     peer: str
 
 
 def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
-    """Return the peers, and a row for each member of the oneof."""
+    """Return the guessed peers, and a draft of a row for each message in the envelope's oneof."""
     members = tree.members
     components = _components(tree, members)
     machines = dict(_MACHINES)
@@ -72,7 +72,7 @@ def guess_rows(tree: Tree) -> tuple[list[DraftPeer], list[DraftRow]]:
 
 
 def _components(tree: Tree, members: Iterable[ProtoField]) -> dict[str, _Component]:
-    """Return the component of each payload, if one can be found."""
+    """Return the machine of each payload by the payload's type. A payload without a recognized machine is left out."""
     types = sorted({member.type_name for member in members})
     folders = {proto: PurePosixPath(tree.schema.messages[proto].file).parent.name for proto in types}
     several = len({folder for folder in folders.values() if _is_machine(folder)}) > 1
@@ -92,7 +92,7 @@ def _is_machine(folder: str) -> bool:
 
 
 def _prefix(name: str, folder: str) -> str:
-    """Return the machine's name with which a message's name starts; empty if there is none."""
+    """Return the first words of a message's name if they name a machine, such as ``SensorBoard``; empty otherwise."""
     own, of_folder = words(name), words(folder)
     if of_folder and _is_machine(folder) and own[: len(of_folder)] == of_folder and len(own) > len(of_folder):
         return camel_prefix(name, len(of_folder))
@@ -103,7 +103,10 @@ def _prefix(name: str, folder: str) -> str:
 
 
 def _peer(of_component: list[str]) -> str:
-    """Return the peer of a component. Boards share one peer, because they usually share a port; operators do not."""
+    """Return the peer of a machine, given the words of its name.
+
+    All boards become one peer, because they usually share a port. Each machine of an operator is its own peer.
+    """
     return "_".join(of_component) if set(of_component) & OPERATORS else _HARDWARE
 
 
@@ -135,7 +138,10 @@ def _row(member: ProtoField, tree: Tree, component: _Component | None, machines:
 
 
 def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]) -> str:
-    """Return the machine that a comment names after an introduction such as "sent by"; empty if there is none."""
+    """Return the peer whose machine a comment names after words such as "sent by"; empty if it names none.
+
+    ``introduction`` matches the words, and ``machines`` gives the peer for each machine's name.
+    """
     text = " ".join(text.lower().split())
     for match in introduction.finditer(text):
         rest = text[match.end() :]
@@ -146,7 +152,10 @@ def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]
 
 
 def _inbound_by_comment(sender: str, receiver: str) -> bool | None:
-    """Return True if a comment says that the message goes to ROS 2, False for a peer, None if it says neither."""
+    """Return True for a message to ROS 2, False for a message to a peer, None if the comment does not tell.
+
+    ``sender`` and ``receiver`` are the machines that the comment names, or empty.
+    """
     if sender and sender != _OURS:
         return True
     if sender == _OURS or (receiver and receiver != _OURS):
@@ -155,9 +164,9 @@ def _inbound_by_comment(sender: str, receiver: str) -> bool | None:
 
 
 def _inbound_by_name(member: ProtoField, peer: str) -> bool | None:
-    """Return True if the message's name suggests that it goes to ROS 2; None if it suggests nothing.
+    """Return True if the message's name suggests that it goes to ROS 2, False if to the peer; None without a hint.
 
-    Boards send reports and receive commands; operators send commands and receive reports.
+    Boards send reports and receive commands. Operators send commands and receive reports.
     """
     for name in (member.type_name.rpartition(".")[2], member.name):
         for word in reversed(words(name)):

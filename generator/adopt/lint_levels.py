@@ -1,4 +1,4 @@
-"""Lower severities for the rules that a tree already breaks: each becomes a hint, with the reason."""
+"""Lower severities for rules that the taken-over tree breaks: their findings become hints."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from roverlink.generator.lint.rules import modules
 from roverlink.generator.protos.schema import Schema
 
 _MUST_HOLD = frozenset({"ENV101", "ENV104", "ROS101", "TAB101", "TAB102", "TAB103", "TAB104"})
-"""Rules that are never lowered, because the generated code would be wrong."""
+"""Ids of the rules that keep their severity, because the generated code would be wrong if they are broken."""
 _MANY_ROWS = 3
 
 
 def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
-    """Make hints of the lint's findings: in the rows that they are about, or in the whole table if there are many."""
+    """Lower to hints the rules that have findings. Each setting gets a reason in the draft.
+
+    If a rule's findings are about few rows, the rule is lowered for these rows; otherwise for the whole table.
+    """
     grave = [finding for finding in findings if finding.severity.rank <= Severity.WARNING.rank]
     may_count_less = modules().keys() - _MUST_HOLD
     ids = sorted((finding for finding in grave if finding.rule.id in may_count_less), key=lambda one: one.rule.id)
@@ -33,7 +36,7 @@ def lower(draft: Draft, findings: Iterable[Diagnostic], schema: Schema) -> None:
 
 
 def _rows_about(finding: Diagnostic, draft: Draft, schema: Schema) -> list[DraftRow]:
-    """Return the rows that a diagnostic is about, by the rule for a row's `lint` settings."""
+    """Return the rows whose `lint` settings would apply to a diagnostic."""
     if finding.type in ("", draft.message):
         return [row for row in draft.rows if row.number == finding.number]
     return [row for row in draft.rows if any(finding.type in kind for kind in schema.reachable(row.proto))]

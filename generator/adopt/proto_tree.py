@@ -25,32 +25,33 @@ class Tree:
 
     root: Path
     files: Mapping[str, File]
-    """Every file that can be read."""
+    """Content of every .proto file that can be read, by path."""
     schema: Schema
     """Schema of the files that compile together, with the envelope."""
     exclude: Mapping[str, str]
-    """Files that are left out, with the reasons."""
+    """Files that do not compile with the envelope; each path with the reason."""
     envelope: ProtoMessage
     oneof: str
     doubt: str
-    """Reason why the envelope is a guess; empty if it is certain."""
+    """Reason why the choice of the envelope is a guess; empty if it is certain."""
 
     @property
     def members(self) -> list[ProtoField]:
-        """Payloads: the messages in the oneof, sorted by number."""
+        """Members of the oneof that are messages, sorted by number. These are the payloads."""
         found = [field for field in self.envelope.fields if field.oneof == self.oneof and field.type == "message"]
         return sorted(found, key=lambda field: field.number)
 
     @property
     def scalars(self) -> list[str]:
-        """Members of the oneof that are not messages."""
+        """Names of the oneof's members that are not messages."""
         return [field.name for field in self.envelope.fields if field.oneof == self.oneof and field.type != "message"]
 
 
 def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) -> Tree:
-    """Read a tree; ``file``, ``message`` and ``oneof`` name the envelope if they are not empty.
+    """Read the .proto files below a folder, and find the envelope.
 
-    Raises `DiagnosticsError` if there is no envelope, or if it does not compile.
+    ``file``, ``message`` and ``oneof`` name the envelope; each one that is empty is guessed. ``shown_root`` is the
+    folder's name in diagnostics. Raises `DiagnosticsError` if there is no envelope, or if it does not compile.
     """
     findings: list[Diagnostic] = []
     files = read_protos(root, shown_root, findings) if root.is_dir() else {}
@@ -68,7 +69,7 @@ def read_tree(root: Path, shown_root: str, file: str, message: str, oneof: str) 
 
 
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
-    """Yield file and full name of possible envelopes, beginning with the message that has the largest oneof."""
+    """Yield file and full name of each message that may be the envelope; the one with the largest oneof first."""
     found = []
     for path, file in files.items():
         for message in file.messages:
@@ -97,7 +98,7 @@ def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root:
 
 
 def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
-    """Return the oneof of the payloads: the named one, or else the one with the most messages."""
+    """Return the oneof of the payloads: the oneof ``wanted``. If that is empty, the oneof with the most messages."""
     counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
     found = wanted or next((name for name, _ in counted.most_common(1)), "")
     if not counted[found]:
@@ -112,9 +113,10 @@ def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
 def _compiled_together(
     root: Path, files: Mapping[str, File], envelope: str, shown_root: str
 ) -> tuple[Schema, dict[str, str]]:
-    """Return the schema of the files that compile with the envelope's, and the reasons why the others do not.
+    """Return the schema of all files that compile together with the envelope's file.
 
-    Raises `DiagnosticsError` if the envelope or one of its imports does not compile.
+    Also returns the other files, each with the reason why it does not compile. Raises `DiagnosticsError` if the
+    envelope's file or one of its imports does not compile.
     """
     needed = _closure(envelope, files)
     kept = [
@@ -134,7 +136,10 @@ def _compiled_together(
 
 
 def _closure(file: str, files: Mapping[str, File]) -> list[str]:
-    """Return a file and its imports; each file stands after its own imports."""
+    """Return a file and all files that it imports, also indirectly.
+
+    Every file comes after the files that it imports.
+    """
     found: list[str] = []
 
     def add(one: str) -> None:
@@ -152,7 +157,10 @@ def _closure(file: str, files: Mapping[str, File]) -> list[str]:
 def _faults(
     error: DiagnosticsError, kept: Iterable[str], files: Mapping[str, File], exclude: Mapping[str, str], shown_root: str
 ) -> dict[str, str]:
-    """Return the files in which protoc reports errors; if there are none, the files that import an excluded one."""
+    """Return the files in which protoc reports errors, each with the message.
+
+    If protoc names no file, returns the files that import an excluded file.
+    """
     said = {finding.span.file: finding for finding in reversed(error.findings) if finding.rule == DOES_NOT_COMPILE}
     faults = {file: said[shown(shown_root, file)].message for file in kept if shown(shown_root, file) in said}
     if faults:
@@ -169,10 +177,11 @@ def _faults(
 
 
 def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], foreign: str) -> tuple[str, str]:
-    """Return the owner of the envelope's file, and the reason.
+    """Return the owner of the envelope's file, ``mapping`` or ``proto``, and the reason.
 
-    The owner is ``mapping`` only if nothing is lost when the file is written from the table. ``reserved`` are the
-    numbers that the table will reserve. ``foreign`` is the reason why the folder belongs to another project, or empty.
+    The owner is ``mapping`` only if nothing is lost when the file is written from the table. ``reserved`` and
+    ``reserved_names`` are the numbers and names that the table will reserve. ``foreign`` is the reason why the file
+    must not be written because its folder belongs to another project, or empty.
     """
     envelope, file = tree.envelope, tree.files[tree.envelope.file]
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}

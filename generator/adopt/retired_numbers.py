@@ -1,4 +1,4 @@
-"""Retired numbers from git's history: numbers of the envelope that were used before and are free now."""
+"""Numbers that the envelope used in git's history and does not use now. The draft lists them as retired."""
 
 from __future__ import annotations
 
@@ -18,17 +18,21 @@ _TYPE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 
 @dataclass(frozen=True, slots=True)
 class AdoptedPast:
-    """Past of the envelope's numbers."""
+    """Numbers of the envelope in git's history."""
 
     retired: list[DraftRetired]
     commits: int
     """Number of commits that were read; 0 if there is no repository."""
     reused: list[int]
-    """Current numbers that had another meaning before."""
+    """Numbers of today's envelope that had another meaning before."""
 
 
 def read_past(root: Path, tree: Tree, rows: list[DraftRow], report: Callable[[int, int], None] | None) -> AdoptedPast:
-    """Read the past of a tree; it is empty if the tree is not in a git repository."""
+    """Read the numbers that the envelope of a tree had in git's history.
+
+    The result is empty if the tree is not in a git repository. ``report`` is called with the number of file states that
+    were read, and their total.
+    """
     try:
         history = read_history(root, report)
     except GitError:

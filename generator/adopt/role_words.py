@@ -1,4 +1,4 @@
-"""Words in names and comments that tell the sender of a message, and commands from reports."""
+"""Words in names and comments that show who sends a message, and if it is a command or a report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COMMANDS = _listed(
     "action calibrate cmd cmds command commands config configuration control controls ctrl desired drive enable goal "
     "mode move request reset select selection set setpoint setpoints settings start stop target targets trigger"
 )
-"""Words for commands to a machine."""
+"""Words that occur in the names of commands, which a machine receives."""
 
 REPORTS = _listed(
     "ack actual alarm battery data detected diag diagnostic diagnostics encoder encoders error errors event feedback "
@@ -21,22 +21,22 @@ REPORTS = _listed(
     "pressure progress reading readings report response result results sensor state states status telemetry "
     "temperature voltage"
 )
-"""Words for reports from a machine."""
+"""Words that occur in the names of reports, which a machine sends."""
 
 OPERATORS = _listed(
     "app base basestation client cockpit console dashboard gcs ground groundstation gui joystick laptop operator "
     "remote station ui"
 )
-"""Machines that a person operates: they send commands and receive reports."""
+"""Words for machines that a person operates. Such machines send commands and receive reports."""
 
 ROLES = frozenset({"board", "controller", "driver", "mcu", "module", "unit", *OPERATORS})
-"""Words with which a machine's name often ends."""
+"""Words at the end of a machine's name, such as ``board`` in ``SensorBoard``."""
 
 ROS_MACHINES = _listed("autonomy computer jetson nuc pc pi robot ros ros2 rover")
-"""Names of the machine that runs ROS 2."""
+"""Words for the computer that runs ROS 2."""
 
 GENERIC_FOLDERS = _listed("common components lib messages msg msgs proto protobuf protobufs protos shared src")
-"""Names of folders that do not belong to one machine."""
+"""Names of folders that do not show to which machine the messages inside belong."""
 
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
 
@@ -51,5 +51,5 @@ def words(name: str) -> list[str]:
 
 
 def camel_prefix(name: str, count: int) -> str:
-    """Return the first words of a CamelCase name, spelt as in the name."""
+    """Return the first ``count`` words of a CamelCase name, with the capitals of the name."""
     return "".join(_WORD.findall(name)[:count])

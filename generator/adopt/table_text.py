@@ -1,4 +1,4 @@
-"""Text of mapping.yaml for a draft, with the reasons as comments."""
+"""Text of mapping.yaml for a draft; the reasons in the draft become comments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _WIDTH = 110
 
 
 def text_of(draft: Draft) -> str:
-    """Return the text of the file."""
+    """Return the text of mapping.yaml for a draft."""
     parts = [_head(draft), _peers(draft), _messages(draft), _retired(draft), _lint(draft)]
     return "\n".join("\n".join(part) + "\n" for part in map(list, parts) if part)
 
@@ -101,7 +101,7 @@ def _lowered(rules: Mapping[str, str], margin: str) -> Iterator[str]:
 
 
 def _commented(line: str, comment: str) -> list[str]:
-    """Return a line with a comment after it, or before it if the line would be too long."""
+    """Return a line with a comment behind it. If that is too long, the comment is a line of its own before it."""
     if not comment:
         return [line]
     comment = " ".join(comment.split())

@@ -1,1 +1,1 @@
-"""Emission of the IR as files."""
+"""Generation of files from the IR."""

@@ -1,6 +1,6 @@
-"""Spelling of scalings in code, in both directions: ``payload.pressure_kpa * 1000.0``, ``message.x / DEG_TO_RAD``.
+"""Source code for scalings of numbers: ``payload.pressure_kpa * 1000.0``, and back, ``message.x / DEG_TO_RAD``.
 
-Operators are the same in most languages; a `Dialect` has a language's numbers and constants.
+The operators are the same in C++ and Python. A `Dialect` describes how a language writes numbers and constants.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ _EXACT = 2**53
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """Spelling of numbers and constants in a language."""
+    """Way in which a programming language writes numbers and constants."""
 
     separator: str
-    """Separator between groups of three digits."""
+    """Character between groups of three digits in a number."""
     pi: str
     power: str
-    """Format of a power, with the places ``base`` and ``exponent``."""
+    """Format string of a power, with the placeholders ``base`` and ``exponent``."""
     constant: str
-    """Format of a constant's name, with the place ``name``."""
+    """Format string of a constant's name, with the placeholder ``name``."""
 
     def number(self, value: Fraction, *, whole: bool) -> str:
-        """Return a literal: of an integer if `whole`, else of the nearest float.
+        """Return a number as source code: an integer if `whole` is true, else the nearest float.
 
         >>> Dialect("_", "math.pi", "{base}**{exponent}", "_{name}").number(Fraction(1_000_000), whole=False)
         '1_000_000.0'
@@ -39,15 +39,18 @@ class Dialect:
 
 
 class Arithmetic:
-    """Speller of scalings. It collects the constants that they need."""
+    """Writer of scalings as source code. It collects the constants that the expressions use."""
 
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
         self.constants: dict[str, str] = {}
-        """Names and values of the constants."""
+        """Expression of each constant, by the constant's name."""
 
     def scaled(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """Return the expression of the scaled number; `whole` if all numbers are integers."""
+        """Return the expression that applies a scaling to the expression ``text``.
+
+        ``whole`` is true if the result is an integer.
+        """
         if scaling.pi:
             return f"{self._pi_operand(text, scaling)} * {self._constant(scaling)}"
         if _shifted_first(scaling):
@@ -56,7 +59,10 @@ class Arithmetic:
         return self._plus(self._times(text, scaling.factor, whole=whole), scaling.offset, whole=whole)
 
     def back(self, text: str, scaling: Scaling, *, whole: bool) -> str:
-        """Return the expression that recovers the number from the scaled one."""
+        """Return the expression that undoes a scaling: it computes the original number from the scaled one.
+
+        ``text`` is the expression of the scaled number.
+        """
         if scaling.pi:
             size = abs(scaling.factor)
             shifted = self._plus(f"{text} / {self._constant(scaling)}", -scaling.offset / size, whole=False)
@@ -70,9 +76,10 @@ class Arithmetic:
         return self._by(inner, scaling.factor, whole=whole)
 
     def _times(self, text: str, factor: Fraction, *, whole: bool) -> str:
-        """Return a product with the operation that rounds least: ``x / 1.8`` for 5/9, ``-x / 1000.0`` for -1/1000.
+        """Return the product of an expression and a factor, with the operators that round least.
 
-        1.8 has few digits, whereas 0.5555... would be rounded.
+        The results are ``x / 1.8`` for 5/9, and ``-x / 1000.0`` for -1/1000. The number 1.8 has few digits, whereas
+        0.5555... would be rounded.
         """
         number = self._dialect.number
         size = abs(factor)
@@ -89,7 +96,7 @@ class Arithmetic:
         return f"{text} * {number(above, whole=False)} / {number(below, whole=False)}"
 
     def _by(self, text: str, factor: Fraction, *, whole: bool) -> str:
-        """Return a quotient, the inverse of `_times`."""
+        """Return the expression ``text`` divided by a factor. This is the inverse of `_times`."""
         if _is_decimal(factor) and abs(factor).numerator != 1:
             text = f"-{text}" if factor < 0 else text
             return text if abs(factor) == 1 else f"{text} / {self._dialect.number(abs(factor), whole=False)}"
@@ -101,13 +108,13 @@ class Arithmetic:
         return f"{text} {'-' if offset < 0 else '+'} {self._dialect.number(abs(offset), whole=whole)}"
 
     def _pi_operand(self, text: str, scaling: Scaling) -> str:
-        """Return the operand of the constant: the number with its sign and offset."""
+        """Return the expression that is multiplied with the constant: the number with the scaling's sign and offset."""
         size = abs(scaling.factor)
         signed = f"-{text}" if scaling.factor < 0 else text
         return f"({self._plus(signed, scaling.offset / size, whole=False)})" if scaling.offset else signed
 
     def _constant(self, scaling: Scaling) -> str:
-        """Return the name of the constant for a factor with pi."""
+        """Return the name of the constant for a scaling that contains π, and add the constant to `constants`."""
         size, pi = abs(scaling.factor), self._dialect.pi
         power = pi if abs(scaling.pi) == 1 else self._dialect.power.format(base=pi, exponent=abs(scaling.pi))
         if scaling.pi > 0:
@@ -123,7 +130,7 @@ class Arithmetic:
 
 
 def _is_decimal(value: Fraction) -> bool:
-    """Return True if a number has finitely many decimal digits."""
+    """Return True if the decimal notation of a number is finite, as for 1/8 but not for 1/3."""
     bottom = value.denominator
     for prime in (2, 5):
         while bottom % prime == 0:
@@ -132,7 +139,10 @@ def _is_decimal(value: Fraction) -> bool:
 
 
 def _shifted_first(scaling: Scaling) -> bool:
-    """Return True if the offset is shorter before the scaling than after it, as in (F - 32) / 1.8."""
+    """Return True if the offset has to be added before the multiplication, as in (F - 32) / 1.8.
+
+    Added afterwards, the offset would be a number with infinitely many digits.
+    """
     return not _is_decimal(scaling.offset) and _is_decimal(scaling.offset / scaling.factor)
 
 
@@ -141,5 +151,5 @@ def _negated(text: str) -> str:
 
 
 def _word(unit: str) -> str:
-    """Return a unit as a part of a constant's name."""
+    """Return a unit as a part of a constant's name: ``M_PER_S`` for ``m/s``."""
     return re.sub(r"\W+", "_", unit.replace("/", "_PER_").replace("%", "PERCENT")).strip("_").upper() or "1"

@@ -1,4 +1,4 @@
-"""Emission phase: every file that a table compiles to, as path and text."""
+"""Step of the compiler that makes the text of every generated file."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from roverlink.generator.emit.render import Files
 from roverlink.generator.table import Table
 
 FOLDER = "generated"
-"""Folder of generated files as targets name it; `placed` returns the real path."""
+"""Folder of generated files in the paths that targets return; `placed` replaces it by the real folder."""
 
 
 def placed(path: str, bridge: ir.Bridge) -> str:
-    """Return a file's path, with ``generated/`` replaced by the folder of the project's Python package."""
+    """Return a generated file's real path: the project's Python package takes the place of ``generated/``."""
     return f"{bridge.folder}{path.removeprefix(FOLDER)}" if path.startswith(f"{FOLDER}/") else path
 
 
 def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path) -> dict[str, str]:
-    """Return every file that a table compiles to: its text by its path, relative to the table.
+    """Return the text of every file that a table compiles to, by its path relative to the table.
 
-    ``published`` is the ledger from before. ``project`` is the folder to which template folders are relative. Raises
+    ``published`` is the ledger of the last run. The template folders of the table are relative to ``project``. Raises
     `DiagnosticsError` with all mistakes in targets and templates.
     """
     collected = _Collected()
@@ -46,7 +46,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
 
 
 class _Collected:
-    """Collector of files, with the places in the table that ask for them, and of diagnostics."""
+    """Collection of generated files, and of the diagnostics about them. Each file knows its place in the table."""
 
     def __init__(self) -> None:
         self._files: dict[str, str] = {}
@@ -54,7 +54,10 @@ class _Collected:
         self._findings: list[Diagnostic] = []
 
     def add(self, span: Span, files: Iterable[tuple[str, str]]) -> None:
-        """Add the files of a target or template folder; report a file that another one already writes."""
+        """Add the files of a target or of a template folder, which the table lists at ``span``.
+
+        Reports a file that another target or template has added before.
+        """
         try:
             for path, text in files:
                 if path in self._files:
@@ -66,7 +69,7 @@ class _Collected:
             self._findings += error.findings
 
     def files(self) -> dict[str, str]:
-        """Return the files, sorted by path. Raises `DiagnosticsError` if there were mistakes."""
+        """Return the text of each file, sorted by path. Raises `DiagnosticsError` if a mistake was found before."""
         if self._findings:
             raise DiagnosticsError(self._findings)
         return dict(sorted(self._files.items()))
@@ -84,7 +87,7 @@ def _of_target(name: str, bridge: ir.Bridge, span: Span) -> Files:
 
 
 def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
-    """Yield the files of a target from another package; every error in it is reported as that target's failure."""
+    """Yield the files of a target from another package. Any error in its code becomes a `TARGET_FAILED` diagnostic."""
     try:
         for path, text in found.load()(bridge):
             yield str(path), str(text)
@@ -95,7 +98,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
 
 
 def _formatted(files: Files) -> Files:
-    """Format a target's Python files; protoc's modules stay as protoc wrote them."""
+    """Format the Python files of a target with black; the modules that protoc generated are not changed."""
     texts = dict(files)
     ours = {path: text for path, text in texts.items() if path.endswith(".py") and "/pb2/" not in path}
     yield from (texts | format_python(ours)).items()
@@ -106,7 +109,10 @@ def _placed(files: Files, bridge: ir.Bridge) -> Files:
 
 
 def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tuple[str, str]]:
-    """Yield files of foreign targets and templates; raise if one is outside the folder of generated files."""
+    """Yield the files unchanged. Raises `DiagnosticsError` if a path is not below the folder of generated files.
+
+    This checks the targets of other packages, and the templates of users.
+    """
     for path, text in files:
         pure = PurePosixPath(path)
         if pure.parts[:1] != (FOLDER,) or len(pure.parts) < 2 or ".." in pure.parts or "\\" in path:
@@ -116,9 +122,9 @@ def _below_folder(files: Iterable[tuple[str, str]], span: Span) -> Iterator[tupl
 
 
 def _inside(project: Path, files: Files, span: Span) -> Files:
-    """Yield files of users' templates; raise if a link leads a file out of the project.
+    """Yield the files unchanged. Raises `DiagnosticsError` if a symbolic link leads out of the project.
 
-    Users' templates can contain any text, so they must not write outside.
+    The templates come from users and can contain any text, so nothing may be written outside the project.
     """
     for path, text in files:
         if not (project / path).parent.resolve().is_relative_to(project.resolve()):

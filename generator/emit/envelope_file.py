@@ -1,4 +1,4 @@
-"""Text of envelope.proto, if the table owns it."""
+"""Text of the envelope's .proto file, for a project whose table owns that file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of extra topics in generated code."""
+"""Names of the modules and classes that are generated for extra topics."""
 
 from __future__ import annotations
 
@@ -12,19 +12,25 @@ from roverlink.generator.ir import StandardTopic, ros_names
 
 @dataclass(frozen=True, slots=True)
 class NamedExtraTopic:
-    """Extra topic of a row, with its names."""
+    """Extra topic of a row, with the names of its generated module and class."""
 
     route: ir.Route
-    """Row with the extra topic's name and QoS, and without the settings that only the row's own topic has."""
+    """Route of the row, with the extra topic's name and QoS.
+
+    Settings that concern only the row's own topic are removed.
+    """
     standard: StandardTopic
     file: str
-    """Name of the module, without a suffix: ``imu_data_raw``."""
+    """Name of the generated module, without a suffix: ``imu_data_raw``."""
     name: str
-    """Name of the class: ``ImuDataRawTopic``."""
+    """Name of the generated class: ``ImuDataRawTopic``."""
 
 
 def named_extra_topics(bridge: ir.Bridge) -> list[NamedExtraTopic]:
-    """Return every extra topic. Names come from the topics; an underscore is added to a name that is taken."""
+    """Return every extra topic of the bridge, with the names of its generated code.
+
+    The names come from the topic's name. If a name is taken, an underscore is added to it.
+    """
     found: list[NamedExtraTopic] = []
     names: set[str] = set()
     files: set[str] = set()

@@ -1,4 +1,4 @@
-"""Description in words of the sources of a standard message's fields."""
+"""Description of how the fields of a standard message are filled, in words for comments and the documentation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from roverlink.generator.ir.interfaces import (
 
 
 def fields(standard: StandardTopic) -> list[tuple[str, str]]:
-    """Return the name and the description of each filled field."""
+    """Return each filled field of a standard topic's message: its name, and the description of its value."""
     return list(_rows(standard.fields, ()))
 
 

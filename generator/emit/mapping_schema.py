@@ -1,4 +1,4 @@
-"""JSON Schema of mapping.yaml. Editors complete and check the table with it."""
+"""JSON Schema of mapping.yaml. Editors use it to complete and to check the table."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ _POWER_OF_TEN = r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"
 
 
 def text() -> str:
-    """Return the text of the schema's file; it is the same for every table."""
+    """Return the text of the file with the JSON Schema; it is the same for every table."""
     return json.dumps({"$comment": REGENERATE, **json_schema()}, indent=2) + "\n"
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12)."""
+    """Return the JSON Schema (draft 2020-12) of mapping.yaml."""
     definitions: dict[str, Any] = {}
     schema = _Schemas(definitions).of(object_of(Table))
     return {
@@ -49,13 +49,13 @@ def json_schema() -> dict[str, Any]:
 
 
 class _Schemas:
-    """Speller of types. It collects the definitions of named types."""
+    """Converter from types of the table to JSON Schema. It collects the schemas of named types in ``definitions``."""
 
     def __init__(self, definitions: dict[str, Any]) -> None:
         self._definitions = definitions
 
     def of(self, type: Type) -> dict[str, Any]:
-        """Return the schema of a type."""
+        """Return the JSON Schema of a type."""
         if isinstance(type, Named):
             if type.name not in self._definitions:
                 self._definitions[type.name] = {}  # ends the recursion: the type contains itself
@@ -97,7 +97,7 @@ def _description(key: Key) -> str:
 
 
 def _default(key: Key) -> dict[str, Any]:
-    """Return the default of a key, if YAML can write it as a scalar."""
+    """Return the ``default`` entry of a key's schema; empty if the default is not a text, a number or a boolean."""
     # A duration is a number here, but a text such as 500ms in the file.
     if key.meaning.default or not isinstance(key.default, (str, bool, int)) or isinstance(key.type, Duration):
         return {}

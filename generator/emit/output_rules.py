@@ -1,4 +1,4 @@
-"""Rules of the phases that make files and write them."""
+"""Rules for the steps that generate files and write them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Templates, and the header of every generated file."""
+"""Rendering of the templates that are installed with the generator, and the header of every generated file."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 Files = Iterator[tuple[str, str]]
-"""Output of a target: each file's path, relative to the table, and its text."""
+"""Files that a target returns: the path of each file, relative to the table, and the text of the file."""
 
 REGENERATE = "Regenerate with: roverlink generate"
 
 
 def shipped(folder: str) -> Path:
-    """Return a folder that is installed with the generator: ``templates`` or ``cpp``."""
+    """Return the path of a folder that is installed with the generator: ``templates`` or ``cpp``."""
     return Path(__file__).parents[2] / folder
 
 
@@ -29,24 +29,24 @@ SETTINGS: dict[str, Any] = {
     "undefined": StrictUndefined,
     "autoescape": False,
 }
-"""Settings of Jinja for shipped and users' templates. An undefined name is an error, not an empty text."""
+"""Settings of Jinja for our own templates and for those of users. An undefined name in a template is an error."""
 
 
 @cache
 def environment() -> Environment:
-    """Return the Jinja environment of the shipped templates."""
+    """Return the Jinja environment that renders the installed templates."""
     own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
     own.filters |= {"docstring": _docstring, "literal": repr}
     return own
 
 
 def render(template: str, **view: Any) -> str:
-    """Return the rendered text of a template."""
+    """Return the text that a template produces; the template sees the variables in ``view``."""
     return environment().get_template(template).render(view)
 
 
 def _docstring(text: str) -> str:
-    """Return a Python docstring with the indentation of the text's first line."""
+    """Return a text as a Python docstring. The docstring is indented like the first line of the text."""
     margin = " " * (len(text) - len(text.lstrip(" ")))
     escaped = text.expandtabs(4).replace('"""', "'''").strip()
     first, *others = (line.removeprefix(margin).rstrip() for line in escaped.splitlines())
@@ -59,5 +59,5 @@ def _docstring(text: str) -> str:
 
 
 def header(origin: str, open: str = "#", close: str = "") -> str:
-    """Return the two comment lines that open a generated file and name its origin."""
+    """Return the two comment lines at the top of a generated file; ``origin`` names the inputs of the file."""
     return "\n".join(f"{open} {line}{close}" for line in (f"Generated from {origin}; do not edit.", f"{REGENERATE}"))

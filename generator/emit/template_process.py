@@ -33,32 +33,32 @@ _LARGEST_POWER = 4096  # largest result of `**` in bits
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Limits for rendering a folder of templates."""
+    """Limits for one process that renders all templates of a folder."""
 
     seconds: int = 10
-    """Processor time; the starting process waits six times as long."""
+    """Processor time in seconds. The process that started this one waits six times as long."""
     memory: int = 1 << 30
-    """Address space in bytes."""
+    """Address space of the process in bytes."""
     output: int = 64 << 20
-    """Characters of all files together."""
+    """Number of characters of all rendered files together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Folder of templates to render."""
+    """Input of the process: a folder of templates to render, the IR, and the limits."""
 
     root: Path
     templates: tuple[str, ...]
-    """Paths relative to the root."""
+    """Paths of the templates, relative to the root."""
     bridge: ir.Bridge
     limits: Limits
 
 
 def main() -> None:
-    """Render the request on standard input; write JSON lines to standard output.
+    """Read a pickled `Request` from standard input, render its templates, and write JSON lines to standard output.
 
-    ``["template", name]`` announces a template, and ``["file", path, text]`` is one of its files. The last line is
-    ``["failed", file, line, message]`` for the first template that fails, or ``["done"]``.
+    The line ``["template", name]`` says that a template begins, and ``["file", path, text]`` is a file that it
+    produces. The last line is ``["failed", file, line, message]`` for the first template that fails, or ``["done"]``.
     """
     request: Request = pickle.load(sys.stdin.buffer)  # noqa: S301  # written by the process that started this one
     _limit(request.limits)
@@ -67,7 +67,7 @@ def main() -> None:
 
 
 def _limit(limits: Limits) -> None:
-    """Limit this process. On Windows, only the waiting time of the starting process is limited."""
+    """Set the limits of this process. On Windows nothing is set; only the starting process limits the time."""
     if sys.platform == "win32":
         return
     import resource  # the module does not exist on Windows
@@ -107,7 +107,7 @@ def _environment(root: Path) -> Environment:
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):
-    """Jinja's sandbox. It refuses large powers, because Python cannot interrupt their computation."""
+    """Jinja's sandbox. It also refuses powers with huge results, because Python cannot interrupt their computation."""
 
     intercepted_binops = frozenset({"**"})
 
@@ -119,7 +119,7 @@ class _Sandbox(ImmutableSandboxedEnvironment):
 
 
 class _InsideFolder(FileSystemLoader):
-    """Loader for the templates of one folder. It refuses links that lead out of it."""
+    """Loader for the templates of one folder. It refuses symbolic links that lead out of the folder."""
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         root = Path(self.searchpath[0]).resolve()
@@ -129,7 +129,7 @@ class _InsideFolder(FileSystemLoader):
 
 
 def is_inside(path: Path, root: Path) -> bool:
-    """Return True if a path leads to a template or a visible file below a folder, after resolving links.
+    """Return True if a path leads to a template or a visible file below a folder, after resolving symbolic links.
 
     Hidden files are refused because the folder may be the project, and ``.git/config`` may contain a password.
     """
@@ -140,7 +140,7 @@ def is_inside(path: Path, root: Path) -> bool:
 
 
 def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield path and variables of each file that a template produces."""
+    """Yield the path of each file that a template produces, and the variables that the template sees for this file."""
     if "{route}" in template:
         for route in bridge.routes:
             yield template.replace("{route}", route.name), {"bridge": bridge, "route": route}
@@ -152,7 +152,7 @@ def _renderings(template: str, bridge: ir.Bridge) -> Iterator[tuple[str, dict[st
 
 
 def _rendered(own: Environment, template: str, view: dict[str, Any], budget: int) -> str:
-    """Render a template. Raises `SecurityError` if the text is longer than the budget."""
+    """Return the text that a template produces. Raises `SecurityError` if it has more than ``budget`` characters."""
     parts, length = [], 0
     stream = cast(Generator[str, None, None], own.get_template(template).generate(view))
     for part in stream:
@@ -164,7 +164,7 @@ def _rendered(own: Environment, template: str, view: dict[str, Any], budget: int
 
 
 def _failure(error: Exception, template: str) -> tuple[str, int, str]:
-    """Return the failed template, its line (0 for the whole file), and the reason."""
+    """Return the file name of the failed template, the line (0 for the whole file), and the reason."""
     if isinstance(error, TemplateSyntaxError):
         return error.name or template, error.lineno, f"cannot parse the template: {error.message}"
     if isinstance(error, UnicodeDecodeError):
@@ -174,7 +174,10 @@ def _failure(error: Exception, template: str) -> tuple[str, int, str]:
 
 
 def _line(error: BaseException, template: str) -> int:
-    """Return the template's line that raised an error; 0 if unknown. Jinja adds the line to the traceback."""
+    """Return the line of the template in which an error was raised; 0 if it is unknown.
+
+    Jinja adds the template's line to the traceback of the error.
+    """
     found, step = 0, error.__traceback__
     while step is not None:
         if step.tb_frame.f_code.co_filename.endswith(f"/{template}"):

@@ -30,20 +30,20 @@ _TYPES = {
     "bool": 15,
     "string": 17,
 }
-"""Numbers of types in type_description_interfaces/msg/FieldType."""
+"""Number of each primitive type in type_description_interfaces/msg/FieldType."""
 _UNBOUNDED_SEQUENCE = 144
-"""Offset of these numbers for an unbounded sequence."""
+"""Amount that is added to a type's number for an unbounded sequence of this type."""
 _EMPTY = ir.RosField("structure_needs_at_least_one_member", ir.RosType("uint8"), "")
 """Field that rosidl adds to a message without fields, because C has no empty structs."""
 
 
 _SECONDS = (ir.RosField("sec", ir.RosType("int32"), ""), ir.RosField("nanosec", ir.RosType("uint32"), ""))
 _MESSAGES_OF_OTHER_PACKAGES = {"builtin_interfaces/msg/Duration": _SECONDS, "builtin_interfaces/msg/Time": _SECONDS}
-"""Messages of other packages that fields can have."""
+"""Fields of the messages from other packages that a generated message can contain."""
 
 
 def type_hashes(bridge: ir.Bridge) -> dict[str, str]:
-    """Return the hash of each message of the package, by its name."""
+    """Return the type hash of each message in the generated ROS 2 package, by the message's name."""
     own = {f"{bridge.package}/msg/{message.name}": message.fields for message in bridge.messages}
     messages = {**_MESSAGES_OF_OTHER_PACKAGES, **own}
     return {
@@ -73,7 +73,7 @@ def _hash(name: str, messages: _Messages, package: str) -> str:
 
 
 def _description(name: str, messages: _Messages, package: str) -> dict[str, Any]:
-    """Describe a type without its nested types; the order of the keys is part of the standard."""
+    """Return the description of a message without nested messages. REP 2016 prescribes the order of the keys."""
     fields = messages[name] or (_EMPTY,)
     return {"type_name": name, "fields": [{"name": one.name, "type": _type(one.type, package)} for one in fields]}
 

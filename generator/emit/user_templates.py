@@ -21,7 +21,7 @@ LIMITS = Limits()
 _WAIT_FACTOR = 6  # times the processor time, because other programs also use the processor
 
 _INSTALLED = Path(__file__).parents[3]
-"""Folder that contains the package roverlink."""
+"""Folder from which Python imports the package roverlink."""
 # Our folder comes last, so that a package beside roverlink cannot hide a module of Python.
 _RUN = """
 import sys
@@ -32,12 +32,13 @@ main()
 
 
 def emit(bridge: ir.Bridge, project: Path, folder: str, span: Span) -> Files:
-    """Render the templates of a folder to ``generated/<folder's name>/``, without the suffix of the templates.
+    """Render the templates of a user's folder; the files go to ``generated/NAME/``, where NAME is the folder's name.
 
-    A template sees ``bridge``. A template with ``{route}`` in its path is rendered once for each row, and also sees
-    ``route``; ``{message}`` and ``message`` work the same way for each message of the ROS 2 package. ``folder`` is
-    relative to the project; ``span`` is the place in the table that lists it. Raises `DiagnosticsError` for a folder
-    without templates, for links that lead out of it, and for the first template that cannot be rendered.
+    A template sees the IR as ``bridge``. A template with ``{route}`` in its path is rendered once for each row, and
+    also sees the row as ``route``. A template with ``{message}`` in its path is rendered once for each message of the
+    ROS 2 package, and also sees the message as ``message``. The templates' suffix is removed from the paths. ``folder``
+    is relative to the project; ``span`` is the place in the table that lists the folder. Raises `DiagnosticsError` for
+    a folder without templates, for links that lead out of it, and for the first template that cannot be rendered.
     """
     root = _root(project, folder, span)
     templates = _templates(root, folder, span)
@@ -47,7 +48,10 @@ def emit(bridge: ir.Bridge, project: Path, folder: str, span: Span) -> Files:
 
 
 def _root(project: Path, folder: str, span: Span) -> Path:
-    """Return the folder. Only the command line may name a folder outside the project."""
+    """Return the path of the folder with the templates. Raises `DiagnosticsError` for a link out of the project.
+
+    Only the command line may name a folder outside the project, with a path that starts with ``..``.
+    """
     root = (project / folder).resolve()
     if not folder.startswith("..") and not root.is_relative_to(project.resolve()):
         raise DiagnosticsError([FOREIGN_TEMPLATE.at(span, f"{folder} is a link that leads out of the project")])
@@ -91,7 +95,10 @@ def _rendered(request: Request, folder: str) -> Iterator[tuple[str, str]]:
 
 
 def _answers(request: Request) -> list[list[Any]]:
-    """Return the complete lines that the process wrote, even if it was killed."""
+    """Start the process that renders the templates, and return the JSON lines that it wrote.
+
+    If the process was killed, a line that is not complete is dropped.
+    """
     # The process runs in an empty folder, so that a user's module cannot hide a module of Python.
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         command = [sys.executable, "-c", _RUN, str(_INSTALLED)]

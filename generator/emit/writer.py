@@ -1,4 +1,7 @@
-"""Last phase: comparison with the disk, and writing. No other module writes generated files."""
+"""Last step of the compiler: compares the generated files with the disk, and writes them.
+
+No other module writes generated files.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ _MARK_WITHIN = 400  # bytes; the header is at the top
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """File whose content on disk differs from the wanted one. ``before`` or ``after`` is None if there is no file."""
+    """File that has to be written or removed. ``before`` is None for a new file, and ``after`` for a file to remove."""
 
     path: str
     before: str | None
@@ -41,15 +44,16 @@ class Change:
 
 
 def _lines(text: str | None) -> list[str]:
-    """Return the lines of a text for a diff, which marks a missing newline at the end."""
+    """Return the lines of a text for a diff. If the last line has no newline, a note for this is added."""
     lines = re.findall(r"[^\n]*\n|[^\n]+", text or "")
     return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
 
 
 def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> list[Change]:
-    """Return the differences between the disk and the wanted files.
+    """Return the changes that give the files on disk the wanted texts.
 
-    Generated files that are not wanted any more are removed; they are searched in the project's ``folders``.
+    ``folders`` are the folders of the project that may contain generated files. A generated file in them that is not
+    among the wanted files is removed.
     """
     changes = [Change(path, _text(project, path), text) for path, text in files.items()]
     stale = [Change(path, _text(project, path), None) for path in _generated(project, folders) if path not in files]
@@ -59,10 +63,10 @@ def compare(project: Path, files: Mapping[str, str], folders: Iterable[str]) -> 
 
 
 def write(project: Path, changes: Iterable[Change]) -> None:
-    """Apply changes to the disk.
+    """Write and remove files as the changes say.
 
-    Each file is replaced atomically, and only after all texts are written to temporary files. Raises `DiagnosticsError`
-    for a file that cannot be written.
+    All texts are first written to temporary files. Then each file is replaced atomically. Raises `DiagnosticsError` for
+    a file that cannot be written.
     """
     changes = list(changes)
     with contextlib.ExitStack() as prepared:
@@ -84,7 +88,7 @@ def write(project: Path, changes: Iterable[Change]) -> None:
 
 @contextlib.contextmanager
 def _reporting(path: str, action: str) -> Iterator[None]:
-    """Convert an error of the operating system to a diagnostic; ``action`` is a verb."""
+    """Convert an `OSError` to a diagnostic that says "cannot <action> the file"."""
     try:
         yield
     except OSError as error:
@@ -100,7 +104,7 @@ def _text(project: Path, path: str) -> str | None:
 
 
 def _generated(project: Path, folders: Iterable[str]) -> Iterable[str]:
-    """Yield the files that an earlier run generated, known by their header. Other files belong to the user."""
+    """Yield the generated files in folders of the project. Their header tells that roverlink generated them."""
     for folder in folders:
         for path in sorted((project / folder).rglob("*")):
             if path.is_file() and path.suffix != ".pyc" and _is_ours(path):
@@ -116,7 +120,10 @@ def _is_ours(path: Path) -> bool:
 
 
 def _prepare(path: Path, text: str) -> Path:
-    """Write the text to a temporary file in the same folder, because replacing across file systems is not atomic."""
+    """Write a text to a temporary file beside ``path``, and return its path.
+
+    The temporary file is in the same folder, because a file of another file system cannot be replaced atomically.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     temporary = Path(name)
@@ -137,7 +144,7 @@ def _umask() -> int:
 
 
 def _remove(path: Path, stop: Path) -> None:
-    """Remove a file, and folders that are empty afterwards."""
+    """Remove a file, and the folders above it that are empty afterwards; ``stop`` and the folders above it are kept."""
     path.unlink()
     for folder in path.parents:
         if folder == stop or any(child.name != "__pycache__" for child in folder.iterdir()):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 Path = tuple[str, ...]
-"""Names of the enclosing messages' fields, then the field's own name."""
+"""Path of a field: the names of the fields that lead to it, then the name of the field itself."""
 
 Scalar = bool | int | float | str
 Value = Scalar | tuple[Scalar, ...]
@@ -21,16 +21,16 @@ Value = Scalar | tuple[Scalar, ...]
 
 @dataclass(frozen=True, slots=True)
 class InterfaceType:
-    """Type of a field: a primitive, ``string`` or a message by its full name; or an array or sequence of it."""
+    """Type of a field: a primitive, ``string``, a message, or an array or sequence of one of these."""
 
     name: str
     length: int | None = None
     """Length of an array; None if it is not an array."""
     is_sequence: bool = False
     bound: int | None = None
-    """Largest length of a sequence; None if unbounded."""
+    """Largest length of a sequence; None if it is unlimited."""
     text_bound: int | None = None
-    """Largest length of a string; None if unbounded."""
+    """Largest length of a string; None if it is unlimited."""
 
     @property
     def is_message(self) -> bool:
@@ -67,7 +67,7 @@ class InterfaceConstant:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """Standard message: a message of another package."""
+    """Standard message: a message of a ROS 2 package such as sensor_msgs."""
 
     name: str
     """Full name, such as ``sensor_msgs/msg/Imu``."""
@@ -90,18 +90,19 @@ class Interface:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Field of the payload, as the source of a value."""
+    """Field of the payload from which a value is taken."""
 
     path: Path
     type: str
-    """ROS primitive type with the same values; ``string`` or ``bytes``."""
+    """ROS primitive type that has the same values as the proto field; ``string`` or ``bytes`` for these types."""
     repeated: bool = False
     optional: bool = False
     """True if the field distinguishes *absent* from *zero*."""
     enum: str = ""
     """Full name of the field's enum; empty if it has another type."""
     oneof: str = ""
-    """Oneof that contains the field, or a message that holds it; empty if there is none."""
+    """Name of the oneof that contains the field, or that contains a message around the field; empty if there is none.
+    """
 
     @property
     def dotted(self) -> str:
@@ -116,7 +117,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
-    """Conversion of a number: ``(number * factor + offset) * π ** pi``.
+    """Linear conversion of a number: ``(number * factor + offset) * π ** pi``.
 
     `pi` is -1, 0 or 1, so that factors such as 180/π stay exact fractions. If it is not 0, the offset is 0.
     """
@@ -125,9 +126,9 @@ class Scaling:
     offset: Fraction = Fraction(0)
     pi: int = 0
     unit: str = ""
-    """Unit of the number, as the table writes it; empty if there is none."""
+    """Unit of the number before the conversion, as the table writes it; empty if there is none."""
     to: str = ""
-    """Unit of the result."""
+    """Unit of the number after the conversion; empty if there is none."""
 
     @property
     def is_identity(self) -> bool:
@@ -136,55 +137,58 @@ class Scaling:
 
     @property
     def is_whole(self) -> bool:
-        """True if integers are converted to integers."""
+        """True if the conversion of an integer always gives an integer."""
         return self.factor.denominator == self.offset.denominator == 1 and not self.pi
 
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """Field of the payload after scaling."""
+    """Value of a payload field, after the conversion of its unit."""
 
     source: Source
     scaling: Scaling = Scaling()
     rounded: bool = False
-    """True if a fraction is rounded to the nearest integer."""
+    """True if the result is rounded to the nearest integer."""
     default: bool | int | float | str | None = None
-    """Value for an absent field."""
+    """Value that is used if the payload does not contain the field; None if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Value of an enum, and the value that replaces it."""
+    """Value of a proto enum, and the value that the ROS field gets for it."""
 
     number: int
     name: str
     value: int | float | str | bool
     constant: str
-    """Constant of the ROS message that has the value; empty if there is none."""
+    """Constant of the ROS message with this value; empty if the table gives the value as a number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """Value that the table chooses by the value of an enum."""
+    """Value that depends on the value of an enum field; the table lists the result for each enum value."""
 
     source: Source
     cases: tuple[Case, ...]
     holder: str
-    """Full name of the message that has the constants."""
+    """Full name of the ROS message that declares the constants."""
     default: Case | None = None
-    """Value for every other enum value."""
+    """Result for every enum value that is not listed; None if such a value is an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """Constant value, the same in every message."""
+    """Value that is the same in every message."""
 
     value: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
-    """Quaternion from angles in radians about the fixed axes x, y and z, in this order (REP 103)."""
+    """Quaternion that is computed from roll, pitch and yaw: angles in radians about the fixed axes x, y and z.
+
+    The rotations are applied in this order (REP 103).
+    """
 
     roll: Taken | Constant
     pitch: Taken | Constant
@@ -193,21 +197,21 @@ class Rotation:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """Time or duration: a field of the payload, or, without a source, the time at which the datagram was received."""
+    """Time or duration from a field of the payload. Without a source, it is the time of the datagram's reception."""
 
     source: Source | None
     nanoseconds: Fraction = Fraction(1)
-    """Nanoseconds in one unit of the field."""
+    """Number of nanoseconds in one unit of the payload's field."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unset:
-    """Default value that the field has in a new message."""
+    """Marker for a field that the conversion does not fill. The field keeps the default of a new message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Nested message, field by field."""
+    """Nested message whose fields are filled one by one."""
 
     fields: tuple[TargetField, ...]
 
@@ -226,7 +230,7 @@ class TargetField:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """Expression that can be inverted: the payload's fields are computed from its value in a message."""
+    """Field of a standard message from which fields of the payload can be computed, and the expression to invert."""
 
     path: Path
     """Path of the field in the standard message."""

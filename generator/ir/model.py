@@ -16,7 +16,7 @@ from roverlink.generator.ir.interfaces import Interface, Recovered, TargetField
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """Payload in the envelope's oneof."""
+    """Member of the envelope's oneof: a payload."""
 
     number: int
     name: str
@@ -27,7 +27,7 @@ class Member:
 
 @dataclass(frozen=True, slots=True)
 class Retired:
-    """Retired payload. The envelope reserves its number and its name."""
+    """Removed payload, whose number and name the envelope reserves."""
 
     number: int
     name: str
@@ -36,7 +36,7 @@ class Retired:
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """Burned number: it had several meanings in the past, and must not be used again."""
+    """Number of the envelope that had several meanings in the past, and that must never be used again."""
 
     number: int
     uses: tuple[str, ...]
@@ -59,29 +59,29 @@ class Envelope:
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """Machine that exchanges datagrams with the bridge."""
+    """Machine that exchanges datagrams with the bridge. It may consist of several boards."""
 
     name: str
     parameter: str
     port: int
     strip_trailing_zeros: bool
     prefixes: tuple[str, ...] = ()
-    """Prefixes of its messages' names, one for each of its boards; empty if any name is allowed."""
+    """Beginnings of the names of this peer's messages, one for each board; empty if any name is allowed."""
     sources: tuple[str, ...] = ()
-    """Addresses and networks of the peer; empty if any address is allowed."""
+    """IP addresses and networks from which the peer may send; empty if any address is allowed."""
     source_rate: int | None = None
-    """Most datagrams a second from each of its addresses; None for no limit."""
+    """Largest number of datagrams per second that is accepted from each address of the peer; None for no limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """Type of a ROS field: a ROS primitive, ``string`` or a message; or a sequence of it."""
+    """Type of a ROS field: a primitive, ``string``, a message, or a sequence of one of these."""
 
     name: str
     is_message: bool = False
     is_sequence: bool = False
     package: str = ""
-    """Package of a message of another package; empty for the table's own package."""
+    """Package of the message, if it is not the generated package; empty otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class RosField:
     type: RosType
     comment: str
     enum: str = ""
-    """Full name of the proto enum or oneof whose constants are the field's values; empty if there is none."""
+    """Full name of the proto enum or oneof whose constants are the possible values; empty if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ class RosConstant:
     value: int
     comment: str
     enum: str
-    """Full name of the proto enum or oneof."""
+    """Full name of the proto enum or oneof to which the constant belongs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +116,11 @@ class RosMessage:
     constants: tuple[RosConstant, ...]
     comment: str
     source: str
-    """Full name of the proto message or enum from which it is generated."""
+    """Full name of the proto message, enum or field from which the ROS message is generated."""
 
 
 class ConversionKind(Enum):
-    """Kind of conversion of a value. A repeated field, or a map's values, are converted one by one."""
+    """Kind of the conversion of one value. In a repeated field or a map, each value is converted on its own."""
 
     VALUE = "the same value"
     MESSAGE = "a nested message, converted by its own `Conversion`"
@@ -134,7 +134,7 @@ class ConversionKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Wrapping:
-    """Proto message that wraps a single field."""
+    """Proto message that only wraps one field, such as google.protobuf.FloatValue."""
 
     proto: str
     field: str
@@ -142,12 +142,12 @@ class Wrapping:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Member of a oneof."""
+    """Member of a oneof, with the constant that stands for it in ROS."""
 
     proto: str
     """Name of the proto field."""
     constant: str
-    """Constant of the ROS message for this member."""
+    """Constant of the ROS message that stands for this member."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,27 +155,31 @@ class FieldConversion:
     """Conversion between a proto field and a ROS field."""
 
     proto_path: tuple[str, ...]
-    """Names of the enclosing proto fields, then the field's own name; for `WHICH`, the oneof's name."""
+    """Path of the proto field: the names of the fields that lead to it, then its own name.
+
+    For `WHICH`, the last name is that of the oneof.
+    """
     ros: RosField
     kind: ConversionKind
     repeated: bool = False
     entry: MapEntry | None = None
     """Conversion of a map's entries; None if the field is not a map.
 
-    If set, `kind` describes the entry message and can be ignored.
+    If it is set, it replaces `kind`.
     """
     presence: str = ""
-    """Boolean ROS field that is true if the proto field is set; empty if there is none."""
+    """Boolean ROS field that tells if the proto field is set; empty if there is none."""
     which: str = ""
-    """For a member of a oneof: ROS field that contains the number of the member that is set."""
+    """ROS field that holds the number of the oneof's member that is set; empty if the field is not in a oneof."""
     converter: str = ""
-    """Name of the ROS message for `MESSAGE`; name of the runtime's module for `WELL_KNOWN` and `JSON`."""
+    """For `MESSAGE`, name of the ROS message of the nested message; for `WELL_KNOWN` and `JSON`, the runtime's module.
+    """
     member: str = ""
-    """Field of the ROS message that contains the value, for `HELD`."""
+    """For `HELD`, name of the field inside the ROS message that contains the value."""
     wrapping: Wrapping | None = None
-    """Proto message that wraps the value; None if there is none."""
+    """Wrapper message that contains the proto value, such as google.protobuf.FloatValue; None if there is none."""
     choices: tuple[Choice, ...] = ()
-    """Members of the oneof, for `WHICH`."""
+    """For `WHICH`, the members of the oneof."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,21 +210,24 @@ class Conversion:
 
 @dataclass(frozen=True, slots=True)
 class AnyMember:
-    """Message that a google.protobuf.Any may contain."""
+    """One of the messages that a google.protobuf.Any may contain."""
 
     proto: str
     ros: str
-    """ROS message to which it is converted."""
+    """Name of the ROS message to which this message is converted."""
     field: str
     constant: str
 
 
 @dataclass(frozen=True, slots=True)
 class AnyConversion:
-    """Conversion between a ROS message and a google.protobuf.Any, whose possible messages the table lists."""
+    """Conversion between a ROS message and a google.protobuf.Any.
+
+    The table lists the messages that the Any may contain.
+    """
 
     source: str
-    """Full name of the proto field."""
+    """Full name of the proto field with the Any."""
     ros: str
     members: tuple[AnyMember, ...]
 
@@ -237,12 +244,12 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class Deadman:
-    """Payload that is sent to a peer when the commanding topic is silent."""
+    """Payload that the bridge sends to a peer when the topic that commands the peer is silent for too long."""
 
     after_ms: int
     repeat_ms: int
     send: tuple[tuple[str, bool | int | float | str | bytes], ...]
-    """Values by the proto field's path, with dots."""
+    """Values of the payload, each with the path of the proto field, with dots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,7 +268,10 @@ class StandardTopic:
     """Full name of the standard message, such as ``sensor_msgs/msg/Imu``."""
     fields: tuple[TargetField, ...]
     recovered: tuple[Recovered, ...]
-    """Expressions that compute the payload from the message, by the order of its fields; empty if impossible."""
+    """Expressions that give the payload when they are inverted, in the order of the message's fields.
+
+    Empty if the payload cannot be computed from the message.
+    """
     obstacle: str = ""
     """Reason why the payload cannot be computed from the message; empty if it can."""
     lost: tuple[str, ...] = ()
@@ -287,7 +297,7 @@ class WireSize:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """Resolved row of the table."""
+    """Row of the table with all its parts resolved: the unit that targets generate a handler for."""
 
     number: int
     name: str
@@ -305,34 +315,34 @@ class Route:
     """Comment of the payload's message in the .proto file."""
     deadman: Deadman | None = None
     max_rate: int | None = None
-    """Most messages a second; None for no limit."""
+    """Largest number of messages per second that the bridge passes on; None for no limit."""
     size: WireSize | None = None
     priority: int = 0
     expect_rate: int | None = None
-    """Least messages a second; diagnostics warn below it."""
+    """Smallest number of messages per second that is expected; below it, diagnostics warn. None for no check."""
     standard: StandardTopic | None = None
-    """Row's own topic, if it has a standard message."""
+    """Standard topic of the row itself; None if the row's topic has a generated ROS message."""
     extra_topics: tuple[StandardTopic, ...] = ()
-    """Topics with standard messages from `also`."""
+    """Extra topics of the row, which the table lists under `also`."""
 
     @property
     def peer(self) -> str:
-        """The name of the peer at the other end."""
+        """Name of the peer that sends or receives the payload."""
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
     @property
     def source(self) -> str:
-        """Origin of the messages, in words: a peer or a topic."""
+        """Sender of the messages in words, for texts: a peer or a topic."""
         return f"the peer {self.peer}" if self.inbound else f"the topic {self.topic}"
 
     @property
     def target(self) -> str:
-        """Destination of the messages, in words: a topic or a peer."""
+        """Receiver of the messages in words, for texts: a topic or a peer."""
         return f"the topic {self.topic}" if self.inbound else f"the peer {self.peer}"
 
     @property
     def standard_topics(self) -> tuple[StandardTopic, ...]:
-        """Every topic of the route that has a standard message."""
+        """Every topic of the row that has a standard message: its own topic, if it has one, and the extra topics."""
         return (self.standard, *self.extra_topics) if self.standard else self.extra_topics
 
 
@@ -349,7 +359,7 @@ class WireField:
     oneof: str
     """Oneof that contains the field; empty if there is none."""
     comment: str = field(default="", compare=False)
-    """Comment in the .proto file; empty for a field from the ledger, which stores no comments."""
+    """Comment in the .proto file. It is empty for a field that was read from the ledger, which stores no comments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,7 +368,7 @@ class WireMessage:
 
     name: str
     fields: tuple[WireField, ...]
-    """Fields, sorted by number."""
+    """Fields of the message, sorted by number."""
     reserved: tuple[tuple[int, int], ...]
     """Ranges of reserved numbers, both ends included."""
     reserved_names: tuple[str, ...]
@@ -369,7 +379,7 @@ class WireMessage:
 
 @dataclass(frozen=True, slots=True)
 class WireValue:
-    """Declared value of an enum."""
+    """Value that an enum declares."""
 
     number: int
     name: str
@@ -382,7 +392,7 @@ class WireEnum:
 
     name: str
     values: tuple[WireValue, ...]
-    """Values, sorted by number."""
+    """Values of the enum, sorted by number."""
     reserved: tuple[tuple[int, int], ...]
     """Ranges of reserved numbers, both ends included."""
     reserved_names: tuple[str, ...]
@@ -391,12 +401,12 @@ class WireEnum:
 
 @dataclass(frozen=True, slots=True)
 class FieldBound:
-    """Size limit of a field on a microcontroller."""
+    """Size limit that the table gives to a field for microcontrollers."""
 
     file: str
-    """.proto file, relative to the proto root."""
+    """Path of the .proto file that declares the field, relative to the proto root."""
     message: str
-    """Full name of the message."""
+    """Full name of the message that contains the field."""
     field: str
     is_bytes: bool
     length: int | None
@@ -421,16 +431,16 @@ class Bridge:
     routes: tuple[Route, ...]
     messages: tuple[RosMessage, ...]
     nested: tuple[Conversion, ...]
-    """Conversions of nested messages that are not themselves the payload of a row."""
+    """Conversions of the messages inside payloads, except of messages that are themselves the payload of a row."""
     anys: tuple[AnyConversion, ...]
     wire_messages: tuple[WireMessage, ...]
     wire_enums: tuple[WireEnum, ...]
     bounds: tuple[FieldBound, ...]
-    """Size limits from the table; options files beside the .proto files may set more."""
+    """Size limits from the table; .options files beside the .proto files may contain more limits."""
     interfaces: tuple[Interface, ...]
     """Standard messages that the rows need, sorted by name."""
     modules: Mapping[str, str]
-    """Text of each module that protoc generated, by path."""
+    """Text of each Python module that protoc generated, by the module's path."""
     descriptors: bytes
     """Serialized FileDescriptorSet of the envelope and its imports, without comments."""
 

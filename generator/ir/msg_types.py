@@ -1,4 +1,4 @@
-"""Spelling of types in .msg files."""
+"""Conversion of ROS types to the text that stands in .msg files."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from roverlink.generator import ir
 
 
 def msg_type(type: ir.RosType) -> str:
-    """Return a field's type as a .msg file spells it."""
+    """Return the type of a field as a .msg file writes it: ``float64[]``."""
     name = f"{type.package}/{type.name}" if type.package else type.name
     return f"{name}[]" if type.is_sequence else name

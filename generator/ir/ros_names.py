@@ -62,7 +62,7 @@ def is_cpp_keyword(name: str) -> bool:
 
 
 def unusable(name: str) -> str:
-    """Return the reason why a ROS field cannot have the name; empty if it can."""
+    """Return the reason why a name cannot be the name of a ROS field; empty if it can."""
     if keyword.iskeyword(name):
         return "it is a Python keyword"
     if is_cpp_keyword(name):
@@ -107,7 +107,7 @@ def field_name(proto: str) -> str:
 
 
 def lowered(proto: str) -> str:
-    """Convert a name to lower case with single underscores."""
+    """Convert a name to lower case with single underscores between the words."""
     return _single_underscores(snake_case(proto))
 
 
@@ -134,9 +134,9 @@ def camel_case(name: str) -> str:
 
 
 def distinct(name: str) -> str:
-    """Return a key that is equal for two field names which collide in class names and in protobuf's JSON.
+    """Return a key for comparing field names: it is equal for two names that would collide in generated code.
 
-    Both drop underscores and change capitals.
+    Class names and protobuf's JSON names drop underscores and change capitals.
 
     >>> distinct("imu_info") == distinct("ImuInfo")
     True

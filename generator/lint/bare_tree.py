@@ -1,6 +1,7 @@
-"""A tree of .proto files without a mapping.yaml, as a table.
+"""Table that is made from a tree of .proto files, for a tree without a mapping.yaml.
 
-Its rows are the members of the envelope, so the rules about numbers and names work as they do on a real table.
+The rows of the table are the members of the envelope's oneof. So the rules about numbers and names work as they do on a
+table that was read from mapping.yaml.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ from roverlink.generator.table import FORMAT_VERSION, EnvelopeSettings, ProtoSet
 
 @dataclass(frozen=True, slots=True)
 class EnvelopeName:
-    """The envelope's message, as given on the command line."""
+    """Name and file of the envelope's message, as the user gave them on the command line."""
 
     file: str
-    """The envelope's file, relative to the tree; empty for none."""
+    """Path of the envelope's file, relative to the tree; empty if the user did not give it."""
     message: str
 
 
 def table_of_tree(envelope: EnvelopeName) -> Table:
-    """Return a table without rows; `with_members` adds them from the envelope."""
+    """Return the table for a tree, without rows. When the protos have been read, `with_members` adds the rows."""
     file = str(PurePosixPath(envelope.file)) if envelope.file else ""
     here = Span(file or ".")
     return Table(
@@ -44,10 +45,11 @@ def table_of_tree(envelope: EnvelopeName) -> Table:
 
 
 def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = (), past: Iterable[str] = ()) -> Table:
-    """Add a row for each member of the envelope to the table of a tree; return any other table unchanged.
+    """Return the table of a tree with a row for each member of the envelope. Any other table is returned unchanged.
 
-    The message may be named without its package. Raises `DiagnosticsError`, with ``findings`` in front, if the envelope
-    is not declared, unless it is among the messages of the ``past``.
+    The user may name the envelope's message without its package. If the envelope is not declared, but is one of the
+    messages of the ``past``, the table is returned unchanged, too. Otherwise a missing envelope raises
+    `DiagnosticsError`, which contains ``findings`` as well.
     """
     if table.proto.root or not (table.envelope.message or table.envelope.file):
         return table
@@ -68,25 +70,28 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = 
 
 
 def must_have_envelope(table: Table, findings: Sequence[Diagnostic]) -> None:
-    """Raise `DiagnosticsError` if the envelope's message was not named."""
+    """Raise `DiagnosticsError` if the user did not name the envelope's message."""
     if not table.envelope.message:
         message = "the envelope's message is not named; nothing was linted"
         raise DiagnosticsError([*findings, NO_ENVELOPE_MESSAGE.at(table.envelope.span, message, "add --message NAME")])
 
 
 def _full_name(envelope: EnvelopeSettings, schema: Schema) -> str:
-    """Return the full name of the envelope's message, if only one message has that name."""
+    """Return the full name of the envelope's message. If several messages match, return the name that the user gave."""
     named = _named(envelope.message, schema.messages)
     return named[0] if len(named) == 1 and envelope.message not in named else envelope.message
 
 
 def _named(name: str, messages: Iterable[str]) -> list[str]:
-    """Return the messages with a name in any package; none for an empty name."""
+    """Return the full names of the messages that have a name in any package; empty if the name is empty."""
     return [message for message in messages if name and f".{message}".endswith(f".{name}")]
 
 
 def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMessage | None) -> Diagnostic:
-    """Return a diagnostic for an envelope that was named wrongly."""
+    """Return the diagnostic for a missing envelope: its name or its file, as the user gave them, is wrong.
+
+    ``elsewhere`` is the message if another file than ``settings.file`` declares it.
+    """
     name, file = settings.message, settings.file
     in_file = [message.full_name for message in schema.messages.values() if message.span.file == file]
     known = _named(name, schema.messages) or in_file
@@ -102,7 +107,10 @@ def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMes
 
 
 def _largest_oneof(envelope: ProtoMessage) -> str:
-    """Return the oneof with the most members. Without any oneof this is empty, and all fields are payloads."""
+    """Return the name of the oneof with the most members.
+
+    The name is empty for a message without oneofs; then all its fields count as payloads.
+    """
     counted = Counter(field.oneof for field in envelope.fields if field.oneof)
     return counted.most_common(1)[0][0] if counted else ""
 

@@ -1,4 +1,7 @@
-"""The baseline: an earlier state of a project or of .proto files, in a git ref, a folder or a descriptor set."""
+"""The baseline: an earlier state of the project or of its .proto files, with which the lint compares the current state.
+
+The state comes from a git ref, a folder or a descriptor set.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +30,12 @@ _TABLE = "mapping.yaml"
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The layout of a project: places and names, relative to its folder."""
+    """Facts about the current project that are needed to read an earlier state of it."""
 
     root: str
-    """The folder of the .proto files; empty for the project's own folder."""
+    """The folder of the .proto files, relative to the project; empty for the project's own folder."""
     exclude: tuple[str, ...]
-    """Excluded files; only used if the state has no table."""
+    """The .proto files that are not compiled. If the earlier state has a table, the table's list is used instead."""
     envelope_message: str
     oneof: str
 
@@ -42,19 +45,20 @@ class Baseline:
     """An earlier state of a project."""
 
     name: str
-    """The name of the state in diagnostics."""
+    """The name of the state, with which the file names of its places begin in diagnostics."""
     schema: Schema
     entries: tuple[Entry, ...]
-    """The payloads of its envelope, ledger and table."""
+    """The payloads that the state's envelope, ledger and table contain."""
     bounds: Bounds | None
     commit_of: Callable[[Span], Commit | None]
-    """Returns the commit of a line; None if it is unknown."""
+    """Function that returns the commit which last changed the line of a place; None if it is unknown."""
 
 
 def open_baseline(spec: str, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline:
-    """Read the state that ``--against`` names, and report the parts that cannot be read.
+    """Read the earlier state that the option ``--against`` names. Parts that cannot be read are reported.
 
-    A folder or file of that name is preferred to a git ref. Raises `DiagnosticsError` if there is no such state.
+    If a folder or file has the name, it is used, and otherwise the git ref. Raises `DiagnosticsError` if nothing has
+    the name.
     """
     path = Path(spec)
     if path.is_dir():
@@ -112,7 +116,10 @@ def _baseline_in(
     commit_of: Callable[[Span], Commit | None],
     findings: list[Diagnostic],
 ) -> Baseline:
-    """Read the state in a folder: a project, the folder of its .proto files, or any tree of them."""
+    """Read an earlier state from a folder.
+
+    The folder is a project, the folder of a project's .proto files, or any other folder with .proto files.
+    """
     own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
     table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))
@@ -131,7 +138,10 @@ def _baseline_in(
 
 
 def _of_state(error: Diagnostic) -> Diagnostic:
-    """Convert an error of protoc in an earlier state, which cannot be edited."""
+    """Return the diagnostic for an error of protoc in the earlier state.
+
+    Its help does not ask the user to edit the file.
+    """
     help = "compare with another state, or with a descriptor set"
     return UNREADABLE_STATE.at(error.span, f"does not compile: {error.message}", help)
 
@@ -142,7 +152,7 @@ def _rows(table: Table | None) -> list[Entry]:
 
 
 def _members(schema: Schema, layout: Layout) -> list[Entry]:
-    """Return the payloads in a state's envelope."""
+    """Return the members of the envelope's oneof in an earlier state."""
     envelope = schema.messages.get(layout.envelope_message)
     fields = [field for field in envelope.fields if field.oneof == layout.oneof] if envelope else []
     return [Entry(f.number, f.name, f.wire_type, "", False, False, f.span) for f in fields]

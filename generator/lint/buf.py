@@ -1,7 +1,7 @@
-"""`buf breaking`, for changes that our own rules do not check: generated source code and JSON.
+"""`buf breaking`: the program buf finds changes that break generated source code or JSON, which our rules do not check.
 
 buf gets both states as descriptor sets of protoc, and its whole configuration on the command line. So it needs no
-network and no buf.yaml, and works with any earlier state. It uses the category FILE, which contains the rules of all
+network and no buf.yaml, and works with any earlier state. It uses buf's category FILE, which contains the rules of all
 other categories or stricter ones. Results that our own rules about bytes and the envelope already report are dropped.
 """
 
@@ -67,12 +67,15 @@ _NUMBER = re.compile(r'(?:missing values: \[|")(-?\d+)')
 
 
 def rule(id: str) -> Rule | None:
-    """Return a rule of buf by its name; None if it is not the name of a rule."""
+    """Return the `Rule` for a rule of buf, such as ``FIELD_NO_DELETE``; None if ``id`` cannot name a rule of buf."""
     return Rule(id, "buf-breaking", f"buf documents {id}.", Severity.WARNING) if _RULE.fullmatch(id) else None
 
 
 def executable() -> str | None:
-    """Find the buf beside the running Python interpreter (it is on PyPI as buf-bin), else the one on the PATH."""
+    """Return the path of buf; None if it is not installed.
+
+    The buf beside the running Python interpreter is preferred to one on the PATH. On PyPI, buf is the package buf-bin.
+    """
     return shutil.which("buf", path=str(Path(sys.executable).parent)) or shutil.which("buf")
 
 
@@ -84,9 +87,11 @@ def require() -> None:
 
 
 def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]:
-    """Run buf on two states and return its results. Raises `DiagnosticsError` if buf fails.
+    """Compare two states with buf, and return the changes that break users of the protos.
 
-    A deleted map entry is left out: it has no declaration of its own, and the map's field is reported.
+    Raises `DiagnosticsError` if buf fails.
+
+    The deletion of a map's entry message is dropped, because buf also reports the map field.
     """
     if not before.files or not after.files:
         return []  # no file compiled, and protoc's errors are already reported
@@ -135,7 +140,10 @@ def _failure(why: str) -> DiagnosticsError:
 
 
 def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_root: str) -> Diagnostic:
-    """Convert a line of buf's output. A deleted file has no place. Raises several kinds of errors for other lines."""
+    """Return the diagnostic for a line of buf's output, which is parsed JSON.
+
+    A deleted file has no place. For other output, this raises `ValueError`, `LookupError` or `TypeError`.
+    """
     id, message, path = str(said["type"]), str(said["message"]), str(said.get("path", ""))
     broken = rule(id)
     if broken is None:
@@ -154,10 +162,10 @@ def _finding(said: Mapping[str, object], before: Schema, after: Schema, shown_ro
 
 
 def _full_name(message: str, path: str, span: Span, before: Schema, after: Schema) -> str:
-    """Return the full name of the message or enum in buf's message; empty for none.
+    """Return the full name of the message or enum that a text of buf mentions; empty if it mentions none.
 
     buf writes the full name, the name without package, or only the last part of a nested type's name. If several types
-    match, the last one that starts before the place is meant.
+    match, the one that starts last before the place of the diagnostic is meant.
     """
     name = _TYPE.search(message)
     if name is None:
@@ -173,7 +181,7 @@ def _full_name(message: str, path: str, span: Span, before: Schema, after: Schem
 
 
 def unstated(theirs: Iterable[Diagnostic], ours: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield buf's results, except those about a number that our own rules already report."""
+    """Yield buf's diagnostics without those about a field or value whose number our own rules already report."""
     told = {(one.type, one.number) for one in ours if one.rule.id.startswith(_OURS)}
     for one in theirs:
         of_range = (

@@ -1,4 +1,7 @@
-"""Pins: the commit of the protos that each consumer uses, in git submodules, CMake's FetchContent, or a plain list."""
+"""Pins: a pin is the commit of the protos that another project, the consumer, uses.
+
+Pins are read from git submodules, from FetchContent in CMake files, or from a text file with one pin in each line.
+"""
 
 from __future__ import annotations
 
@@ -23,22 +26,25 @@ _SUBMODULE = "160000"  # the mode of a submodule in a tree
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A consumer, and its commit of the protos."""
+    """A project that uses the protos, and the commit of the protos that it uses."""
 
     consumer: str
     commit: str
     """The commit as written: an id, a tag or a branch."""
     span: Span
     source: str
-    """The file or repository that contains the pin."""
+    """The file or the repository from which the pin was read."""
     listed: bool = False
-    """True if a plain list contains the pin, which only has pins of the protos. Other sources have other pins too."""
+    """True if the pin was read from a list of pins.
+
+    Such a list only has pins of the protos; other sources have more.
+    """
     address: str = ""
-    """The address of the pinned repository, as far as it is known."""
+    """The address of the repository that the pin belongs to; empty if it is unknown."""
 
 
 def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin, ...]:
-    """Read the pins in files and repositories; report a source without any pin."""
+    """Read the pins from files and repositories. A source that contains no pin is reported."""
     pins: list[Pin] = []
     for source in sources:
         read = len(findings)
@@ -89,7 +95,10 @@ def _text(path: Path, findings: list[Diagnostic]) -> str:
 
 
 def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Iterator[Pin]:
-    """Yield the GIT_TAG of each declaration. Comments are ignored, and variables are replaced by their `set` value."""
+    """Yield a pin for each FetchContent declaration with a GIT_TAG in CMake files; ``texts`` has the text of each file.
+
+    Comments are ignored. A CMake variable is replaced by the value that `set` gives to it.
+    """
     bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
     variables = {match["name"]: match["value"] for text in bare.values() for match in _SET.finditer(text)}
     for path, text in bare.items():
@@ -102,7 +111,7 @@ def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Itera
 
 
 def _word_after(keyword: str, words: list[str], variables: Mapping[str, str]) -> str:
-    """Return the argument of a keyword, with known variables replaced; empty if there is none."""
+    """Return the word behind a keyword, with known CMake variables replaced; empty if the keyword is missing."""
     if keyword not in words[:-1]:
         return ""
     word = words[words.index(keyword) + 1].strip('"')
@@ -123,7 +132,7 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
 
 
 def _addresses(folder: Path) -> dict[str, str]:
-    """Return the addresses in .gitmodules by submodule path."""
+    """Return the address of each submodule in .gitmodules, by the path of the submodule."""
     modules = configparser.ConfigParser(strict=False, interpolation=None)
     try:
         # git indents the lines of a section. For configparser, an indented line would continue the value before it.

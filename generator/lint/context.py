@@ -1,4 +1,4 @@
-"""The context of the rules: the table, the protos, and their past."""
+"""The context: all data that the rules may look at, such as the table, the protos, and earlier states."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from roverlink.generator.table import IMPLEMENTATION_NUMBERS, LARGEST_NUMBER, Ta
 
 
 def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "") -> tuple[SchemaChange, ...]:
-    """Return the change of the wire schema since the last generate; none if there is no ledger yet.
+    """Return the change between the ledger's schema and a schema, in a tuple; empty if the ledger has no entries.
 
-    ``incomplete`` names a message that `schema` does not contain in its final form, and that is not compared.
+    ``incomplete`` names a message that `schema` does not contain in its final form. This message is not compared.
     """
     if not published.entries:
         return ()
@@ -30,18 +30,18 @@ def since_last_generate(published: Ledger, schema: Schema, incomplete: str = "")
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """The history of the protos, and the requested checks of it."""
+    """The history of the protos in git, and the checks of it that the user requested."""
 
     history: History
     of_numbers: bool = False
-    """True if the history of every number is checked."""
+    """True if the user requested the check of every number's history (``--history``)."""
     of_branches: bool = False
-    """True if open branches are compared with each other."""
+    """True if the user requested the comparison of open branches (``--branches``)."""
     pinned: tuple[Pinned, ...] = ()
-    """The consumers, with the envelope's numbers at their pinned commits."""
+    """For each project that uses the protos: the numbers of the envelope at the commit which that project uses."""
 
     def taken(self, envelope: str) -> dict[int, str]:
-        """Return every number that the envelope ever had on any branch, with the reason why it is taken."""
+        """Return every number that the envelope ever had on any branch, with a text that says who has or had it."""
         taken: dict[int, str] = {}
         for number, usages in self.history.claims(envelope).items():
             taken[number] = f"was named in a comment for {usages[-1].name} ({usages[-1].came})"
@@ -54,48 +54,52 @@ class Past:
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """The input of every rule: the table, the current protos, and their past."""
+    """All data that the rules may look at: the table, the current protos, the ledger, and earlier states."""
 
     table: Table
     schema: Schema | None
-    """The compiled protos; None if nothing compiled."""
+    """The schema of the .proto files that compile; None if no file compiles."""
     ledger: Ledger
     files: Mapping[str, File] = field(default_factory=dict)
-    """The declarations in each .proto file, as far as they can be read, without excluded files."""
+    """The declarations in each .proto file by path, as far as the file can be read. Excluded files are left out."""
     excluded_files: Mapping[str, File] = field(default_factory=dict)
-    """The same for excluded files."""
+    """The declarations in each .proto file that the table excludes, by path."""
     changes: tuple[SchemaChange, ...] = ()
     earlier_entries: tuple[Entry, ...] = ()
-    """The payloads of the baseline."""
+    """The payloads of the baseline; empty without a baseline."""
     bounds: Bounds | None = None
-    """nanopb's bounds; None if they were not read."""
+    """The size limits of nanopb; None if they were not read."""
     past: Past | None = None
-    """The history; None if it was not requested."""
+    """The history in git; None if the user requested no check of it."""
 
     @property
     def published(self) -> tuple[Entry, ...]:
-        """All payloads that are known to have been published."""
+        """All payloads that were published, according to the ledger and the baseline."""
         return (*self.ledger.entries, *self.earlier_entries)
 
     def next_number(self) -> int:
-        """Return the number for the next payload: the smallest free one above all published numbers.
+        """Return the envelope number for the next payload: the smallest free number above all used and published ones.
 
-        If no number above is free, this is the smallest free number. If none is free at all, it is larger than protobuf
-        allows.
+        If no larger number is free, this is the smallest free number. If no number at all is free, the result is larger
+        than protobuf allows.
         """
         above = self.free_number(self.largest_number() + 1)
         return above if above <= LARGEST_NUMBER else self.free_number(1)
 
     def free_number(self, number: int, besides: Set[int] = frozenset()) -> int:
-        """Return the smallest free number of the envelope from ``number`` on; numbers in ``besides`` count as free."""
+        """Return the smallest free number of the envelope that is not less than ``number``.
+
+        Numbers in ``besides`` count as free.
+        """
         for _, last, _ in self.occupied(number, besides):
             number = last + 1
         return number
 
     def occupied(self, number: int, besides: Set[int] = frozenset()) -> Iterator[tuple[int, int, str]]:
-        """Yield the occupied numbers from ``number`` on, up to the first free one.
+        """Yield the occupied numbers of the envelope from ``number`` on, until a number is free.
 
-        They are ranges with both ends included, each with its reason. Numbers in ``besides`` count as free.
+        Each item is a range with both ends included, and the reason why it is occupied. Numbers in ``besides`` count as
+        free.
         """
         taken, closed = self.taken(), list(self._closed())
         while True:
@@ -112,7 +116,7 @@ class Context:
         return max([0, *self.table.numbers, *(entry.number for entry in self.published)])
 
     def taken(self) -> dict[int, str]:
-        """Return every number of the envelope that is taken, with the reason."""
+        """Return every single number of the envelope that is used or must not be reused, with the reason."""
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):
@@ -129,7 +133,7 @@ class Context:
         return taken | {row.number: f"is {row.name} ({row.proto})" for row in table.rows}
 
     def _closed(self) -> Iterator[tuple[int, int, str]]:
-        """Yield ranges of numbers that the envelope must not use, with the reason. Both ends are included."""
+        """Yield ranges of numbers that the envelope must not use, each with the reason. Both ends are included."""
         yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is reserved for protobuf"
         for path, message in self.declared(self.table.envelope.message):
             for first, last in message.reserved:
@@ -138,17 +142,17 @@ class Context:
                 yield first, last, f"is for extensions in {path}"
 
     def place(self, file: str, line: int, column: int) -> Span:
-        """Return a place in a .proto file."""
+        """Return a place in a .proto file; ``file`` is relative to the folder of the protos."""
         return Span(shown(self.table.proto.root, file), line, column)
 
     def envelope_claims(self) -> Iterator[tuple[ProtoField, Span]]:
-        """Yield members of the envelope that are commented out, with their places."""
+        """Yield each member of the envelope that stands in a comment, with its place."""
         for path, message in self.declared(self.table.envelope.message):
             for claim in message.claims:
                 yield claim, self.place(path, claim.span.line, claim.span.column)
 
     def declared(self, full_name: str) -> Iterator[tuple[str, ProtoMessage]]:
-        """Yield the declarations of a message with their files; several if it is declared twice."""
+        """Yield each declaration of a message with the path of its file. A message may be declared in several files."""
         for path, file in self.files.items():
             for message in file.messages:
                 if message.full_name == full_name:

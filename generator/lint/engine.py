@@ -1,4 +1,4 @@
-"""The engine of the lint: runs every rule, and applies the table's severities."""
+"""The engine of the lint: runs every rule, and then changes the severities as the table says."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OF_CHANGES = "WIR"
 
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
-    """Return the diagnostics of all rules and of buf, with the severities of the table."""
+    """Return the diagnostics of all rules, and those of buf in ``of_buf``, with the severities that the table sets."""
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
     said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in said)
@@ -24,7 +24,7 @@ def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic
 
 
 def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator[Diagnostic]:
-    """Drop diagnostics about fields of a payload if a rule about the envelope reports the same payload."""
+    """Drop diagnostics about a changed field of the envelope if a rule about the envelope also reports the field."""
     found = list(found)
     payloads = {one.number for one in found if one.type == envelope and one.rule.id.startswith(_OF_THE_ENVELOPE)}
     told = {*payloads, None} if payloads else payloads  # None stands for a range of reserved numbers
@@ -34,7 +34,7 @@ def _without_repetitions(found: Iterable[Diagnostic], envelope: str) -> Iterator
 
 
 def _as_the_table_says(finding: Diagnostic, context: Context) -> Diagnostic | None:
-    """Return a diagnostic with the table's severity; None if the table turns it off."""
+    """Return a diagnostic with the severity that the table sets; None if the table turns it off."""
     if finding.severity is Severity.FATAL:
         return finding
     severity: Severity = finding.severity
@@ -55,7 +55,10 @@ def _lowerings(finding: Diagnostic, context: Context) -> Iterator[Lowered]:
 
 
 def _is_about(finding: Diagnostic, number: int, proto: str, context: Context) -> bool:
-    """Return True if a diagnostic is about a row: its number, its message, or a type inside that message."""
+    """Return True if a diagnostic is about a row of the table.
+
+    It is, if it has the row's number and concerns the envelope, or if it concerns the row's message or a type inside.
+    """
     if finding.type in ("", context.table.envelope.message):
         return finding.number == number
     if context.schema is None:

@@ -1,4 +1,4 @@
-"""Free numbers: never used by any declaration, comment or published state; and the fields that should get them."""
+"""Free numbers for fields and enum values: numbers that no declaration, comment or published state has used."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1
 
 
 def next_field_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """Return the number for a message's next field, above all known numbers; None if none is left.
+    """Return the number for the next field of a message: above all numbers that were ever used. None if none is left.
 
-    ``taken`` are numbers that were already offered to other fields.
+    ``taken`` are numbers that help texts have already offered for other fields.
     """
     known = {*taken} | {number for schema in _schemas(context) for number in _fields(schema, full_name)}
     known |= {field.number for field in context.ledger.fields(full_name)}
@@ -35,7 +35,10 @@ def next_field_number(context: Context, full_name: str, taken: Iterable[int] = (
 
 
 def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()) -> int | None:
-    """Return the number for an enum's next value, above all known numbers; None if none is left."""
+    """Return the number for the next value of an enum: above all numbers that were ever used. None if none is left.
+
+    ``taken`` are numbers that help texts have already offered for other values.
+    """
     known, closed = {-1, *taken}, list[Range]()
     for enum in (schema.enums[full_name] for schema in _schemas(context) if full_name in schema.enums):
         known |= {value.number for value in enum.values}
@@ -47,7 +50,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
 
 
 def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
-    """Return a new number for each new value that took the number of another one."""
+    """Return a free number for each new enum value that took the number of an old value, by the new value's name."""
     known, taken = {value.name for value in pair.old.values}, {value.number for value in pair.old.values}
     numbers: dict[str, int] = {}
     for value in pair.new.values:
@@ -58,7 +61,7 @@ def new_numbers(context: Context, pair: EnumPair) -> dict[str, int]:
 
 
 class NewNumbers:
-    """The new numbers that help texts offer to the fields of a change."""
+    """The free numbers that help texts offer for the fields of a changed schema; each number is offered once."""
 
     def __init__(self, context: Context, change: SchemaChange) -> None:
         self._context = context
@@ -66,7 +69,10 @@ class NewNumbers:
         self._of: dict[str, dict[int, int]] = {}
 
     def of(self, owner: str, number: int) -> int | None:
-        """Return the new number for the field with a number; None if none is left."""
+        """Return the free number that is offered for a field of the message ``owner``; None if none is left.
+
+        ``number`` is the current number of the field.
+        """
         if owner not in self._of:
             self._of[owner] = self._handed_out(owner)
         return self._of[owner].get(number) or next_field_number(self._context, owner, self._of[owner].values())
@@ -82,7 +88,7 @@ class NewNumbers:
 
 
 def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> str:
-    """Describe how to undo the change of a field, or how to give it a new number."""
+    """Return a help text that tells how to undo the change of a field, or how to give the field a new number."""
     owner, old, new = written(pair)
     undo = undo or back(pair)
     message = pair.change.after.messages.get(owner)

@@ -1,4 +1,4 @@
-"""Diagnostics about history: a number, its place today, and the commits of its usages."""
+"""Diagnostics about history: the place of a number today, and the commits that gave it its meanings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ _CONFIDENCES = {
 
 
 def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, int, list[Reuse]]]:
-    """Yield the numbers with several meanings of these kinds that were not accepted."""
+    """Yield each number of a message or enum that had several meanings in history, with its changes of meaning.
+
+    Only changes of the given kinds count. Numbers that the user has accepted with ``--accept`` are left out.
+    """
     past = context.past
     if past is None or not past.of_numbers:
         return
@@ -42,19 +45,19 @@ def reuses_by_number(context: Context, kinds: Set[Kind]) -> Iterator[tuple[str, 
 
 
 def _stands_for(name: str, owner: str, context: Context, history: History) -> bool:
-    """Return True if another name of the same message is used today, so that the reuse is reported there."""
+    """Return True if a message now has the other name ``name``, so that its reuses are reported under that name."""
     today = [(_declared(context, each) is not None, each) for each in (owner, name)]
     return today[0] < today[1] and {*history.names(owner)} <= {*history.names(name)}
 
 
 def _usages(history: History, owner: str, number: int, reuses: Sequence[Reuse]) -> list[Usage]:
-    """Return the usages of the reuses, the earliest first."""
+    """Return the usages that some reuses concern, the earliest first."""
     concerned = {usage for reuse in reuses for usage in (reuse.earlier, reuse.later)}
     return [usage for usage in history.numbers(owner)[number] if usage in concerned]
 
 
 def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequence[Reuse]) -> Diagnostic:
-    """Return a diagnostic about one number and all its meanings. The context must have a past."""
+    """Return the diagnostic about one number that had several meanings. The context must contain the history."""
     assert context.past is not None, "the rules of history check this first"  # noqa: S101  # for mypy
     usages = _usages(context.past.history, owner, number, reuses)
     return rule.at(
@@ -70,7 +73,7 @@ def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequ
 
 
 def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
-    """Return the meanings of a number, and how they followed each other."""
+    """Return a text with the meanings of a number, and how they followed each other in time."""
     last = reuses[-1]
     told = " and ".join(dict.fromkeys(_called(usage) for usage in usages))
     if len(usages) == 1 and last.old:
@@ -80,7 +83,10 @@ def _told(usages: Sequence[Usage], reuses: Sequence[Reuse]) -> str:
 
 
 def place_of(context: Context, owner: str, number: int) -> Span:
-    """Return the place of a number today; else of its message or enum; else of the envelope."""
+    """Return the place of a field's or value's number today.
+
+    If no declaration has the number, this is the place of its message or enum, or else of the envelope.
+    """
     declared = _declared(context, owner)
     if declared is None:
         return context.table.envelope.span
@@ -89,7 +95,7 @@ def place_of(context: Context, owner: str, number: int) -> Span:
 
 
 def stands_today(context: Context, owner: str, number: int) -> tuple[str, str] | None:
-    """Return type and name that a number has today; None if it is free."""
+    """Return type and name of the field or value that has a number today; None if no declaration has it."""
     declared = _declared(context, owner)
     part = _parts(declared).get(number) if declared else None
     return None if part is None else (part.wire_type if isinstance(part, ProtoField) else "", part.name)
@@ -101,7 +107,7 @@ def _declared(context: Context, owner: str) -> ProtoMessage | ProtoEnum | None:
 
 
 def _parts(declared: ProtoMessage | ProtoEnum) -> dict[int, ProtoField | ProtoEnumValue]:
-    """Return the fields or values by number."""
+    """Return the fields of a message, or the values of an enum, by number."""
     if isinstance(declared, ProtoMessage):
         return {field.number: field for field in declared.fields}
     return {value.number: value for value in declared.values}

@@ -1,4 +1,4 @@
-"""Rules about input that the lint cannot read: a state, the protos, the history, the pins."""
+"""Rules about input that the lint cannot read: an earlier state, the protos, git's history, or pins."""
 
 from __future__ import annotations
 

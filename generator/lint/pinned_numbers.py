@@ -1,4 +1,4 @@
-"""Pinned numbers: the envelope's numbers at the commits that consumers are pinned to."""
+"""The numbers of the envelope at the commits of the protos that other projects, the consumers, use."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _FETCH = "git fetch --all gets new commits"
 
 @dataclass(frozen=True, slots=True)
 class Pinned:
-    """A consumer with its commit, and the envelope's numbers there."""
+    """A project that uses the protos, the commit that it uses, and the envelope's numbers at that commit."""
 
     pin: Pin
     commit: Commit
     numbers: Mapping[int, tuple[str, str]]
-    """Type and name of each payload, by number."""
+    """Type and name of the payload of each number."""
 
     def disagreements(self, other: Pinned) -> list[int]:
-        """Return the numbers that have different payloads for the two consumers."""
+        """Return the numbers to which the commits of the two projects give different payloads."""
         return sorted(
             number
             for number in self.numbers.keys() & other.numbers.keys()
@@ -36,8 +36,8 @@ class Pinned:
 def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, findings: list[Diagnostic]) -> list[Pinned]:
     """Read the envelope's numbers at the commit of each pin.
 
-    A source may pin other dependencies too. So an unknown commit is reported only if a plain list names it, or if the
-    pin's address is that of this repository. A source without any known commit is reported as well.
+    A source may also pin other repositories. So an unknown commit is only reported if the pin comes from a list of
+    pins, or if its address is that of this repository. A source without any known commit is reported as well.
     """
     pinned: list[Pinned] = []
     faults: list[Diagnostic] = []
@@ -56,9 +56,9 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
 
 
 def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
-    """Return a pin's numbers.
+    """Return the envelope's numbers at the commit of a pin.
 
-    Raises `LookupError` if the repository lacks the commit, or the commit lacks the envelope.
+    Raises `LookupError` if the repository does not contain the commit, or if the commit does not declare the envelope.
     """
     try:
         commit = repository.commit(pin.commit)
@@ -71,7 +71,7 @@ def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
 
 
 def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each source without a pin of this repository."""
+    """Yield a diagnostic for each source of which no pin is a commit of this repository."""
     for source in dict.fromkeys(pin.source for pin in pins if pin.source not in known):
         others = ", ".join(f"{pin.consumer} ({pin.commit})" for pin in pins if pin.source == source)
         message = f"none of its pins is a commit of this repository: {others}"
@@ -79,7 +79,10 @@ def _without_any(pins: Sequence[Pin], known: Set[str]) -> Iterator[Diagnostic]:
 
 
 def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int, tuple[str, str]] | None:
-    """Return the envelope's numbers at a commit, in any package; None if it is not declared."""
+    """Return type and name of each payload by number, at a commit; None if the commit does not declare the envelope.
+
+    A message with the envelope's name in another package counts, too.
+    """
     name = envelope.rpartition(".")[2]
     protos = [file for file in repository.files(commit) if file.endswith(".proto")]
     found: dict[str, dict[int, tuple[str, str]]] = {}

@@ -1,4 +1,4 @@
-"""The lint of a project, or of a tree of .proto files without a table: reads all inputs and runs all rules."""
+"""The lint as a whole: reads all inputs and runs all rules, for a project or a tree of .proto files without a table."""
 
 from __future__ import annotations
 
@@ -29,49 +29,49 @@ from roverlink.generator.table import Table, reader
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """The request to the lint: the checks beyond the current state."""
+    """The checks that the user requests in addition to the check of the current state."""
 
     against: str | None = None
-    """The baseline: a folder, a descriptor set, or a git ref."""
+    """The earlier state to compare with: a folder, a descriptor set, or a git ref. None for no comparison."""
     with_buf: bool = False
-    """True if buf compares the two states too."""
+    """True if the program buf has to compare the two states, too."""
     history: bool = False
-    """True if the history of every number is checked."""
+    """True if the lint has to check every number's history in git."""
     branches: bool = False
-    """True if open branches are compared with each other."""
+    """True if the lint has to compare open branches with each other."""
     pins: tuple[Path, ...] = ()
-    """Files and repositories with the pins of consumers."""
+    """Files and repositories from which to read the commits of the protos that other projects use."""
     envelope: bool = False
-    """True if the lint has to fail when no envelope is named."""
+    """True if the lint has to fail when the user names no envelope."""
     report: Callable[[int, int], None] | None = None
-    """Called with the number of file states read from history, and their total."""
+    """Function that is called with the number of file states read from history, and their total."""
 
     @property
     def of_the_past(self) -> bool:
-        """True if the history has to be read."""
+        """True if one of the requested checks needs the history in git."""
         return self.history or self.branches or bool(self.pins)
 
     @property
     def of_the_envelope(self) -> bool:
-        """True if the envelope's message has to be known."""
+        """True if the lint has to fail when the envelope's message is not named."""
         return self.envelope or self.branches or bool(self.pins)
 
 
 @dataclass(frozen=True, slots=True)
 class Linted:
-    """The result of a lint."""
+    """The diagnostics of a lint, and the data that commands need to show or accept them."""
 
     findings: tuple[Diagnostic, ...]
     folder: Path
-    """The folder that paths of diagnostics are relative to."""
+    """The folder to which the paths in diagnostics are relative."""
     commit_of: Callable[[Span], Commit | None]
-    """Returns the commit of a line; None if it is uncommitted or unknown."""
+    """Function that returns the commit which last changed the line of a place; None if it is unknown."""
     context: Context
-    """The context that the rules read."""
+    """The context that the rules looked at."""
 
     @property
     def limits(self) -> list[Diagnostic]:
-        """The diagnostics about inputs that could not be read completely."""
+        """The diagnostics that say that an input could not be read, or not completely."""
         partly = (LIMITED_HISTORY, DOES_NOT_COMPILE)
         return [one for one in self.findings if one.severity is Severity.FATAL or one.rule in partly]
 
@@ -134,7 +134,10 @@ def _lint(
 
 
 def _past(root: Path, envelope: str, question: Question, findings: list[Diagnostic]) -> Past:
-    """Read the requested part of the past. Raises `DiagnosticsError` if there is no repository."""
+    """Read the history, the branches and the pins that the user requested.
+
+    Raises `DiagnosticsError` if the folder is not in a git repository.
+    """
     try:
         history = read_history(root, question.report)
     except GitError as error:
@@ -150,7 +153,10 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Diagnost
 
 
 def _baseline(question: Question, project: Path, layout: Layout, findings: list[Diagnostic]) -> Baseline | None:
-    """Read the baseline; None if there is none, or if it cannot be read. The rest is still linted."""
+    """Read the earlier state to compare with; None if the user requested none.
+
+    If the state cannot be read, this is reported, and None is returned, so that the other checks still run.
+    """
     try:
         return open_baseline(question.against, project, layout, findings) if question.against else None
     except DiagnosticsError as error:
@@ -159,7 +165,10 @@ def _baseline(question: Question, project: Path, layout: Layout, findings: list[
 
 
 def _of_buf(before: Schema, after: Schema, shown_root: str, findings: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the results of buf. If buf fails, report that; the rest is still linted."""
+    """Return the diagnostics of buf.
+
+    If buf fails, this is reported, and the list is empty, so that the lint continues.
+    """
     try:
         return buf.breaking(before, after, shown_root)
     except DiagnosticsError as error:
@@ -173,7 +182,7 @@ def _changes(schema: Schema, baseline: Baseline | None, published: lock.Ledger) 
 
 
 def _blame(project: Path, baseline: Baseline | None) -> Callable[[Span], Commit | None]:
-    """Return a function that finds the commit of a line, in this state or in the baseline."""
+    """Return a function that finds the commit which last changed a line, in the current state or in the baseline."""
     repository = Repository(project)
 
     def commit_of(span: Span) -> Commit | None:

@@ -19,23 +19,23 @@ from roverlink.generator.emit.render import Files
 Target = Callable[[ir.Bridge], Files]
 
 GROUP = "roverlink.targets"
-"""Entry-point group of targets in other packages."""
+"""Entry-point group in which other packages register their targets."""
 
 
 def built_in(name: str) -> Target | None:
-    """Return the built-in target of a name; None if there is none."""
+    """Return the built-in target with a name; None if there is none."""
     if name not in _modules():
         return None
     return cast(Target, importlib.import_module(f"{__name__}.{name}").emit)
 
 
 def installed(name: str) -> EntryPoint | None:
-    """Return the entry point of another package's target, not loaded yet; None if there is none."""
+    """Return the entry point of a target from another package, not imported yet; None if there is none."""
     return next(iter(entry_points(group=GROUP, name=name)), None)
 
 
 def names() -> list[str]:
-    """Return the names of all targets."""
+    """Return the names of all targets: the built-in ones, and those of other packages."""
     return sorted({*_modules(), *(found.name for found in entry_points(group=GROUP))})
 
 

@@ -57,7 +57,7 @@ _WELL_KNOWN: Mapping[str, Schema] = {
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield a schema for each row, with the schemas of all types that its payload uses."""
+    """Yield a JSON Schema file for each row. The file contains the schemas of all types that the payload uses."""
     schemas = _Schemas(bridge)
     for route in bridge.routes:
         proto = route.proto
@@ -72,7 +72,7 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 class _Schemas:
-    """Schemas of a bridge's messages and enums, by full name."""
+    """JSON Schemas of the messages and enums that a bridge can send or receive, by full name."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._messages = {message.name: message for message in bridge.wire_messages}
@@ -85,7 +85,7 @@ class _Schemas:
         }
 
     def reached(self, name: str) -> set[str]:
-        """Return a message, and every message and enum that it uses."""
+        """Return the full names of a message and of all messages and enums inside it, at any depth."""
         reached: set[str] = set()
         waiting = [name]
         while waiting:
@@ -102,7 +102,7 @@ class _Schemas:
         return name in self._messages and self._messages[name].map_entry
 
     def of(self, name: str) -> Schema:
-        """Return the schema of a message or an enum."""
+        """Return the JSON Schema of a message or an enum, by its full name."""
         if name in self._enums:
             names = list(dict.fromkeys(value.name for value in self._enums[name].values))
             return {"anyOf": [{"enum": names}, _SCALARS["int32"]]}
@@ -140,7 +140,7 @@ def _scalar(type: str) -> Schema | None:
 
 
 def _keys(type: str) -> Schema:
-    """Return the schema of a map's keys; in JSON all keys are strings."""
+    """Return the part of a map's JSON Schema that restricts the keys. In JSON, all keys are strings."""
     if type == "string":
         return {}
     return {"propertyNames": {"pattern": "^(true|false)$" if type == "bool" else r"^-?[0-9]+$"}}
@@ -155,6 +155,6 @@ def _oneofs(message: ir.WireMessage) -> Iterator[list[str]]:
 
 
 def _at_most_one(names: list[str]) -> Schema:
-    """Return a schema that allows at most one member of a oneof."""
+    """Return a JSON Schema that allows at most one of the oneof's members ``names``."""
     given = [{"required": [name]} for name in names]
     return {"oneOf": [*given, {"not": {"anyOf": given}}]}

@@ -13,7 +13,7 @@ from roverlink.generator.nanopb import as_options, options_file_of
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield an options file for each .proto file that has fields with size limits."""
+    """Yield a .options file for each .proto file that has fields with size limits in the table."""
     in_order = sorted(bridge.bounds, key=lambda bound: (bound.file, bound.message, bound.field))
     for file, bounds in itertools.groupby(in_order, lambda bound: bound.file):
         lines = [f"{bound.message}.{bound.field} {_options(bound)}" for bound in bounds]

@@ -11,7 +11,7 @@ from roverlink.generator.node_parameters import node_parameters
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the files of the package."""
+    """Yield the files of the ROS 2 interface package."""
     folder = f"generated/ros/{bridge.package}"
     for message in bridge.messages:
         yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
@@ -61,14 +61,14 @@ def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
 
 
 def _heading(message: ir.RosMessage, enum: str) -> str:
-    """Return the comment above an enum's constants; it names the fields that use them."""
+    """Return the comment above the constants of an enum; it names the message fields whose values the constants are."""
     return f"# Values of {' and '.join(field.name for field in message.fields if field.enum == enum)} ({enum})."
 
 
 def _comment(text: str) -> list[str]:
-    """Return the lines of a comment, escaped for rosidl.
+    """Return the lines of a comment in a .msg file. Backslashes are escaped for rosidl.
 
-    rosidl copies comments into C headers and decodes backslashes twice. A backslash sequence that it cannot decode
+    rosidl copies comments into C headers and decodes backslashes twice. A backslash sequence that rosidl cannot decode
     stops its build. A backslash at the end of a line would make the next line of the header a comment, so a period is
     added.
     """

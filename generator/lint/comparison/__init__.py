@@ -1,7 +1,7 @@
-"""Comparison of two schemas: pairs the old and new parts, and tells which differences break decoding.
+"""Comparison of two schemas: pairs each old message, enum and field with the new one, and finds incompatible changes.
 
 Messages and enums are paired by full name in any file, fields and values by number, and extensions by the extended
-message and number. Bytes identify them in the same way.
+message and number. Encoded bytes identify them in the same way.
 """
 
 from roverlink.generator.lint.comparison.pairing import (

@@ -1,4 +1,4 @@
-"""Cardinality: the number of values of a field, and changes of it that break decoding.
+"""Cardinality of a field: single, repeated or a map, and if absence is tracked. Some changes of it break decoding.
 
 The rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type"). A change
 between singular and repeated is not safe: a packed list of numbers is not a number, and only one of several values
@@ -17,7 +17,7 @@ _ON_THE_WIRE = {IMPLICIT: EXPLICIT, MAP: REPEATED}
 
 
 def cardinality(field: ProtoField, schema: Schema, extension: bool = False) -> str:
-    """Return a field's cardinality: one of the five constants."""
+    """Return a field's cardinality: `MAP`, `REPEATED`, `REQUIRED`, `EXPLICIT` or `IMPLICIT`."""
     if field.repeated:
         return MAP if is_map(field, schema) else REPEATED
     if field.label == "required":
@@ -33,9 +33,9 @@ def is_map(field: ProtoField, schema: Schema) -> bool:
 
 
 def is_map_entry(message: ProtoMessage) -> bool:
-    """Return True if a message is the entry of a map.
+    """Return True if a message is the entry that protoc generates for a map.
 
-    The ledger does not say so, but the fields do: `key` and `value`.
+    The ledger does not store this. A message from the ledger counts as an entry if its fields are `key` and `value`.
     """
     if message.file:
         return message.map_entry
@@ -44,22 +44,22 @@ def is_map_entry(message: ProtoMessage) -> bool:
 
 
 def broken_by_cardinality(old: str, new: str) -> bool:
-    """Return True if bytes are misread with one cardinality in place of another."""
+    """Return True if a field with the new cardinality misreads bytes that were written with the old one."""
     return _ON_THE_WIRE.get(old, old) != _ON_THE_WIRE.get(new, new)
 
 
 def only_required(old: str, new: str) -> bool:
-    """Return True if both are singular, and at least one is `required`."""
+    """Return True if both cardinalities allow at most one value, and at least one of them is `required`."""
     return REQUIRED in (old, new) and {old, new} <= {REQUIRED, IMPLICIT, EXPLICIT}
 
 
 def shown(cardinality: str) -> str:
-    """Return the name of a cardinality, without presence."""
+    """Return the name of a cardinality for messages. Implicit and explicit presence are both called singular."""
     return "singular" if cardinality in (IMPLICIT, EXPLICIT) else cardinality
 
 
 def cardinalities(pair: FieldPair) -> tuple[str, str]:
-    """Return the old and the new cardinality of a field."""
+    """Return the old and the new cardinality of a field that exists before and after a change."""
     if pair.in_map_entry:
         return EXPLICIT, EXPLICIT  # keys and values of a map are always single values
     old = cardinality(pair.old, pair.change.before, pair.extension)

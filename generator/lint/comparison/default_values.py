@@ -18,7 +18,7 @@ Value = float | int | str | bytes
 
 
 def default(field: ProtoField, schema: Schema) -> Value:
-    """Return the value of an absent singular field."""
+    """Return the value that a receiver reads if a field is absent. The field must not be repeated or a message."""
     text = field.facets.get("default", "")
     if field.type == "enum":
         return _number(field, text, schema)
@@ -33,7 +33,7 @@ def default(field: ProtoField, schema: Schema) -> Value:
 
 
 def shown(field: ProtoField, schema: Schema) -> str:
-    """Return the value of an absent field as a .proto file writes it."""
+    """Return the value that a receiver reads if a field is absent, as a .proto file writes it: ``false``, ``1.5``."""
     text = field.facets.get("default", "")
     if field.type == "enum" and not text:
         enum = schema.enums.get(field.type_name)
@@ -46,7 +46,7 @@ def shown(field: ProtoField, schema: Schema) -> str:
 
 
 def default_changed(pair: FieldPair) -> bool:
-    """Return True if an absent field is read as another value than before."""
+    """Return True if a receiver now reads another value than before for the absent field."""
     if pair.change.of_ledger or not (_may_have_default(pair.old) and _may_have_default(pair.new)):
         return False
     old, new = default(pair.old, pair.change.before), default(pair.new, pair.change.after)
@@ -70,12 +70,12 @@ def _number(field: ProtoField, name: str, schema: Schema) -> int:
 
 
 def _encoded(value: Value) -> bytes | None:
-    """Return the bytes of a string or of bytes; None for a number."""
+    """Return the bytes of a text in UTF-8, or of a bytes value; None for a number."""
     return value.encode() if isinstance(value, str) else value if isinstance(value, bytes) else None
 
 
 def _as_float32(value: float) -> float:
-    """Return the nearest 32-bit floating point number."""
+    """Return the 32-bit floating point number that is nearest to a value; infinity if the value is too large."""
     try:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
     except OverflowError:

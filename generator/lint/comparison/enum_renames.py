@@ -1,4 +1,4 @@
-"""Renames of enum values."""
+"""Renames of enum values: a number has another name than before."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from roverlink.generator.protos.schema import ProtoEnumValue
 
 
 def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...], list[ProtoEnumValue]]]:
-    """Yield the numbers that lost a name, with the lost names and the values that have the number now."""
+    """Yield each enum number whose old name is gone, although the number is still in use.
+
+    The tuple has the enum before and after, the number, its lost names, and the values that have the number now.
+    """
     for pair in enums(change):
         after = values_by_number(pair.new)
         for number, before in values_by_number(pair.old).items():
@@ -21,13 +24,16 @@ def renamed_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[
 
 
 def moved_here(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """Return the old value of another number whose name this number has now."""
+    """Return the old value of another number that had the name which this number has now; None if there is none."""
     names = {value.name for value in pair.new.values if value.number == number}
     return next((value for value in pair.old.values if value.name in names and value.number != number), None)
 
 
 def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
-    """Return the new value of another number whose name this number had, if it kept none of its old names."""
+    """Return the new value of another number that has the name which this number had; None if there is none.
+
+    Also returns None if this number kept one of its old names.
+    """
     names = {value.name for value in pair.old.values if value.number == number}
     if any(value.name in names and value.number == number for value in pair.new.values):
         return None
@@ -35,5 +41,8 @@ def moved_away(pair: EnumPair, number: int) -> ProtoEnumValue | None:
 
 
 def stands_for_another(pair: EnumPair, number: int) -> bool:
-    """Return True if a number swapped its meaning with another one. A mere rename does not count."""
+    """Return True if a number got the name of another number, or gave its own name to another one.
+
+    A new name that no other number had does not count.
+    """
     return bool(moved_here(pair, number) or moved_away(pair, number))

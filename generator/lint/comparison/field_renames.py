@@ -1,7 +1,7 @@
-"""Renames of fields whose number stayed.
+"""Renames of fields that kept their number.
 
-Names are not sent. But a new name often shows that the number now has a new meaning, and then bytes of an old sender
-are misread.
+Names are not sent. But a new name often shows that the number now has a new meaning. Then bytes from an old sender are
+misread.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _WITHOUT_UNIT = frozenset({"string", "bytes", "bool", "enum"})
 
 
 class Rename(Enum):
-    """The kind of a rename."""
+    """Kind of a rename: how far the meaning of the field changed."""
 
     NONE = "the same meaning"
     UNIT = "the same quantity in another unit, scale or reference"
@@ -27,7 +27,7 @@ class Rename(Enum):
 
 
 def rename(pair: FieldPair) -> Rename:
-    """Return the kind of a field's rename."""
+    """Return the kind of the rename between a field's old and new name; `Rename.NONE` if the name is the same."""
     if pair.old.name == pair.new.name or pair.in_map_entry:
         return Rename.NONE
     if broken_by_type(pair):
@@ -39,12 +39,12 @@ def rename(pair: FieldPair) -> Rename:
 
 
 def measures(pair: FieldPair) -> tuple[Measure, Measure]:
-    """Return unit, scale and reference in the old and the new name."""
+    """Return the quantities, with unit, scale and reference, that the old and the new name of a field contain."""
     return measure(words(pair.old.name)), measure(words(pair.new.name))
 
 
 def names_another_field(pair: FieldPair) -> bool:
-    """Return True if the new name belonged to another number before, as after a swap."""
+    """Return True if another field had the new name before the change, for example because two names were swapped."""
     fields = pair.messages.old.fields if pair.messages else ()
     return any(field.name == pair.new.name and field.number != pair.new.number for field in fields)
 

@@ -1,4 +1,4 @@
-"""Compatibility of a field's old and new type: tells if bytes are misread.
+"""Compatibility of a field's old and new type: decides if the new type misreads bytes of the old type.
 
 For scalars, the rules come from protobuf's guide (protobuf.dev/programming-guides/proto3, "Updating A Message Type").
 Messages and enums with different names are compared by content: if each side reads the other's bytes correctly, only
@@ -27,12 +27,15 @@ _SAME_BYTES = (
 
 
 def kind(declared: ProtoField) -> str:
-    """Return the scalar's name, ``message``, ``enum``, or ``group`` for all messages with the encoding of groups."""
+    """Return the name of a field's scalar type, or ``message``, ``enum`` or ``group``.
+
+    A message that is encoded as a group counts as ``group``, also in an edition.
+    """
     return "group" if declared.facets.get("delimited") else declared.type
 
 
 def broken_by_kind(old: str, new: str) -> bool:
-    """Return True if bytes are misread with one scalar in place of another, or an enum in place of an integer."""
+    """Return True if bytes of the old kind of type are misread with the new kind; see `kind`."""
     # A reader of bytes accepts any string. A reader of a string rejects bytes that are not UTF-8.
     return old != new and (old, new) != ("string", "bytes") and not any({old, new} <= group for group in _SAME_BYTES)
 
@@ -44,11 +47,17 @@ def broken_by_type(pair: FieldPair) -> bool:
 
 @dataclass(slots=True)
 class _Comparison:
-    """Compares types, with the types inside them. Each result is True if bytes are misread."""
+    """Comparison of an old and a new type, with the types inside them.
+
+    A result of True means that bytes are misread.
+    """
 
     change: SchemaChange
     assumed: set[tuple[str, str]] = field(default_factory=set)
-    """Pairs of messages that are being compared. Inside each other they count as equal, which ends the recursion."""
+    """Names of the message pairs that are being compared.
+
+    Such a pair counts as equal inside itself, to end the recursion.
+    """
 
     def types(self, old: ProtoField, new: ProtoField) -> bool:
         old_kind, new_kind = kind(old), kind(new)
@@ -65,7 +74,7 @@ class _Comparison:
         return self._messages(old.type_name, new.type_name)
 
     def _enums(self, old: str, new: str) -> bool:
-        """Compare enums: every number must keep its name."""
+        """Return True if an old number of the enum is missing now, or has another name."""
         before, after = self.change.before.enums.get(old), self.change.after.enums.get(new)
         if before is None or after is None:
             return True
@@ -84,7 +93,10 @@ class _Comparison:
         return broken
 
     def _contents(self, before: ProtoMessage, after: ProtoMessage) -> Iterator[bool]:
-        """Compare the fields: each old one must still exist and be compatible, and new ones must not be required."""
+        """Compare the fields of two messages; one of the results is True if bytes are misread.
+
+        Each old field must still exist with a compatible type, and no new field may be required.
+        """
         fields = {one.number: one for one in after.fields}
         for old in before.fields:
             new = fields.pop(old.number, None)

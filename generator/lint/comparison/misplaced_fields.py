@@ -1,4 +1,4 @@
-"""Misplaced fields: those that need another number."""
+"""Fields that need another number, because their number belonged to another field or was reserved."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import ProtoField
 
 
 def misplaced_fields(pair: MessagePair) -> Iterator[ProtoField]:
-    """Yield the fields whose numbers belong to another field or were reserved."""
+    """Yield the new fields whose number belonged to another field before, or was reserved before."""
     freed = [part for was in pair.old.reserved for part in missing(was, pair.new.reserved)]
     pairs = {one.new.number: one for one in fields_of_messages(pair)}
     for field in sorted(pair.new.fields, key=lambda field: field.number):
@@ -35,7 +35,7 @@ def _is_another(pair: FieldPair) -> bool:
 
 
 def _inside_of_map(pair: FieldPair) -> Iterator[FieldPair]:
-    """Yield the pairs of a map's key and value."""
+    """Yield the key and the value of a map, each before and after the change."""
     change = pair.change
     old, new = change.before.messages.get(pair.old.type_name), change.after.messages.get(pair.new.type_name)
     if old and new and new.map_entry and old.full_name == new.full_name:

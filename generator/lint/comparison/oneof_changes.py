@@ -1,8 +1,8 @@
-"""Compatibility of a field's old and new oneof: tells if bytes are misread.
+"""Compatibility of a field's old and new oneof: decides if bytes are misread.
 
-A receiver that reads two members of a oneof keeps the last one and drops the other. So the other members of a field's
-oneof matter, as far as both sides know them (protobuf.dev/programming-guides/proto3, "Updating A Message Type" and
-"Backwards-compatibility issues" of oneofs). The oneof's name is not sent.
+A receiver that reads two members of a oneof keeps the last one and drops the other. So it matters which other fields
+are in the oneof, as far as both sides know them (protobuf.dev/programming-guides/proto3, "Updating A Message Type" and
+"Backwards-compatibility issues" of oneofs). The name of the oneof is not sent, and may change.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ def broken_by_oneof(pair: FieldPair) -> bool:
 
 
 def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
-    """Return the numbers of the other fields in a field's oneof."""
+    """Return the numbers of the other members of the field's oneof; empty if the field is in no oneof."""
     if not field.oneof:
         return set()
     return {one.number for one in message.fields if one.oneof == field.oneof} - {field.number}
 
 
 def moved_text(pair: FieldPair) -> str:
-    """Describe how a field moved."""
+    """Return a text that says how a field moved into, out of, or between oneofs."""
     what = f"{pair.new.name} = {pair.new.number}"
     if not pair.old.oneof:
         return f"{what} is in the oneof {pair.new.oneof} now"
@@ -38,7 +38,7 @@ def moved_text(pair: FieldPair) -> str:
 
 
 def moved_back(pair: FieldPair) -> str:
-    """Describe how to undo the move."""
+    """Return a text that says how to undo a field's move into, out of, or between oneofs."""
     if pair.old.oneof:
         return f"put it back into `oneof {pair.old.oneof}`"
     return f"take it out of the oneof {pair.new.oneof}"

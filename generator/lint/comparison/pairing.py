@@ -1,4 +1,4 @@
-"""Pairs of old and new parts of a schema."""
+"""Pairs of an old and a new declaration: messages, enums and fields that exist before and after a change."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from roverlink.generator.protos.schema import (
 
 @dataclass(frozen=True, slots=True)
 class MessagePair:
-    """A message before and after."""
+    """A message as it was before a change, and as it is now."""
 
     change: SchemaChange
     old: ProtoMessage
@@ -28,13 +28,13 @@ class MessagePair:
 
     @property
     def syntax(self) -> Syntax:
-        """The syntax of the new file."""
+        """The syntax of the file that declares the message now."""
         return self.change.after.syntax_of(self.new.file)
 
 
 @dataclass(frozen=True, slots=True)
 class EnumPair:
-    """An enum before and after."""
+    """An enum as it was before a change, and as it is now."""
 
     change: SchemaChange
     old: ProtoEnum
@@ -42,32 +42,32 @@ class EnumPair:
 
     @property
     def syntax(self) -> Syntax:
-        """The syntax of the new file."""
+        """The syntax of the file that declares the enum now."""
         return self.change.after.syntax_of(self.new.file)
 
 
 @dataclass(frozen=True, slots=True)
 class FieldPair:
-    """A field or an extension before and after."""
+    """A field or an extension as it was before a change, and as it is now."""
 
     change: SchemaChange
     owner: str
-    """Full name of the message that has the field."""
+    """Full name of the message that contains the field."""
     old: ProtoField
     new: ProtoField
     messages: MessagePair | None
-    """The messages that declare the field; None for an extension."""
+    """The message that declares the field, before and now; None for an extension."""
     files: tuple[str, str]
-    """The old and the new file."""
+    """The file that declared the field before, and the file that declares it now."""
 
     @property
     def old_syntax(self) -> Syntax:
-        """The syntax of the old file."""
+        """The syntax of the file that declared the field before."""
         return self.change.before.syntax_of(self.files[0])
 
     @property
     def syntax(self) -> Syntax:
-        """The syntax of the new file."""
+        """The syntax of the file that declares the field now."""
         return self.change.after.syntax_of(self.files[1])
 
     @property
@@ -77,28 +77,28 @@ class FieldPair:
 
     @property
     def in_map_entry(self) -> bool:
-        """True for the key or the value of a map."""
+        """True if the field is the key or the value of a map."""
         return self.messages is not None and self.messages.new.map_entry
 
 
 def messages(change: SchemaChange) -> Iterator[MessagePair]:
-    """Yield the messages that exist on both sides."""
+    """Yield each message that exists before and after a change."""
     for name, new in change.after.messages.items():
         if name in change.before.messages:
             yield MessagePair(change, change.before.messages[name], new)
 
 
 def enums(change: SchemaChange) -> Iterator[EnumPair]:
-    """Yield the enums that exist on both sides."""
+    """Yield each enum that exists before and after a change."""
     for name, new in change.after.enums.items():
         if name in change.before.enums:
             yield EnumPair(change, change.before.enums[name], new)
 
 
 def fields(change: SchemaChange) -> Iterator[FieldPair]:
-    """Yield the fields and extensions that exist on both sides.
+    """Yield each field and extension that exists before and after a change.
 
-    The key and the value of a map are only compared if the map has the same number.
+    The key and the value of a map are left out if the number of the map's field changed.
     """
     for pair in messages(change):
         for one in fields_of_messages(pair):
@@ -113,7 +113,7 @@ def fields(change: SchemaChange) -> Iterator[FieldPair]:
 
 
 def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
-    """Yield the fields of a message that exist on both sides."""
+    """Yield each field of a message whose number exists before and after a change."""
     before = {field.number: field for field in pair.old.fields}
     files = pair.old.file, pair.new.file
     for field in pair.new.fields:
@@ -122,7 +122,10 @@ def fields_of_messages(pair: MessagePair) -> Iterator[FieldPair]:
 
 
 class Written(NamedTuple):
-    """A field before and after as written in the file, with its message. For a map's key or value, this is the map."""
+    """A field as the .proto file declares it, before and after a change.
+
+    For the key or the value of a map, this is the map field, because the entry message is not written in the file.
+    """
 
     owner: str
     old: ProtoField
@@ -130,7 +133,10 @@ class Written(NamedTuple):
 
 
 def written(pair: FieldPair) -> Written:
-    """Return the declaration in the file: for the key or value of a map, this is the map's."""
+    """Return the field as the .proto file declares it.
+
+    This is the map field for the key or value of a map, and otherwise the field itself.
+    """
     if pair.in_map_entry:
         owner = pair.owner.rpartition(".")[0]
         old, new = (
@@ -146,19 +152,22 @@ def _map_of(message: ProtoMessage | None, entry: str) -> ProtoField | None:
 
 
 def extensions_by_number(schema: Schema) -> dict[tuple[str, int], ProtoExtension]:
-    """Return the extensions by extended message and number."""
+    """Return the extensions of a schema by the extended message and the extension's number."""
     return {(extension.extendee, extension.field.number): extension for extension in schema.extensions}
 
 
 def gone_fields(change: SchemaChange) -> Iterator[tuple[MessagePair, ProtoField]]:
-    """Yield the old fields whose numbers are unused now."""
+    """Yield each old field whose number no field has now, with the message before and after."""
     for pair in messages(change):
         left = {field.number for field in pair.new.fields}
         yield from ((pair, field) for field in pair.old.fields if field.number not in left)
 
 
 def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str, ...]]]:
-    """Yield the old numbers of enums that are unused now, with their names."""
+    """Yield each old number of an enum that no value has now.
+
+    The tuple has the enum before and after the change, the number, and the old names of the number.
+    """
     for pair in enums(change):
         left = values_by_number(pair.new)
         for number, values in values_by_number(pair.old).items():
@@ -167,7 +176,7 @@ def gone_values(change: SchemaChange) -> Iterator[tuple[EnumPair, int, tuple[str
 
 
 def values_by_number(enum: ProtoEnum) -> dict[int, list[ProtoEnumValue]]:
-    """Return the values of an enum by number. With ``allow_alias``, a number has several names."""
+    """Return the values of an enum by number. A number can have several values with the option ``allow_alias``."""
     values: dict[int, list[ProtoEnumValue]] = {}
     for value in enum.values:
         values.setdefault(value.number, []).append(value)

@@ -1,4 +1,4 @@
-"""A change: a schema before and after."""
+"""A change of the schema: the schemas before and after."""
 
 from __future__ import annotations
 
@@ -12,26 +12,29 @@ from roverlink.generator.protos.schema import Schema
 
 @dataclass(frozen=True, slots=True)
 class SchemaChange:
-    """The old and the new schema."""
+    """The schema of an earlier state, and the current schema."""
 
     before: Schema
     after: Schema
     of_ledger: bool = False
-    """True if the old schema is the ledger's, which has only names, numbers and types."""
+    """True if the earlier schema comes from the ledger. The ledger stores only names, numbers and types."""
     bounds_before: Bounds | None = None
-    """nanopb's bounds before; None if unknown."""
+    """The size limits of nanopb in the earlier state; None if they are unknown."""
 
     def earlier(self, span: Span, text: str) -> list[tuple[Span, str]]:
-        """Return a related place in the old state; none for the ledger, which nobody edits."""
+        """Return a place in the earlier state with a text, for `Diagnostic.also`. The list is empty for the ledger.
+
+        The ledger is left out because nobody edits it.
+        """
         return [] if self.of_ledger else [(span, text)]
 
 
 def each_once(
     changes: Iterable[SchemaChange], compare: Callable[[SchemaChange], Iterable[Diagnostic]]
 ) -> Iterator[Diagnostic]:
-    """Compare with each earlier state, and report a fault only once if several states show it.
+    """Yield the diagnostics of all comparisons with earlier states, each only once if several comparisons find it.
 
-    The ledger comes last, because it has no places in .proto files.
+    The comparison with the ledger comes last, because the ledger has no places in .proto files.
     """
     seen = set()
     for change in sorted(changes, key=lambda change: change.of_ledger):

@@ -1,1 +1,1 @@
-"""Fix-its: declarations as a .proto file writes them, and edits that keep old bytes readable."""
+"""Fix-its: the declarations and edits that help texts suggest, as the user has to write them in a .proto file."""

@@ -1,4 +1,4 @@
-"""Declarations as a .proto file writes them, for messages that quote old and new ones."""
+"""Declarations as text of a .proto file, for messages and help texts that quote old and new declarations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _PRESENCE = {"optional": "EXPLICIT", "required": "LEGACY_REQUIRED", "": "IMPLICI
 
 
 def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, number: int | None = None) -> str:
-    """Return a field's declaration in a message, for the syntax of its file and an optional new number."""
+    """Return a field's declaration as text of a .proto file; ``owner`` is the full name of the message around it.
+
+    ``syntax`` is the syntax of the file for which the text is written. ``number`` replaces the field's own number.
+    """
     is_group = field.type == "group" and not syntax.is_edition
     name = field.type_name.rpartition(".")[2] if is_group else field.name
     type = "group" if is_group else type_of(field, schema, owner)
@@ -26,7 +29,7 @@ def declaration(field: ProtoField, schema: Schema, owner: str, syntax: Syntax, n
 
 
 def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
-    """Return the old declaration of a field."""
+    """Return the declaration of a field as the file before the change would write it."""
     before = pair.change.before
     return declaration(field, before, pair.old.full_name, before.syntax_of(pair.old.file))
 
@@ -58,7 +61,7 @@ def _options(field: ProtoField, schema: Schema, syntax: Syntax) -> Iterator[str]
 
 
 def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
-    """Return a field's type as its message writes it."""
+    """Return a field's type as the message ``owner`` would write it, without the scope that both share."""
     entry = schema.messages.get(field.type_name)
     if entry is not None and is_map(field, schema):
         key, value = sorted(entry.fields, key=lambda one: one.number)
@@ -67,17 +70,17 @@ def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
 
 
 def type_place(field: ProtoField) -> Span:
-    """Return the place of a field's type."""
+    """Return the place of the type in a field's declaration."""
     return field.places.get("type") or field.at("type_name")
 
 
 def value_place(enum: ProtoEnum, number: int) -> Span:
-    """Return the place of the first value with a number."""
+    """Return the place of the first enum value that has a number."""
     return next((value.span for value in enum.values if value.number == number), enum.span)
 
 
 def retyping(pair: FieldPair) -> str:
-    """Describe a change of type, and its effect on values that are sent between the two versions."""
+    """Return a text that describes a change of type, and how a receiver of the other version reads the value."""
     old, new = pair.old, pair.new
     old_type = type_text(old, pair.change.before, pair.owner)
     new_type = type_text(new, pair.change.after, pair.owner)
@@ -92,14 +95,14 @@ def retyping(pair: FieldPair) -> str:
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:
-    """Return a field's type for a sentence."""
+    """Return a field's type in the words of a message to the user."""
     if kind(field) == "group":
         return f"{field.type_name}, delimited as a group"
     return type_of(field, schema, "" if field.type_name and not is_map(field, schema) else owner)
 
 
 def from_within(owner: str, full_name: str) -> str:
-    """Return a full name without the part that it shares with the enclosing message."""
+    """Return the name by which a message can refer to a type: the full name without the scope that both share."""
     scope = owner
     while scope:
         if full_name.startswith(f"{scope}."):

@@ -1,4 +1,4 @@
-"""Help texts: put back the old declaration, or reserve its number."""
+"""Help texts that tell the user to put back an old declaration, or to reserve its number."""
 
 from __future__ import annotations
 
@@ -14,20 +14,23 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoField, ProtoMessag
 
 
 def was(pair: FieldPair) -> str:
-    """Return a field's old declaration."""
+    """Return the declaration that a field had before the change."""
     owner, old, _ = written(pair)
     return declaration(old, pair.change.before, owner, pair.old_syntax)
 
 
 def back(pair: FieldPair) -> str:
-    """Describe how to undo the change of a field."""
+    """Return a help text that tells how to undo the change of a field."""
     owner, old, _ = written(pair)
     declared = declaration(old, pair.change.before, owner, pair.syntax)
     return f"put back `{declared}`{_with_type(pair.change, old, kind(pair.new) == 'group')}"
 
 
 def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = False) -> str:
-    """Describe changes of other types that a field's old type needs. A map and a group declare their own type."""
+    """Return the end of a help text: what else has to change so that a field can have its old type again.
+
+    A map and a group declare their message type themselves. So a message of the same name has to be replaced.
+    """
     now = change.after.messages.get(old.type_name)
     if old.type == "group" or is_map(old, change.before):
         in_the_way = now is not None and not now.map_entry and not declares_type
@@ -37,7 +40,10 @@ def _with_type(change: SchemaChange, old: ProtoField, declares_type: bool = Fals
 
 
 def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Range], names: Iterable[str]) -> str:
-    """Return statements that reserve numbers and names. Reserved numbers and names in use are left out."""
+    """Return the statements that reserve numbers and names in a message or enum.
+
+    Numbers and names that are already reserved are left out, and so are names that are in use.
+    """
     left = [part for one in numbers for part in missing(one, new.reserved)]
     free = [name for name in names if name not in new.reserved_names and name not in names_in_use(new)]
     of_numbers = f"reserved {spelled(left)};" if left else ""
@@ -45,18 +51,18 @@ def reserve(new: ProtoMessage | ProtoEnum, syntax: Syntax, numbers: Iterable[Ran
 
 
 def reserve_names(names: Iterable[str], syntax: Syntax) -> str:
-    """Return the statement that reserves names. In an edition, names are identifiers without quotes."""
+    """Return the statement that reserves names. In an edition, the names stand without quotes."""
     quote = "" if syntax.is_edition else '"'
     return f"reserved {', '.join(f'{quote}{name}{quote}' for name in names)};"
 
 
 def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
-    """Return the names of a message's fields or an enum's values, with their numbers."""
+    """Return the names of a message's fields or of an enum's values, each with its number."""
     return {one.name: one.number for one in (new.fields if isinstance(new, ProtoMessage) else new.values)}
 
 
 def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
-    """Return the help text for a deleted field."""
+    """Return the help text for a deleted field: put it back, or reserve its number and name."""
     put = put_back(pair, field)
     if field.label == "required":
         return put
@@ -64,18 +70,21 @@ def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
 
 
 def put_back(pair: MessagePair, field: ProtoField) -> str:
-    """Describe how to put back a deleted field."""
+    """Return a help text that tells how to put back a deleted field."""
     declared = declaration(field, pair.change.before, pair.old.full_name, pair.syntax)
     return f"put back `{declared}`{_with_type(pair.change, field)}{_in_place_of(pair.new, field.number, [field.name])}"
 
 
 def value_back_or_reserve(pair: EnumPair, number: int, names: Sequence[str]) -> str:
-    """Return the help text for a deleted enum value."""
+    """Return the help text for a deleted enum value: put it back, or reserve its number and names."""
     return _or_reserve(pair, put_values_back(pair, number, names), number, names)
 
 
 def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
-    """Describe how to put back deleted enum values. Values with a shared number need ``allow_alias``."""
+    """Return a help text that tells how to put back deleted enum values.
+
+    If values share a number, the text includes the option ``allow_alias``.
+    """
     numbers = [value.number for value in pair.new.values]
     shared, allowed = len(names) + numbers.count(number) > 1, len(set(numbers)) < len(numbers)
     option = "option allow_alias = true; " if shared and not allowed else ""
@@ -83,7 +92,7 @@ def put_values_back(pair: EnumPair, number: int, names: Sequence[str]) -> str:
 
 
 def values(names: Iterable[str], number: int) -> str:
-    """Return the declarations of an enum's values."""
+    """Return the declarations of enum values that share a number: ``IDLE = 0; STOPPED = 0;``."""
     return " ".join(f"{name} = {number};" for name in names)
 
 
@@ -95,7 +104,7 @@ def _or_reserve(pair: MessagePair | EnumPair, put: str, number: int, names: Sequ
 
 
 def _in_place_of(new: ProtoMessage | ProtoEnum, number: int, names: Iterable[str]) -> str:
-    """Describe the declarations or reservations that a restored declaration replaces."""
+    """Return the end of a help text: the declarations and reservations that have to go if a declaration is put back."""
     used = names_in_use(new)
     moved = [f"{name} = {used[name]}" for name in names if name in used]
     held = [str(number)] * covers(new.reserved, number) + [f'"{one}"' for one in names if one in new.reserved_names]

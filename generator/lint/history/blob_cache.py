@@ -1,8 +1,9 @@
-"""A cache of the numbers in blobs of a repository, kept between runs in the user's cache folder.
+"""A cache for the history: the messages and numbers in each blob, a file's content in git, are kept for later runs.
 
 The id of a blob is the checksum of its text, so an entry stays right as long as the code that made it is the same. Each
-repository has one file: a checksum, then JSON. The checksum covers the code too. So entries of another version of the
-program, and files that were cut short or damaged, are read again. The files can be deleted at any time.
+repository has one file in the user's cache folder: a checksum, then JSON. The checksum covers the code, too. So entries
+of another version of the program, and files that were cut short or damaged, are ignored. The files can be deleted at
+any time.
 """
 
 from __future__ import annotations
@@ -27,14 +28,17 @@ _LARGEST = 64 * 2**20  # bytes of all files together; 2,000 states of 40 fields 
 
 
 class BlobCache:
-    """The cache of one repository."""
+    """The cache file of one repository."""
 
     def __init__(self, repository: Path) -> None:
         name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
         self._file = cache_folder() / "history" / f"{name}.json"
 
     def load(self) -> dict[str, NumberedTypes]:
-        """Return the known types by blob id; empty if the cache cannot be read or is from another version."""
+        """Return the messages and enums of each known blob, by the blob's id.
+
+        The result is empty if the file cannot be read, or was written by another version of the program.
+        """
         try:
             said, _, body = self._file.read_bytes().partition(b"\n")
             os.utime(self._file)
@@ -43,7 +47,7 @@ class BlobCache:
         return dict(_decoded(body)) if said == _checksum(body) else {}
 
     def save(self, known: Mapping[str, NumberedTypes]) -> None:
-        """Replace the cache. If it cannot be written, the next run reads the history again."""
+        """Write the cache file anew. If this is not possible, the next run reads the history from git again."""
         body = _encoded(known)
         if len(body) > _LARGEST:
             return
@@ -62,7 +66,7 @@ class BlobCache:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove the files that were unused for the longest time, until the rest is small enough."""
+    """Remove the least recently used files of the cache folder until the others are small enough together."""
     about = {path: path.stat() for path in folder.iterdir()}
     size = 0
     for path in sorted(about, key=lambda path: about[path].st_mtime, reverse=True):
@@ -77,7 +81,7 @@ def _checksum(body: bytes) -> bytes:
 
 @cache
 def _version() -> bytes:
-    """Return a checksum of the code that an entry depends on: the parser, its model, and this package."""
+    """Return a checksum of the code whose results the cache contains: the parser, its model, and this package."""
     checksum = hashlib.sha256(sys.version.encode())
     for module in (parser, schema, sys.modules[__package__]):
         path = Path(inspect.getfile(module))
@@ -87,7 +91,7 @@ def _version() -> bytes:
 
 
 def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
-    """Return the cache as JSON. Each distinct fact is stored once; blobs refer to it by index."""
+    """Return the content of the cache as JSON. Each distinct fact is stored once, and blobs refer to it by index."""
     index: dict[Fact, int] = {}
     blobs = {
         blob: [

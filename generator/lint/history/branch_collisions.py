@@ -1,4 +1,4 @@
-"""Collisions of branches: numbers that open branches give to different payloads."""
+"""Collisions of branches: numbers to which open branches have given different payloads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (
 
 
 def branches(refs: Sequence[Ref]) -> dict[str, str]:
-    """Return the commits of local and remote branches, and of HEAD if it is not on a branch."""
+    """Return the commit of each local and remote branch, by ref. HEAD is included if it is not on a branch."""
     return {
         ref.name: ref.commit
         for ref in refs
@@ -26,7 +26,7 @@ def branches(refs: Sequence[Ref]) -> dict[str, str]:
 
 
 def default_branch(refs: Sequence[Ref]) -> str | None:
-    """Return the full ref of the branch that others are merged into; None if there is none."""
+    """Return the full ref of the default branch, into which others are merged; None if there is none."""
     names = branches(refs)
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
     told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
@@ -39,16 +39,19 @@ def branch_name(ref: str) -> str:
 
 
 class Branches:
-    """The branches of a repository, for one message."""
+    """The branches of a repository, for a query about the numbers of one message.
+
+    ``nodes`` has the node of each branch's last commit.
+    """
 
     def __init__(self, record: Record, owners: Sequence[str], nodes: Mapping[str, int]) -> None:
         self._record, self._owners, self._nodes = record, owners, nodes
 
     def collisions(self, default: str | None) -> list[Collision]:
-        """Return the numbers that branches have given to different payloads since they diverged.
+        """Return the numbers to which branches have given different payloads since they diverged.
 
-        A branch that is merged into the default branch does not count. The local and the remote copy of a branch count
-        as one, and so do a branch and another one that was built upon it.
+        A branch that is merged into the default branch is ignored. The local and the remote copy of a branch are not
+        compared with each other. If one branch was built upon another, the two have no collision.
         """
         graph = self._record.graph
         trunk = self._nodes.get(default, 0) if default else 0
@@ -66,7 +69,10 @@ class Branches:
         ]
 
     def _between(self, one: int, other: int) -> Iterator[tuple[int, Fact, Fact]]:
-        """Yield the numbers that two branches have given to different payloads since they diverged."""
+        """Yield each number to which the branches at two nodes have given different payloads, with both payloads.
+
+        Payloads that existed when the branches diverged are left out.
+        """
         graph = self._record.graph
         known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
         ours, theirs = self._facts(one) - known, self._facts(other) - known
@@ -92,12 +98,12 @@ class Branches:
         return Allocation(tuple(refs), fact.type, fact.name, came, lifetime.path, lifetime.line)
 
     def _lifetimes(self, fact: Fact, node: int) -> Iterator[Lifetime]:
-        """Yield the lifetimes of a fact that still last at a branch, the latest first."""
+        """Yield the lifetimes of a fact that have not ended at a branch's node, the latest first."""
         for owner in self._owners:
             lifetimes = self._record.lineage.tips[node].alive.get(owner, {}).get(fact, frozenset())
             yield from (self._record.lineage.lifetimes[owner][index] for index in sorted(lifetimes, reverse=True))
 
 
 def _short(ref: str) -> str:
-    """Return a branch's name without its remote."""
+    """Return a branch's name without ``refs/heads/``, ``refs/remotes/`` and the name of the remote."""
     return ref.removeprefix(_REMOTE).partition("/")[2] if ref.startswith(_REMOTE) else ref.removeprefix(_LOCAL)

@@ -1,4 +1,7 @@
-"""The graph of commits. A commit that changes no .proto file shares the node of its parent."""
+"""The graph of commits that matter for the history. A commit that changes no .proto file has no node of its own.
+
+Such a commit is represented by the node of its parent.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,17 @@ from roverlink.generator.lint.history.commits import Revision
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A commit that changes a .proto file, or a merge of branches that changed some."""
+    """A commit that changes a .proto file, or a merge of branches that changed some files."""
 
     index: int
     """The node's number; larger than those of its parents."""
     parents: tuple[int, ...]
-    """The parents. `Revision.edits` are changes against the first one."""
+    """The nodes of the parents. `Revision.edits` are the changes against the first of them."""
     revision: Revision
 
 
 class Graph:
-    """The nodes of history. `BEGINNING` is not a commit: it is the empty tree before the first commit."""
+    """The nodes of the history, each with an index. `BEGINNING` stands for the empty tree before the first commit."""
 
     BEGINNING = 0
 
@@ -28,7 +31,10 @@ class Graph:
         self.nodes: list[Node] = []
         self._node_of: dict[str, int] = {}
         self._ancestors = [1]
-        """The ancestors of each node and the node itself, as the bits of an integer: `precedes` is one shift."""
+        """For each node, an integer whose set bits are the node itself and its ancestors.
+
+        This makes `precedes` fast.
+        """
         for revision in revisions:
             self._node_of[revision.commit.id] = self._add(revision)
 
@@ -39,11 +45,11 @@ class Graph:
         return self.nodes[index - 1]
 
     def node_of(self, commit: str) -> int:
-        """Return the node of a commit; `BEGINNING` if nothing was declared yet."""
+        """Return the index of a commit's node; `BEGINNING` if no .proto file existed at the commit."""
         return self._node_of.get(commit, self.BEGINNING)
 
     def precedes(self, one: int, other: int) -> bool:
-        """Return True if a node is an ancestor of another, or the same one."""
+        """Return True if the node ``one`` is an ancestor of the node ``other``, or the same node."""
         return bool(self._ancestors[other] >> one & 1)
 
     def merge_bases(self, one: int, other: int) -> list[int]:
@@ -70,7 +76,10 @@ class Graph:
 
 
 def depth(revisions: Collection[Revision], tips: Iterable[str]) -> int:
-    """Return how many commits the history goes back: the largest distance of a commit from its nearest branch."""
+    """Return the depth of the history: the number of commits from the newest to the oldest.
+
+    Each commit is counted from the nearest branch in ``tips``; the largest count is returned.
+    """
     parents = {revision.commit.id: revision.parents for revision in revisions}
     level = {tip for tip in tips if tip in parents}
     seen, steps = set(level), 0

@@ -1,6 +1,6 @@
-"""A repository with its whole past, read in a few runs of git (2.31 or later).
+"""Access to a git repository and all its commits, with few runs of git (2.31 or later).
 
-Nothing is checked out. In a partial clone (``--filter``), git fetches the missing blobs when they are asked for.
+No commit is checked out. In a partial clone (``--filter``), git fetches missing blobs when they are read.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ _LARGEST = 4_194_304  # bytes; the largest .proto files that people write have a
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """The change of one file in a commit, against its first parent."""
+    """The change of one file between the first parent of a commit and the commit itself."""
 
     path: str
     old: str | None
-    """The blob before the commit; None if the file did not exist."""
+    """The id of the file's blob before the commit; None if the file did not exist."""
     new: str | None
 
 
 @dataclass(frozen=True, slots=True)
 class Revision:
-    """A commit with its parents and changes."""
+    """A commit with its parents and the files that it changed."""
 
     commit: Commit
     parents: tuple[str, ...]
@@ -50,20 +50,23 @@ class Revision:
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """A name for a commit."""
+    """A git ref: a name for a commit."""
 
     name: str
     """The full name, such as ``refs/heads/main``."""
     commit: str
     target: str
-    """The target of a symbolic ref; empty for other refs."""
+    """The full name of the ref that a symbolic ref points to; empty for other refs."""
 
 
 class PastRepository(Repository):
-    """A folder in a git repository, with its history."""
+    """A folder in a git repository, with access to all commits."""
 
     def revisions(self) -> list[Revision]:
-        """Return all commits of all refs except stashes, parents before children, otherwise by time."""
+        """Return the commits of all refs except stashes.
+
+        Parents come before children; otherwise the order follows the time.
+        """
         words = self._run(*_LOG).split("\0")
         found, at = [], 0
         while at + len(_FIELDS) <= len(words):
@@ -78,7 +81,7 @@ class PastRepository(Repository):
         return found[::-1]
 
     def refs(self) -> list[Ref]:
-        """Return the refs of commits, sorted; with HEAD if it is not on a branch."""
+        """Return all refs with their commits, sorted by name. If HEAD is on no branch, HEAD comes first."""
         said = self._run("for-each-ref", "--format=%(refname)%00%(objectname)%00%(*objectname)%00%(symref)")
         fields = [line.split("\0") for line in said.splitlines()]
         refs = [Ref(name, peeled or id, target) for name, id, peeled, target in fields]
@@ -97,7 +100,10 @@ class PastRepository(Repository):
         return frozenset(file.read_text(encoding="ascii").split())
 
     def blobs(self, ids: Sequence[str]) -> Iterator[tuple[str, bytes | None]]:
-        """Yield the content of blobs in their order; None for a missing or too large one."""
+        """Yield id and content of blobs, in the given order.
+
+        The content is None if the blob is missing or too large.
+        """
         if not ids:
             return
         command = ["git", "-C", str(self.folder), "cat-file", "--batch"]
@@ -138,5 +144,5 @@ def _edit(what: str, path: str) -> Edit:
 
 
 def _is_file(mode: str) -> bool:
-    """Return True for the mode of a regular file; links, submodules and deleted files have other modes."""
+    """Return True if a mode of git means a regular file, and not a link, a submodule or a deleted file."""
     return mode.startswith("100")

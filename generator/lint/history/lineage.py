@@ -1,7 +1,10 @@
-"""One walk over history, parents before children: the facts of each message at each commit, and since when.
+"""One walk over the history, parents before children.
 
-A fact may come and go several times, and differently on each line of history. So the walk carries, along each line, the
-lifetimes that last there. Rules for a merge:
+It finds the facts of each message at each commit, and since when.
+
+A fact is the declaration of a field or an enum value, without its place. A fact may come and go several times, and
+differently on each line of history. So the walk carries along each line the lifetimes that have not ended there. Rules
+for a merge:
 
 - A fact begins at the merge only if no parent has it. Otherwise its lifetimes in the parents continue.
 - A fact ends at the merge only if the merge itself deletes it. If a parent without the fact had it before, a commit on
@@ -19,9 +22,9 @@ from roverlink.generator.lint.history.numbered_types import NumberedType, Number
 from roverlink.generator.protos.schema import Fact
 
 Declared = Mapping[str, NumberedType]
-"""The declarations of one message or enum in one state, by file. Usually there is one."""
+"""The declarations of one message or enum at one commit, by file. Usually one file declares it."""
 Lifetimes = frozenset[int]
-"""Indices of the lifetimes of a fact: one, unless it began on several lines that were merged."""
+"""Indices of the lifetimes that a fact has at a commit. There are several if it began on several merged lines."""
 Alive = Mapping[Fact, Lifetimes]
 
 _NOTHING: Alive = {}
@@ -29,7 +32,7 @@ _NOTHING: Alive = {}
 
 @dataclass(slots=True)
 class Lifetime:
-    """The time of a fact from its beginning to all its ends on different lines of history."""
+    """The time of a fact from the node where it begins to the nodes that delete it on different lines of history."""
 
     fact: Fact
     came: int
@@ -37,34 +40,37 @@ class Lifetime:
     line: int
     went: list[int] = field(default_factory=list)
     faded: list[int] = field(default_factory=list)
-    """Merges that took over the deletion from another line."""
+    """Merges at which the fact ended because another line of history had deleted it."""
 
 
 @dataclass(slots=True)
 class State:
-    """All messages and enums at one commit. The inner mappings are shared, and never changed."""
+    """All messages and enums at one commit, and the lifetimes of their facts. The inner mappings are never changed."""
 
     declared: dict[str, Declared] = field(default_factory=dict)
     alive: dict[str, Alive] = field(default_factory=dict)
 
     def copy(self) -> State:
-        """Return a state that may be changed."""
+        """Return a copy that may be changed; the inner mappings are shared with this state."""
         return State(dict(self.declared), dict(self.alive))
 
 
 @dataclass(slots=True)
 class Lineage:
-    """The result of the walk."""
+    """The result of the walk over the history."""
 
     lifetimes: dict[str, list[Lifetime]] = field(default_factory=dict)
-    """The lifetimes of each message and enum."""
+    """The lifetimes of all facts of each message and enum, by its full name."""
     changes: dict[str, dict[int, Declared]] = field(default_factory=dict)
-    """The declarations at each node where they differ from the first parent."""
+    """The declarations of each message and enum, at each node where they differ from those at the first parent."""
     tips: dict[int, State] = field(default_factory=dict)
 
 
 def sweep(graph: Graph, types_of: Callable[[str], NumberedTypes], tips: Collection[int]) -> Lineage:
-    """Walk over all commits of the graph, parents first; keep the states of ``tips`` for later queries."""
+    """Walk over all nodes of the graph, parents first, and return the result.
+
+    ``types_of`` returns the messages and enums of a blob. The states at the nodes ``tips`` are kept for later queries.
+    """
     walk = _Sweep(graph, types_of, tips)
     for node in graph.nodes:
         walk.visit(node)
@@ -77,7 +83,10 @@ class _Sweep:
         self._graph, self._types_of = graph, types_of
         self._states = {Graph.BEGINNING: State()}
         self._needed = [0] * len(graph)
-        """Number of nodes that still need each state. The last one changes it in place, without a copy."""
+        """For each node, the number of nodes that still need its state.
+
+        The last one may change the state without a copy.
+        """
         for index in tips:
             self._needed[index] += 1
         for node in graph.nodes:
@@ -88,7 +97,7 @@ class _Sweep:
             self.lineage.tips[Graph.BEGINNING] = State()
 
     def visit(self, node: Node) -> None:
-        """Find the facts that begin and end at a node. Its parents have been visited."""
+        """Find the facts that begin or end at a node. The node's parents must have been visited."""
         others = [self._release(parent) for parent in node.parents[1:]]
         alive_there = [state.alive for state in others]
         state = self._take(node.parents[0])
@@ -109,7 +118,7 @@ class _Sweep:
             del self._states[node.index]
 
     def _take(self, index: int) -> State:
-        """Return a parent's state, which may be changed."""
+        """Return the state at a parent for the last time or as a copy, so that the caller may change it."""
         state = self._release(index)
         return state.copy() if index in self._states else state
 
@@ -121,7 +130,7 @@ class _Sweep:
         return state
 
     def _edit(self, node: Node, state: State) -> set[str]:
-        """Apply a node's files to a state; return the messages and enums whose facts changed."""
+        """Apply the changed files of a node to a state. Returns the messages and enums whose facts changed."""
         before: dict[str, Declared] = {}
         for edit in node.revision.edits:
             old = self._types_of(edit.old) if edit.old else {}
@@ -141,7 +150,7 @@ class _Sweep:
         return changed
 
     def _settle(self, node: Node, owner: str, befores: list[Alive], declared: Declared) -> Alive:
-        """Return the lifetimes of a message's facts at a node, from those at its parents."""
+        """Return the lifetimes of a message's facts at a node; ``befores`` has the lifetimes at each parent."""
         lifetimes = self.lineage.lifetimes.setdefault(owner, [])
         after: dict[Fact, Lifetimes] = {}
         for path, declaration in declared.items():
@@ -158,7 +167,11 @@ class _Sweep:
         return after
 
     def _end(self, node: Node, fact: Fact, befores: list[Alive], lifetimes: list[Lifetime]) -> None:
-        """End the lifetimes of a fact: as ``went`` if this node deletes it, as ``faded`` if another line did."""
+        """Note the node as the end of a fact's lifetimes.
+
+        The node is added to ``went`` if it deletes the fact, and to ``faded`` if another line of history has deleted
+        it.
+        """
         lacking = [parent for parent, before in zip(node.parents, befores) if fact not in before]
         for lifetime in lifetimes:
             known = any(self._graph.precedes(lifetime.came, parent) for parent in lacking)
@@ -168,7 +181,7 @@ class _Sweep:
 
 
 def _same(one: Declared, other: Declared) -> bool:
-    """Return True if two states have the same facts in the same files. Lines may differ."""
+    """Return True if the same files declare the same facts of a message. The lines in the files may differ."""
     return one.keys() == other.keys() and all(
         declaration.facts.keys() == other[path].facts.keys() and declaration.broken == other[path].broken
         for path, declaration in one.items()

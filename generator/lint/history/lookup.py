@@ -1,4 +1,4 @@
-"""Lookups in the history: one message or enum at one node."""
+"""Lookups in the history: the declarations and contents of one message or enum at one node of the graph."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Record:
-    """The history, by names and nodes."""
+    """The history of all messages and enums, for lookups by name and node."""
 
     def __init__(self, graph: Graph, lineage: Lineage) -> None:
         self.graph, self.lineage = graph, lineage
@@ -31,10 +31,10 @@ class Record:
     # --- names ------------------------------------------------------------------------------------------------------
 
     def owners(self, name: str) -> list[str]:
-        """Return the full names that a name means: one, or several if the package changed.
+        """Return the full names that a message or enum had. There are several if its package changed.
 
-        If several messages of that name existed at the same time, the one without a package is meant. If all have a
-        package, all are meant.
+        ``name`` is a full name, or a name without package. If several messages of that name existed at the same time,
+        the one without a package is meant. If all have a package, all are meant.
         """
         found = self.of_simple_name(name)
         if name not in found:
@@ -42,15 +42,15 @@ class Record:
         return [name, *(other for other in found if other != name and not self._beside(name, other))]
 
     def _beside(self, one: str, other: str) -> bool:
-        """Return True if two messages were declared in the same state."""
+        """Return True if two messages were declared at the same time at a node."""
         nodes = {*self.lineage.changes[one], *self.lineage.changes[other]}
         return any(self.declared(one, node) and self.declared(other, node) for node in nodes)
 
     def resolve(self, type: str, owner: str, node: int) -> str | None:
-        """Return the full name of a field's type at a node; None if it is not declared there.
+        """Return the full name of a field's type at a node; None if the type is not declared there.
 
-        If protobuf's rules find nothing, the package statement may be unreadable: then the last part of the name
-        decides.
+        If protobuf's rules find no type, the parser may not have been able to read the package statement. Then any type
+        with the same last part of the name is taken.
         """
         if not type or type in SCALARS or type.startswith("map<"):
             return None
@@ -65,18 +65,18 @@ class Record:
         return next((other for other in self.of_simple_name(type) if self.declared(other, node)), None)
 
     def of_simple_name(self, name: str) -> Sequence[str]:
-        """Return the messages and enums with the same last part of the name, in any package."""
+        """Return the full names of all messages and enums whose last part is that of a name."""
         return self._by_simple_name.get(name.rpartition(".")[2], ())
 
     # --- states -----------------------------------------------------------------------------------------------------
 
     def declared(self, owner: str, node: int) -> Declared:
-        """Return the declarations of a message or enum at a node, by file; empty if there is none."""
+        """Return the declarations of a message or enum at a node, by file; empty if it is not declared there."""
         changes = self.lineage.changes.get(owner)
         return changes.get(self._last_change(owner, node), {}) if changes else {}
 
     def _last_change(self, owner: str, node: int) -> int:
-        """Return the node at which the message got its state at ``node``."""
+        """Return the latest node, up to a given one, that changed the declarations of a message or enum."""
         if owner not in self._last_changes:
             changes, last = self.lineage.changes[owner], [Graph.BEGINNING]
             for each in self.graph.nodes:
@@ -85,7 +85,7 @@ class Record:
         return self._last_changes[owner][node]
 
     def content(self, owner: str | None, node: int) -> Content | None:
-        """Return the content of a message or enum at a node; None if it is unknown."""
+        """Return the fields or values of a message or enum at a node; None if it is not declared there."""
         if owner is None or not self.declared(owner, node):
             return None
         key = owner, self._last_change(owner, node)
@@ -102,10 +102,10 @@ class Record:
         return Content(owner, commit, tuple(sorted(facts)), path, first.line, broken, first.enum)
 
     def content_of_type(self, type: str, owner: str, node: int) -> Content | None:
-        """Return the content of a field's type at a node.
+        """Return the fields or values of a field's type at a node; None if they are unknown.
 
-        If the type is not declared there, its declaration was perhaps renamed in a commit before or after: then this
-        returns the last content before the node, or the first one after it.
+        If the type is not declared there, a commit before or after may have renamed it. Then this returns the last
+        content before the node, or else the first one after the node.
         """
         if name := self.resolve(type, owner, node):
             return self.content(name, node)
@@ -121,11 +121,11 @@ class Record:
         return replace(content, there=False) if content else None
 
     def has(self, owner: str, fact: Fact, node: int) -> bool:
-        """Return True if a message has a fact at a node."""
+        """Return True if the message has the fact at a node."""
         return any(fact in declaration.facts for declaration in self.declared(owner, node).values())
 
     def before(self, owner: str, fact: Fact, node: int) -> int:
-        """Return the parent at which the message still had the fact that a node deletes."""
+        """Return a parent of a node that deletes a fact: the first parent that still has the fact."""
         parents = self.graph[node].parents
         return next((parent for parent in parents if self.has(owner, fact, parent)), parents[0])
 
@@ -136,7 +136,7 @@ class Record:
         return enumerate(self.lineage.lifetimes.get(owner, []))
 
     def confidence(self, owners: Iterable[str]) -> dict[Fact, Confidence]:
-        """Return the confidence of each fact, from the files in which it was read."""
+        """Return how reliable each fact of some messages is. It depends on the files from which the fact was read."""
         sound, broken = set[Fact](), set[Fact]()
         for owner in owners:
             for declared in self.lineage.changes.get(owner, {}).values():

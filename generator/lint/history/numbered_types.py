@@ -1,4 +1,4 @@
-"""The messages and enums of one state of a .proto file, by number."""
+"""The messages and enums in one state of a .proto file, as facts: which number has which meaning."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class NumberedType:
     """A message or an enum in one state of a file."""
 
     facts: dict[Fact, int]
-    """The facts of the type, each with its first line."""
+    """The facts of the message or enum, each with the first line that declares it."""
     line: int
     broken: bool
-    """True if the file has lines that cannot be read."""
+    """True if the parser could not read some lines of the file."""
     enum: bool
 
 
@@ -26,7 +26,7 @@ NumberedTypes = dict[str, NumberedType]
 
 
 def numbered_types(file: File) -> NumberedTypes:
-    """Return the facts of a parsed file. Two declarations of one type are combined."""
+    """Return the messages and enums of a parsed file. If a type is declared twice, its facts are combined."""
     found: NumberedTypes = {}
     types: list[ProtoMessage | ProtoEnum] = [*file.messages, *file.enums]
     for type in sorted(types, key=lambda one: one.span.line):
@@ -38,7 +38,7 @@ def numbered_types(file: File) -> NumberedTypes:
 
 
 def _facts(type: ProtoMessage | ProtoEnum) -> Iterator[tuple[Fact, int]]:
-    """Yield the facts of a type, with their lines."""
+    """Yield each fact of a message or enum, with its line. Facts in comments are marked as `claimed`."""
     for part in type.fields if isinstance(type, ProtoMessage) else type.values:
         yield part.fact, part.span.line
     for part in type.claims:

@@ -1,4 +1,4 @@
-"""The history of a repository's .proto files, with queries."""
+"""The history of all .proto files in a repository, and queries about it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SOME = 64  # states between two reports of progress
 
 
 def read_history(repository: Path, report: Callable[[int, int], None] | None = None) -> History:
-    """Read the history of all .proto files below a folder: all refs, and both sides of each merge.
+    """Read the history of all .proto files below a folder, from all refs and both sides of each merge.
 
     ``report`` is called with the number of file states that were read, and their total. Raises `GitError` if git fails.
     """
@@ -34,10 +34,10 @@ def read_history(repository: Path, report: Callable[[int, int], None] | None = N
 
 
 class History:
-    """The meanings of all numbers in the history of a repository's .proto files.
+    """The meanings that each number of each message and enum had in the history of a repository.
 
-    Messages and enums are found by name, with or without package. One that moved to another package has one history.
-    Files do not matter: they may be renamed and moved.
+    Messages and enums are found by name, with or without package. If one moved to another package, both names have the
+    same history. Files do not matter: they may be renamed and moved.
     """
 
     def __init__(
@@ -55,43 +55,43 @@ class History:
         self._record = Record(graph, lineage)
         self._traced = cache(self._find_traced)
         self.reuses = cache(self._find_reuses)
-        """The numbers of a message or enum that had more than one meaning, as pairs of usages.
+        """Function that returns the changes of meaning in a message or enum, by its name.
 
-        Includes mere renames.
+        Each result is a pair of usages of one number. Mere renames are included.
         """
         self.commits = len(revisions)
-        """The number of commits."""
+        """The number of commits in the history."""
         self.shallow = shallow
-        """True if the clone is shallow, so that earlier commits are unknown."""
+        """True if the clone is shallow: its earliest commits are missing."""
         self.depth = depth(revisions, [ref.commit for ref in refs])
-        """The depth of the history in commits."""
+        """The number of commits from the newest to the oldest one."""
         self.unread = tuple(sorted(_paths(revisions, unread)))
-        """Files with a state that was not read: it is missing, too large, or binary."""
+        """Paths of files with a state that could not be read, because it is missing, too large, or binary."""
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Full names of all messages that ever existed."""
+        """Full names of all messages that existed at some time."""
         return tuple(sorted(name for name, enum in self._kinds() if not enum))
 
     @property
     def enums(self) -> tuple[str, ...]:
-        """Full names of all enums that ever existed."""
+        """Full names of all enums that existed at some time."""
         return tuple(sorted(name for name, enum in self._kinds() if enum))
 
     def names(self, name: str) -> tuple[str, ...]:
-        """Return the full names that a message or enum had: several if its package changed."""
+        """Return the full names that a message or enum had. There are several if its package changed."""
         return tuple(self._record.owners(name))
 
     def numbers(self, name: str) -> dict[int, tuple[Usage, ...]]:
-        """Return every number that a message or enum ever used, with its usages, the earliest first."""
+        """Return every number that a message or enum ever had, with its usages, the earliest first."""
         return _by_number(traced.usage for traced in self._traced(name, False))
 
     def claims(self, name: str) -> dict[int, tuple[Usage, ...]]:
-        """Return every number of a declaration that was ever commented out, with its usages."""
+        """Return every number of a message or enum that a commented-out declaration ever had, with its usages."""
         return _by_number(traced.usage for traced in self._traced(name, True))
 
     def collisions(self, name: str) -> tuple[Collision, ...]:
-        """Return the numbers of a message that branches have given to different payloads since they diverged."""
+        """Return the numbers of a message to which branches have given different payloads since they diverged."""
         found = Branches(self._record, self._record.owners(name), self._nodes)
         return tuple(found.collisions(default_branch(self._refs)))
 
@@ -117,7 +117,7 @@ def _by_number(found: Iterable[Usage]) -> dict[int, tuple[Usage, ...]]:
 def _types(
     git: PastRepository, revisions: Sequence[Revision], report: Callable[[int, int], None]
 ) -> tuple[dict[str, NumberedTypes], frozenset[str]]:
-    """Return the types in each state of each file, by blob; and the blobs that could not be read."""
+    """Return the messages and enums in each blob, by the blob's id, and the ids of blobs that could not be read."""
     blobs = list(dict.fromkeys(edit.new for revision in revisions for edit in revision.edits if edit.new))
     blob_cache = BlobCache(git.folder)
     known = blob_cache.load()
@@ -141,5 +141,5 @@ def _paths(revisions: Iterable[Revision], blobs: frozenset[str]) -> set[str]:
 
 
 def _nobody(done: int, total: int) -> None:
-    """Ignore the progress."""
+    """Do nothing. This is called instead of ``report`` if the caller of `read_history` does not want the progress."""
     del done, total

@@ -1,4 +1,4 @@
-"""Reuses: numbers of one message or enum that had more than one meaning."""
+"""Reuses: numbers of a message or enum that had different meanings in the history."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MOST = 16  # each usage of a number is compared with this many usages before it
 
 
 class Reuses:
-    """Compares the usages of each number."""
+    """Finder of the reuses of one message or enum: compares the usages of each number with each other."""
 
     def __init__(self, record: Record, owners: Sequence[str], traced: Sequence[TracedUsage]) -> None:
         self._record, self._traced = record, traced
@@ -36,7 +36,7 @@ class Reuses:
         self._values = ValueNames(self._owner, [one.usage.name for one in traced])
 
     def all(self) -> Iterator[Reuse]:
-        """Yield all reuses, sorted by number."""
+        """Yield all reuses of the message or enum, sorted by number."""
         for _, group in groupby(self._traced, key=lambda one: one.usage.number):
             uses = list(group)
             if len(uses) > 1:
@@ -47,7 +47,7 @@ class Reuses:
     # --- usages that differ -----------------------------------------------------------------------------------------
 
     def _between(self, uses: Sequence[TracedUsage]) -> list[Reuse]:
-        """Return the differences between the usages of a number. A chain of mere renames is one meaning."""
+        """Return the reuses between the usages of one number. A chain of mere renames counts as one meaning."""
         meaning = list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
         for one, other in combinations(range(len(uses)), 2):
@@ -62,7 +62,7 @@ class Reuses:
         return [reuse for one, other, reuse in found if not reuse.real or meaning[one] != meaning[other]]
 
     def _compare(self, earlier: TracedUsage, later: TracedUsage) -> Reuse | None:
-        """Return the reuse between two usages; None if the meaning is the same."""
+        """Return the reuse that two usages of a number make; None if both have the same meaning."""
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
         if not (old.type or new.type):
@@ -78,7 +78,10 @@ class Reuses:
         return self._reuse(self._by_content(earlier, later, before, after, contents), earlier, later, *contents)
 
     def _scalar_or_not(self, old: Fact, new: Fact, contents: tuple[Content | None, Content | None]) -> Kind | None:
-        """Return the kind of a change between a scalar and another type. On the wire, an enum is an integer."""
+        """Return the kind of a change between a scalar type and a message or enum; None if the meaning stayed.
+
+        On the wire, an enum is an integer.
+        """
         content = contents[0] or contents[1]
         enum = content is not None and content.enum
         kinds = [fact.type if fact.type in SCALARS else "enum" if enum else "message" for fact in (old, new)]
@@ -92,7 +95,10 @@ class Reuses:
         after: int,
         contents: tuple[Content | None, Content | None],
     ) -> Kind | None:
-        """Return the kind of a change from a message or enum to another one, by their content."""
+        """Return the kind of a change from one message or enum type to another; None if the meaning stayed.
+
+        The types are compared by their contents.
+        """
         old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
         if one and other and one.enum != other.enum:
@@ -114,10 +120,11 @@ class Reuses:
         after: int,
         contents: tuple[Content | None, Content | None],
     ) -> bool:
-        """Return True if one type is the other under a new name.
+        """Return True if the later type is the earlier one under a new name.
 
-        Two types that were declared at the same time are different, even if they are alike, unless the field kept its
-        name. If the number was unused in between, or a message is too small to compare, the names must share a word.
+        Two types that were declared at the same time are different, even if they have the same fields, unless the field
+        kept its name. If the number was unused in between, or a message is too small to compare, the names must share a
+        word.
         """
         old, new = earlier.usage.fact, later.usage.fact
         one, other = contents
@@ -133,7 +140,7 @@ class Reuses:
     # --- one usage, other contents ----------------------------------------------------------------------------------
 
     def _within(self, use: TracedUsage) -> Iterator[Reuse]:
-        """Yield states of a field's type in which the content was replaced, although the name stayed."""
+        """Yield a reuse for each time at which the content of a field's type was replaced, although its name stayed."""
         versions: list[tuple[int, Content]] = []
         for node in self._relations.nodes_of_content(use):
             new = self._content(use, node)
@@ -151,7 +158,10 @@ class Reuses:
         return self._record.content_of_type(use.usage.type, use.stretches[0].owner, node)
 
     def _surviving(self, old: Content, new: Content) -> int:
-        """Return how many old fields still exist. Cached, because each further usage of a number asks again."""
+        """Return the number of old fields that still exist in the new content.
+
+        The result is cached for later comparisons.
+        """
         key = (old.type, old.commit.id, new.type, new.commit.id)
         if key not in self._survivors:
             self._survivors[key] = survivors(old, new)
@@ -186,7 +196,7 @@ def _by_name(old: Fact, new: Fact) -> Kind | None:
 
 
 def _confidence(use: TracedUsage, content: Content | None) -> Confidence:
-    """Return the confidence of a usage, with the content of its type."""
+    """Return how reliable a usage is; ``content`` is the content of its type."""
     type = use.usage.type
     sound = content is not None and content.there and not content.broken
     known = sound or not type or type in SCALARS or type.startswith("map<")

@@ -1,4 +1,4 @@
-"""Comparisons of meaning: fields, enum values, and the contents of messages."""
+"""Comparisons of meaning: decide if two fields, enum values or message contents mean the same."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def same_field(old: Fact, new: Fact) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def alike(old: str, new: str) -> bool:
-    """Return True if two names share a word. Cached, because a history compares the same names many times."""
+    """Return True if two names share a word. Results are cached, because the same names are compared many times."""
     return old == new or share_a_word([old], [new])
 
 
 def _types_agree(old: Fact, new: Fact) -> bool:
-    """Return True if two types agree, as far as their names tell."""
+    """Return True if two fields may have the same type, as far as the names of the types show."""
     scalars = [fact.type in SCALARS for fact in (old, new)]
     if all(scalars):
         return not broken_by_kind(old.type, new.type)
@@ -40,9 +40,9 @@ def _types_agree(old: Fact, new: Fact) -> bool:
 
 
 def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
-    """Return True if two usages, each as type and name, are different payloads.
+    """Return True if two usages of a number, each given as type and name, are different payloads.
 
-    For scalars and enum values, which have no message type, different names are enough.
+    Scalars and enum values have no message type, so they are different if their names are different.
     """
     types = [f".{type.lstrip('.')}" for type, _ in (one, other)]
     if not (types[0].endswith(types[1]) or types[1].endswith(types[0])):  # one of the two may include the package
@@ -56,7 +56,7 @@ def simple(type: str) -> str:
 
 
 def survivors(old: Content, new: Content) -> int:
-    """Return how many fields or values of an old content still exist in a new one."""
+    """Return the number of old fields or values that exist with the same meaning in the new content."""
     after: dict[int, list[Fact]] = {}
     for fact in new.facts:
         after.setdefault(fact.number, []).append(fact)
@@ -68,24 +68,30 @@ def _survives(old: Fact, new: Fact) -> bool:
 
 
 def nearly_the_same(old: Content, new: Content, left: int) -> bool:
-    """Return True if at least two thirds of the fields are left, counted in the smaller content."""
+    """Return True if at least two thirds of the smaller content's fields are left.
+
+    ``left`` is the result of `survivors`.
+    """
     return left * 3 >= 2 * min(len(old.facts), len(new.facts))
 
 
 def is_telling(old: Content, new: Content) -> bool:
-    """Return True if both contents are large enough that they are not alike by chance."""
+    """Return True if both contents have enough fields that they cannot be equal by chance."""
     return min(len(old.facts), len(new.facts)) >= _TELLING
 
 
 def replaced(old: Content, new: Content, left: int) -> bool:
-    """Return True if fewer than a third of the old fields are left, and new fields have some of their numbers."""
+    """Return True if fewer than a third of the old fields are left, and new fields took some of the old numbers.
+
+    ``left`` is the result of `survivors`.
+    """
     numbers = {fact.number for fact in new.facts}
     gone = [fact for fact in old.facts if fact.number not in numbers]
     return len(old.facts) >= _FEWEST and left * 3 < len(old.facts) and left + len(gone) < len(old.facts)
 
 
 class ValueNames:
-    """The names of an enum's values, without the words that most of them share."""
+    """The names of an enum's values, without the words that most of the names share."""
 
     def __init__(self, owner: str, names: Collection[str]) -> None:
         of_owner = frozenset(words(simple(owner)))
@@ -97,7 +103,7 @@ class ValueNames:
         self._common = of_owner | {word for word, count in counts.items() if many > _FEWEST and count * 2 > many}
 
     def share_a_word(self, old: str, new: str) -> bool:
-        """Return True if two names share a word that is not common to most values."""
+        """Return True if two value names share a word which is not part of most value names."""
         return alike(self._own(old), self._own(new))
 
     def _own(self, name: str) -> str:

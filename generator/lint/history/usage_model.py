@@ -1,4 +1,4 @@
-"""The model of a number's history: usages, contents and reuses."""
+"""The result types of the history: usages of numbers, contents of messages, and changes of meaning."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Confidence(IntEnum):
-    """The confidence in a fact; a higher value means less confidence."""
+    """How reliable a fact is. A higher value means that it is less reliable."""
 
     CERTAIN = 0
-    """All files that it was read from are complete."""
+    """All files from which the fact was read could be read completely."""
     LIKELY = 1
-    """Some of the files have unreadable lines, or the field's type is not in the repository."""
+    """Some of the files have lines that cannot be read, or the type of the field is not in the repository."""
     DOUBTFUL = 2
-    """All of the files have unreadable lines."""
+    """All of the files have lines that cannot be read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,48 +26,48 @@ class Interval:
 
     came: Commit
     went: tuple[Commit, ...]
-    """The commits that deleted it: none if it still exists, several if branches deleted it separately."""
+    """The commits that deleted the fact: none if it still exists, several if branches deleted it separately."""
     path: str
-    """The file in which it began, below the folder that was read."""
+    """The file in which the fact was added, relative to the folder whose history was read."""
     line: int
 
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """One meaning of a number in all of history. A fact that was deleted and put back is the same usage."""
+    """One meaning of a number in the whole history. A fact that was deleted and put back is one usage."""
 
     number: int
     type: str
-    """The type as written; empty for an enum value."""
+    """The type as the .proto file writes it; empty for an enum value."""
     name: str
     label: str
     oneof: str
     intervals: tuple[Interval, ...]
-    """The intervals, the earliest first."""
+    """The times during which the fact existed, the earliest first."""
     live_at: tuple[str, ...]
-    """The local and remote branches that have it today."""
+    """The local and remote branches that contain the fact today."""
     went: Commit | None
-    """The commit that deleted it last; None if a branch still has it."""
+    """The last commit that deleted the fact; None if a branch still contains it."""
     confidence: Confidence
 
     @property
     def came(self) -> Commit:
-        """The commit that added it first."""
+        """The commit that first added the fact."""
         return self.intervals[0].came
 
     @property
     def path(self) -> str:
-        """The file in which it was added first."""
+        """The file to which the fact was first added."""
         return self.intervals[0].path
 
     @property
     def line(self) -> int:
-        """Its line in that file."""
+        """The line at which the fact was first added."""
         return self.intervals[0].line
 
     @property
     def fact(self) -> Fact:
-        """The usage as a fact."""
+        """The declaration that gives the number this meaning."""
         return Fact(self.number, self.name, self.type, self.label, self.oneof)
 
 
@@ -79,18 +79,21 @@ class Content:
     """Full name of the message or enum."""
     commit: Commit
     facts: tuple[Fact, ...]
-    """The facts, sorted by number."""
+    """The fields or values as facts, sorted by number."""
     path: str
     line: int
     broken: bool
-    """True if the file has unreadable lines, so that facts may be missing."""
+    """True if some lines of the file cannot be read, so that facts may be missing."""
     enum: bool
     there: bool = True
-    """True if the requested commit declares it. Otherwise this is the content at the nearest commit that does."""
+    """True if the type is declared at the requested commit.
+
+    If not, this is the content at the nearest commit that declares the type.
+    """
 
 
 class Kind(Enum):
-    """The kind of change between two usages of a number."""
+    """The kind of a change of meaning between two usages of a number."""
 
     REUSED = "another message with other content"
     REPLACED = "a message of the same name with other content"
@@ -100,7 +103,7 @@ class Kind(Enum):
 
 
 class Relation(Enum):
-    """The relation of two usages in the graph of commits."""
+    """The relation of two usages of a number in time, by the graph of commits."""
 
     SUCCESSION = "the later one was added after the earlier one was deleted, on one line of history"
     BRANCHES = "they were added on different branches"
@@ -109,7 +112,7 @@ class Relation(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Reuse:
-    """Two usages of one number of a message or enum with different meanings."""
+    """Two usages of one number with different meanings, in one message or enum."""
 
     owner: str
     """Full name of the message or enum."""
@@ -117,30 +120,30 @@ class Reuse:
     kind: Kind
     earlier: Usage
     later: Usage
-    """The later usage; the same object as `earlier` if the content was replaced under the same name."""
+    """The later usage. It is the same object as `earlier` if a message kept its name, and its content was replaced."""
     relation: Relation
     at_once: bool
-    """True if both were in use at the same time, by the committers' clocks, even on different branches."""
+    """True if both usages existed at the same time, even on different branches, by the times of the commits."""
     old: Content | None
-    """The last content of the earlier type; None if it is not a message or enum, or is unknown."""
+    """The last content of the earlier usage's type; None if the type is no message or enum, or is unknown."""
     new: Content | None
-    """The first content of the later type."""
+    """The first content of the later usage's type; None if the type is no message or enum, or is unknown."""
     survivors: int
-    """The number of old fields that still exist in the new content."""
+    """The number of fields of the old content that still exist in the new one."""
     confidence: Confidence
 
     @property
     def real(self) -> bool:
-        """True if bytes of one are misread as the other. A mere rename is harmless."""
+        """True if bytes with the earlier meaning are misread with the later one. A mere rename is harmless."""
         return self.kind is not Kind.RENAMED
 
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """A number that a branch has assigned since it left the default branch."""
+    """A payload to which branches have given a number since they diverged."""
 
     refs: tuple[str, ...]
-    """The branches; several if they agree."""
+    """The branches that gave the number to this payload."""
     type: str
     name: str
     came: Commit
@@ -150,7 +153,7 @@ class Allocation:
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """A number that separate branches have given to different payloads."""
+    """A number that branches have given to different payloads since they diverged."""
 
     number: int
     allocations: tuple[Allocation, ...]

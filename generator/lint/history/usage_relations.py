@@ -1,4 +1,4 @@
-"""Relations between the usages of one number in history."""
+"""Relations in time between the usages of one number, by the graph of commits."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import Fact
 
 
 class Relations:
-    """Queries to the graph of commits, for one message or enum."""
+    """Queries about the usages of the numbers of one message or enum."""
 
     def __init__(self, record: Record, owners: Sequence[str]) -> None:
         self._record, self._graph = record, record.graph
@@ -34,7 +34,7 @@ class Relations:
         self._together.update(frozenset(pair) for same in uses.values() for pair in combinations(same, 2))
 
     def together(self, one: Fact, other: Fact) -> bool:
-        """Return True if one state contains both facts."""
+        """Return True if both facts were declared together at some commit."""
         return frozenset((one, other)) in self._together
 
     def relation(self, earlier: TracedUsage, later: TracedUsage) -> Relation:
@@ -44,13 +44,13 @@ class Relations:
         return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES
 
     def hands_over(self, earlier: TracedUsage, later: TracedUsage) -> bool:
-        """Return True if one commit replaced the earlier usage by the later one."""
+        """Return True if one commit deleted the earlier usage and added the later one."""
         return any(went == stretch.lifetime.came for _, went, stretch in self._handovers(earlier, later))
 
     def nodes(self, earlier: TracedUsage, later: TracedUsage) -> tuple[int, int]:
-        """Return the last node of the earlier usage and the first node of the later one.
+        """Return the last node that has the earlier usage, and the first node that has the later one.
 
-        If possible, both are on the same line of history.
+        If possible, both nodes are on the same line of history.
         """
         handovers = self._handovers(earlier, later)
         if handovers:
@@ -66,7 +66,7 @@ class Relations:
     def nodes_of_content(self, use: TracedUsage) -> list[int]:
         """Return the nodes at which the content of a field's type may have changed.
 
-        These are the nodes that change the type, and those at which the field began.
+        These are the nodes that change the type while the field exists, and the nodes that add the field.
         """
         nodes = set()
         for stretch in use.stretches:
@@ -86,7 +86,10 @@ class Relations:
         )
 
     def _find_times(self, use: TracedUsage) -> list[tuple[float, float]]:
-        """Return the start and end time of each stretch."""
+        """Return the start and the end of each lifetime of a usage, in seconds since 1970.
+
+        The end is infinite if the fact still exists.
+        """
         return [self._time(stretch) for stretch in use.stretches]
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
@@ -96,9 +99,10 @@ class Relations:
         return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)
 
     def _handovers(self, earlier: TracedUsage, later: TracedUsage) -> list[tuple[Stretch, int, Stretch]]:
-        """Return the pairs of stretches in which the later one begins at or after the end of the earlier one.
+        """Return each pair of lifetimes of which the second begins at or after the end of the first.
 
-        Each pair comes with the node at which the earlier stretch ends.
+        The first is a lifetime of the earlier usage, the second of the later one. Between the two stands the node at
+        which the first ends.
         """
         return [
             (stretch, went, successor)

@@ -1,4 +1,4 @@
-"""Usages, put together from lifetimes."""
+"""Usages of numbers, put together from the lifetimes of equal facts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.generator.protos.schema import Fact
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A lifetime in one message, with the branches on which it lasts."""
+    """A lifetime of a fact in one message, and the branches on which it has not ended."""
 
     owner: str
     lifetime: Lifetime
@@ -21,20 +21,23 @@ class Stretch:
 
     @property
     def order(self) -> tuple[int, str, int]:
-        """A key that sorts the earliest stretch first."""
+        """A sort key: the earliest lifetime comes first."""
         return self.lifetime.came, self.lifetime.path, self.lifetime.line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TracedUsage:
-    """A usage with its stretches."""
+    """A usage with the lifetimes from which it is put together."""
 
     usage: Usage
     stretches: tuple[Stretch, ...]
 
 
 def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], claimed: bool) -> list[TracedUsage]:
-    """Return the usages of a message or enum in all its packages, sorted by number and age."""
+    """Return the usages of all numbers of a message or enum, sorted by number and age.
+
+    ``owners`` are the full names that it had. With ``claimed``, the usages in commented-out declarations are returned.
+    """
     confidence = record.confidence(owners)
     stretches: dict[Fact, list[Stretch]] = {}
     for owner in owners:
@@ -51,7 +54,7 @@ def usages(record: Record, owners: Sequence[str], branches: Mapping[str, int], c
 
 
 def _live_at(record: Record, owner: str, branches: Mapping[str, int]) -> dict[int, list[str]]:
-    """Return the branches on which each lifetime lasts."""
+    """Return the branches on which each lifetime has not ended, by the index of the lifetime."""
     found: dict[int, list[str]] = {}
     for ref, node in branches.items():
         for lifetimes in record.lineage.tips[node].alive.get(owner, {}).values():

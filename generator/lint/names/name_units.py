@@ -50,28 +50,31 @@ _SCALE = re.compile(r"x(?P<factor>[1-9]\d*)")
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """The quantity in a name: the words, the unit, the scale and the reference."""
+    """The quantity that a name describes, with unit, scale and reference."""
 
     words: tuple[str, ...]
-    """The words without units: the measured quantity."""
+    """The words of the name without units: they say what is measured."""
     units: tuple[str, ...]
-    """The unit, followed by the units that it is divided by."""
+    """The unit, followed by the units by which it is divided."""
     scale: int
-    """The factor by which the sender multiplies the value."""
+    """The factor by which the sender multiplies the value: 100 for ``angle_deg_x100``."""
     relative: bool
-    """True for a difference, such as `delta_position`."""
+    """True if the value is a difference, as in `delta_position`."""
     rate: bool
-    """True if the name contains `per`."""
+    """True if the name contains the word `per`."""
 
     @property
     def shown(self) -> str:
-        """The quantity as text."""
+        """The unit, scale and reference as text, for messages."""
         parts = ["relative"] * self.relative + [" per ".join(self.units)] * bool(self.units)
         return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "as it is"
 
 
 def measure(words: Sequence[str]) -> Measure:
-    """Parse the words of a name. Units are the last words, and at least one word remains."""
+    """Find the unit, scale and reference in the words of a name.
+
+    Units stand at the end, after at least one other word.
+    """
     subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
     relative = len(subject) < len(words) and not _RELATIVE.isdisjoint(words)
     end = len(subject)
@@ -84,13 +87,16 @@ def measure(words: Sequence[str]) -> Measure:
 
 
 def disagree(old: Measure, new: Measure) -> bool:
-    """Return True if the value has to be read differently. A unit in only one of the names does not count."""
+    """Return True if unit, scale or reference differ. A unit does not count if only one of the names has a unit."""
     units = old.units != new.units and bool((old.units and new.units) or old.rate != new.rate)
     return units or old.scale != new.scale or old.relative != new.relative
 
 
 def factor(old: Measure, new: Measure) -> float | None:
-    """Return the factor by which a value is misread if an old sender meets a new receiver; None if unknown."""
+    """Return the factor between the value that an old sender means and the value that a new receiver understands.
+
+    Returns None if the factor is unknown.
+    """
     sizes = [_size(one) for one in (old, new)]
     if old.relative != new.relative or sizes[0] is None or sizes[1] is None or sizes[0][0] != sizes[1][0]:
         return None
@@ -98,7 +104,7 @@ def factor(old: Measure, new: Measure) -> float | None:
 
 
 def _size(of: Measure) -> tuple[tuple[str, ...], float] | None:
-    """Return the dimensions of a unit, and its size in SI units; None if a unit has no size."""
+    """Return the dimensions of a unit, and its size in SI units; None if one of its parts has no known size."""
     size, dimensions = 1.0, []
     for position, unit in enumerate(of.units):
         dimension, factor = _UNITS[unit]

@@ -1,4 +1,4 @@
-"""The words of a name, and a test if two names have the same meaning."""
+"""The words of a name, and a comparison that tells if two names may have the same meaning."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def share_a_word(old: Iterable[str], new: Iterable[str]) -> bool:
 
 
 def _subjects(names: Iterable[str]) -> tuple[set[str], set[str]]:
-    """Return the meaningful words of names, and all of their words."""
+    """Return the meaningful words of some names, and all words of these names."""
     split = [words(name) for name in names]
     found = {word for name in split for word in measure(name).words}
     telling = {word for word in found if not word.isdigit() and word not in _EMPTY}

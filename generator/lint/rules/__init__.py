@@ -17,17 +17,17 @@ from roverlink.generator.lint.context import Context
 
 
 class RuleModule(Protocol):
-    """The content of a rule's module."""
+    """A module that contains a rule of the lint."""
 
     RULE: Rule
 
     def check(self, context: Context) -> Iterator[Diagnostic]:
-        """Yield the rule's diagnostics."""
+        """Yield the diagnostics of the rule. The engine calls this once for each context."""
 
 
 @cache
 def modules() -> Mapping[str, RuleModule]:
-    """Return the modules of the rules, by rule id."""
+    """Return the module of each rule of the lint, by the rule's id."""
     names = [found.name for found in pkgutil.walk_packages(__path__, f"{__name__}.") if not found.ispkg]
     loaded = [cast(RuleModule, importlib.import_module(name)) for name in names]
     return {module.RULE.id: module for module in sorted(loaded, key=lambda module: module.RULE.id)}

@@ -1,4 +1,7 @@
-"""C++17 target: one handler class for each topic, between protobuf's classes and rosidl's structs, and a registry."""
+"""C++17 target. It generates a handler class for each topic, and a registry of all handlers.
+
+A handler converts between the class that protobuf generates for a message and the struct that rosidl generates.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,9 @@ from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield handlers, extra topics, conversions and registry, a copy of the runtime library, and the CMake project.
+    """Yield the files of the C++ target: handlers, conversions, registry, the runtime library, and the CMake project.
 
-    Raises `DiagnosticsError` for names that protobuf's C++ cannot have.
+    Raises `DiagnosticsError` for names in the protos that cannot be used in C++.
     """
     unsupported_names.check(bridge)
     context = Context(bridge)

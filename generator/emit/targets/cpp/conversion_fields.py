@@ -16,7 +16,7 @@ _RUNTIME_HEADERS = {ConversionKind.WELL_KNOWN: "well_known", ConversionKind.JSON
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """Value on both sides: of a field, of each item of a list, or the key or value of a map's entry."""
+    """Value that is converted: a field's value, an item of a list, or the key or value of a map's entry."""
 
     field: ir.FieldConversion
     shown: str
@@ -30,30 +30,30 @@ class Value:
 
     @property
     def member(self) -> str:
-        """Member of the ROS message that contains the value, with its dot; empty if the field is the value itself."""
+        """Member of the ROS message that contains the value, after a dot; empty if the ROS field is the value."""
         return f".{self.field.member}" if self.field.kind is ConversionKind.HELD else ""
 
     @property
     def wrapped(self) -> str:
-        """Accessor of the field in a wrapper such as google.protobuf.FloatValue; empty if there is no wrapper."""
+        """Accessor of the value in a wrapper such as google.protobuf.FloatValue; empty if there is no wrapper."""
         wrapping = self.field.wrapping
         return cpp_names.accessor(wrapping.field) if wrapping and not self._is_field_mask else ""
 
     @property
     def is_message(self) -> bool:
-        """True if protobuf's side is a message, which is set by assigning to ``mutable_...``."""
+        """True if the value is a message in protobuf. Such a value is assigned to ``*mutable_NAME()``."""
         return self._is_field_mask or self.field.kind in {ConversionKind.MESSAGE, *_RUNTIME_HEADERS}
 
     @property
     def headers(self) -> set[str]:
-        """Headers of the functions that convert the value."""
+        """Headers that declare the C++ functions which convert the value."""
         if self.field.kind is ConversionKind.MESSAGE:
             return {self.context.converter(self.field.converter).header}
         name = "well_known" if self._is_field_mask else _RUNTIME_HEADERS.get(self.field.kind)
         return {cpp_names.runtime_header(name)} if name else set()
 
     def to_ros(self, source: str) -> str:
-        """Return the expression of the ROS value."""
+        """Return the C++ expression for the ROS value; ``source`` is the expression for protobuf's value."""
         if self.wrapped:
             source = f"{source}.{self.wrapped}()"
         if self.is_message:
@@ -65,7 +65,7 @@ class Value:
         return f"roverlink::octets({source})" if self._is_bytes else source
 
     def from_ros(self, source: str) -> str:
-        """Return the expression of protobuf's value."""
+        """Return the C++ expression for protobuf's value; ``source`` is the expression for the ROS value."""
         if self.is_message:
             return self._called("from_ros", source)
         source += self.member
@@ -87,7 +87,7 @@ class Value:
 
     @property
     def _ros(self) -> ir.RosField:
-        """ROS field that contains the value itself."""
+        """ROS field that contains the value: the field itself, or its only member if the ROS field is a message."""
         return self.context.ros_field(self.field.ros.type.name, self.field.member) if self.member else self.field.ros
 
     @property
@@ -98,24 +98,24 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """Variable in ``from_ros`` for a nested message whose fields are fields of the ROS message."""
+    """C++ variable in ``from_ros`` for a nested proto message whose fields stand directly in the ROS message."""
 
     name: str
     outer: str
-    """Variable of the enclosing message."""
+    """Variable of the message that contains the nested message."""
     accessor: str
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Field of a ROS message, with the payload's field on the other side."""
+    """Field of a ROS message, and the field of the payload to which it is converted."""
 
     conversion: ir.FieldConversion
     value: Value
     holder: str
-    """Variable of the message that contains the payload's field."""
+    """C++ variable of the proto message that contains the payload's field."""
     members: tuple[tuple[str, Field], ...] = ()
-    """Members of a oneof: the constant and the field of each."""
+    """Members of a oneof: the C++ constant of each member, and the member's field. Empty for other fields."""
 
     @property
     def name(self) -> str:
@@ -124,7 +124,11 @@ class Field:
 
     @property
     def kind(self) -> str:
-        """Name of the `ConversionKind`; or ``MAP``, ``LIST``, or ``COPY`` for a list of unchanged values."""
+        """Kind of the conversion, as the template distinguishes it.
+
+        This is ``MAP`` for a map, ``COPY`` for a list whose values stay the same, ``LIST`` for another list, and
+        otherwise the name of the `ConversionKind`.
+        """
         if self.conversion.entry:
             return "MAP"
         if not self.conversion.repeated:
@@ -133,29 +137,29 @@ class Field:
 
     @property
     def comment(self) -> list[str]:
-        """Comment lines from the .proto file."""
+        """Lines of the field's comment in the .proto file."""
         own = self.conversion.kind in (ConversionKind.PRESENCE, ConversionKind.WHICH)
         return [] if own else comment_lines(self.conversion.ros.comment)
 
     @property
     def accessor(self) -> str:
-        """Accessor of the payload's field."""
+        """Name of protobuf's C++ accessor for the payload's field."""
         return cpp_names.accessor(self.conversion.proto_path[-1])
 
     @property
     def outer(self) -> str:
-        """Expression in ``to_ros`` for the message that contains the payload's field."""
+        """C++ expression in ``to_ros`` for the proto message that contains the payload's field."""
         return cpp_names.getter(self.conversion.proto_path[:-1])
 
     @property
     def entry(self) -> list[Value]:
-        """Key and value of a map's entries; empty if the field is not a map."""
+        """Two values, the key and the value of a map's entry; empty if the field is not a map."""
         entry = self.conversion.entry
         return [Value(part, self.value.shown, self.value.context) for part in (entry.key, entry.value)] if entry else []
 
     @property
     def condition(self) -> str:
-        """Condition under which the payload's field is set; empty if it is always set."""
+        """C++ condition under which ``from_ros`` sets the payload's field; empty if it is always set."""
         if self.conversion.presence:
             return f"message.{self.conversion.presence}"
         conditions = {"EMPTY": f"message.{self.name}", "JSON": f"!message.{self.name}.empty()"}
@@ -163,34 +167,34 @@ class Field:
 
     @property
     def is_set(self) -> bool:
-        """True if ``from_ros`` has its own statement for the field.
+        """True if ``from_ros`` has a statement for this field alone.
 
-        Presence, and members of a oneof, are part of another field's statement.
+        A field for presence is read by the statement of another field, and a member of a oneof by that of the oneof.
         """
         return self.conversion.kind is not ConversionKind.PRESENCE and not self.conversion.which
 
     @property
     def headers(self) -> set[str]:
-        """Headers of the functions that convert the field."""
+        """Headers that declare the C++ functions which convert the field."""
         return set().union(*(value.headers for value in self.entry or [self.value]))
 
 
 @dataclass(frozen=True, slots=True)
 class Fields:
-    """Bodies of ``to_ros`` and ``from_ros`` of one conversion."""
+    """Data from which the template writes the C++ functions ``to_ros`` and ``from_ros`` of one conversion."""
 
     holders: tuple[Holder, ...]
     fields: tuple[Field, ...]
-    """Fields in the order of the ROS message."""
+    """Fields of the ROS message, in the order of the message."""
 
     @property
     def headers(self) -> set[str]:
-        """Headers that the bodies need."""
+        """Headers that the two functions need."""
         return {cpp_names.runtime_header("values")}.union(*(field.headers for field in self.fields))
 
 
 def fields_of(conversion: ir.Conversion, context: Context) -> Fields:
-    """Return the fields of a conversion."""
+    """Return the data from which the template writes the functions of a conversion."""
     holders = _holders(conversion)
 
     def field_of(one: ir.FieldConversion) -> Field:
@@ -207,7 +211,7 @@ def fields_of(conversion: ir.Conversion, context: Context) -> Fields:
 
 
 def _holders(conversion: ir.Conversion) -> dict[tuple[str, ...], Holder]:
-    """Return the variables for nested messages on the paths of fields, by path."""
+    """Return the C++ variables for the nested proto messages of a conversion, by the path of the nested message."""
     holders: dict[tuple[str, ...], Holder] = {}
     for field in conversion.fields:
         for depth in range(1, len(field.proto_path)):

@@ -1,4 +1,4 @@
-"""Classes that convert nested messages."""
+"""C++ classes that convert nested messages, and messages inside an Any."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ _ANY = "google.protobuf.Any"
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """Class with ``to_ros`` and ``from_ros``."""
+    """C++ class that is generated for a nested message, with the functions ``to_ros`` and ``from_ros``."""
 
     name: str
     payload_name: str
     """Name of the proto message without its package."""
     payload: str
-    """Class of the proto message."""
+    """C++ class of the proto message."""
     payload_header: str
     ros: str
-    """ROS message as in ``rover/Sample``."""
+    """ROS message with its package, as in ``rover/Sample``."""
     message: str
-    """Struct of the ROS message."""
+    """C++ struct of the ROS message."""
     message_header: str
     comment: list[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """Message that an Any may contain."""
+    """One of the messages that a google.protobuf.Any may contain."""
 
     payload: str
-    """Class of the message."""
+    """C++ class of the proto message."""
     name: str
-    """Field of the ROS message."""
+    """Field of the ROS message that holds this message."""
     constant: str
     converter: Converter
 

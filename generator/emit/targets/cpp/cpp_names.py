@@ -1,4 +1,4 @@
-"""C++ names for the IR: protobuf's classes and accessors, rosidl's structs, and generated classes.
+"""C++ names of protobuf's classes and accessors, of rosidl's structs, and of our generated classes.
 
 protoc writes accessors in lower case, and adds an underscore to names that are keywords. rosidl names a header after
 the message in snake_case.
@@ -21,7 +21,7 @@ _PRIMITIVES = {
 
 
 def accessor(field: str) -> str:
-    """Return protobuf's C++ name of a field; other accessors add a prefix such as ``set_``.
+    """Return the name of protobuf's C++ accessor that reads a field; other accessors add a prefix such as ``set_``.
 
     >>> accessor("wheelSpeed"), accessor("class")
     ('wheelspeed', 'class_')
@@ -30,12 +30,15 @@ def accessor(field: str) -> str:
 
 
 def getter(path: tuple[str, ...]) -> str:
-    """Return the expression of a nested field of the payload: ``payload.inner().x()``; an empty path is the payload."""
+    """Return the C++ expression for a field inside the payload: ``payload.inner().x()``.
+
+    The expression of an empty path is ``payload``.
+    """
     return "".join(["payload", *(f".{accessor(name)}()" for name in path)])
 
 
 def proto_class(full_name: str) -> str:
-    """Return the class of a proto message: ``::rover::Arm::Joint``."""
+    """Return protobuf's C++ class of a proto message: ``::rover::Arm::Joint``."""
     return "".join(f"::{_escaped(part)}" for part in full_name.split("."))
 
 
@@ -44,27 +47,27 @@ def _escaped(name: str) -> str:
 
 
 def proto_header(file: str) -> str:
-    """Return the header that protoc generates for a .proto file."""
+    """Return the path of the header that protoc generates for a .proto file."""
     return f"{file.removesuffix('.proto')}.pb.h"
 
 
 def runtime_header(name: str) -> str:
-    """Return the path of a runtime library header in an include directive."""
+    """Return the path of a header of our C++ runtime library, as an include directive writes it."""
     return f"roverlink/{name}.hpp"
 
 
 def struct(package: str, message: str) -> str:
-    """Return the struct of a ROS message: ``comms::msg::BoundingBox``."""
+    """Return the C++ struct of a ROS message: ``comms::msg::BoundingBox``."""
     return f"{package}::msg::{message}"
 
 
 def interface_struct(message: str) -> str:
-    """Return the struct of a standard message, given its full name."""
+    """Return the C++ struct of a standard message, such as sensor_msgs/msg/Imu, by its full name."""
     return message.replace("/", "::")
 
 
 def interface_header(message: str) -> str:
-    """Return the header of a ROS message, given its full name: ``sensor_msgs/msg/nav_sat_fix.hpp``."""
+    """Return the path of a ROS message's header, by the message's full name: ``sensor_msgs/msg/nav_sat_fix.hpp``."""
     folder, _, name = message.rpartition("/")
     return f"{folder}/{ros_names.snake_case(name)}.hpp"
 
@@ -75,20 +78,20 @@ def primitive(name: str) -> str:
 
 
 def handler_class(route: ir.Route) -> str:
-    """Return the handler's class: ``ImuInfoHandler`` for the row ``imu_info``."""
+    """Return the name of a row's handler class: ``ImuInfoHandler`` for the row ``imu_info``."""
     return f"{ros_names.camel_case(route.name)}Handler"
 
 
 def handler_file(route: ir.Route) -> str:
-    """Return the name of the handler's files: ``imu_info``."""
+    """Return the name of the files of a row's handler class, without a suffix: ``imu_info``."""
     return route.name.lower()
 
 
 def conversion_class(message: str) -> str:
-    """Return the class that converts a nested message."""
+    """Return the name of the class that converts a nested ROS message."""
     return f"{message}Conversion"
 
 
 def conversion_file(message: str) -> str:
-    """Return the name of the conversion class's files."""
+    """Return the name of the files of the class that converts a nested ROS message, without a suffix."""
     return ros_names.snake_case(message)

@@ -1,4 +1,4 @@
-"""Handler classes: one for each row, and one for each extra topic."""
+"""C++ handler classes. One is generated for each row, and one for each extra topic."""
 
 from __future__ import annotations
 
@@ -17,62 +17,62 @@ from roverlink.generator.emit.targets.cpp.standard_fields import StandardFields
 
 @dataclass(frozen=True, slots=True)
 class Handler:
-    """Class that is generated for a topic."""
+    """C++ handler class of a topic."""
 
     route: ir.Route
     source: ir.Conversion | ir.StandardTopic
-    """Conversion of the payload; a `StandardTopic` for a standard message."""
+    """Conversion between the payload and the ROS message; a `StandardTopic` if the topic has a standard message."""
     file: CppFile
     name: str
     envelope: str
-    """Class of the envelope."""
+    """C++ class of the envelope."""
     envelope_header: str
 
     @property
     def qos(self) -> ir.Qos | None:
-        """Quality of service; None for rclcpp's default, which is also the default of the C++ library."""
+        """Quality of service of the topic; None if it is rclcpp's default. The C++ library has the same default."""
         return None if self.route.qos == ir.Qos() else self.route.qos
 
     @property
     def accessor(self) -> str:
-        """Accessor of the payload in the envelope."""
+        """Name of the C++ accessor for the payload in the envelope."""
         return cpp_names.accessor(self.route.name)
 
     @property
     def payload(self) -> str:
-        """Class of the payload."""
+        """C++ class of the payload."""
         return cpp_names.proto_class(self.source.proto)
 
     @property
     def payload_header(self) -> str:
-        """Header of the payload's class."""
+        """Path of the header that declares the payload's class."""
         return cpp_names.proto_header(self.source.file)
 
     @property
     def standard(self) -> ir.StandardTopic | None:
-        """Topic with a standard message; None if the row has a message of its own."""
+        """Standard topic for which the handler is generated; None if the row has a generated ROS message."""
         return self.source if isinstance(self.source, ir.StandardTopic) else None
 
     @property
     def ros(self) -> str:
-        """Full name of the ROS message: ``sensor_msgs/msg/Imu``."""
+        """Full name of the topic's ROS message: ``sensor_msgs/msg/Imu``."""
         if isinstance(self.source, ir.StandardTopic):
             return self.source.message
         return f"{self.file.package}/msg/{self.source.ros}"
 
     @property
     def message(self) -> str:
-        """Struct of the ROS message."""
+        """C++ struct of the topic's ROS message."""
         return cpp_names.interface_struct(self.ros)
 
     @property
     def message_header(self) -> str:
-        """Header of the struct."""
+        """Path of the header that declares the ROS message's struct."""
         return cpp_names.interface_header(self.ros)
 
 
 def handlers_of(bridge: ir.Bridge) -> list[Handler]:
-    """Return the handlers of all topics, in the order of the table."""
+    """Return the handlers of all topics: in the order of the table, a row's extra topics after its own topic."""
     extra = named_extra_topics(bridge)
     found: list[Handler] = []
     for route in bridge.routes:

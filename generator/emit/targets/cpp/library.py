@@ -1,4 +1,4 @@
-"""Files that exist once: the registry, the copy of the C++ runtime library, and the CMake project."""
+"""Files that a project has only once: the registry, a copy of our C++ runtime library, and the CMake project."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _COPIED = ("CMakeLists.txt", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the registry, the header for rclcpp and the runtime library."""
+    """Yield the registry's header, a header for use with rclcpp, and the copy of our C++ runtime library."""
     envelope = cpp_names.proto_class(bridge.envelope.message)
     registry, rclcpp = (CppFile(bridge.package, name, bridge.table) for name in ("registry", "rclcpp"))
     yield from registry.header("registry", handlers=handlers_of(bridge), envelope=envelope, oneof=bridge.envelope.oneof)
@@ -23,7 +23,7 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
-    """Return the CMake project that compiles the sources and the protos."""
+    """Return the path and the text of CMakeLists.txt, which compiles the generated source files and the protos."""
     fields = [field for message in bridge.messages for field in message.fields]
     packages = {field.type.package for field in fields} | {interface.package for interface in bridge.interfaces}
     packages |= {bridge.package} if bridge.messages else set()
@@ -40,7 +40,10 @@ def cmake(bridge: ir.Bridge, sources: list[str]) -> tuple[str, str]:
 
 
 def _runtime() -> Files:
-    """Copy the runtime library, because roverlink may not be installed where the handlers are compiled."""
+    """Yield a copy of our C++ runtime library.
+
+    The generated code gets a copy because roverlink may not be installed on the machine that compiles it.
+    """
     library = shipped("cpp")
     for path in sorted(found for pattern in _COPIED for found in library.glob(pattern)):
         name = path.relative_to(library).as_posix()

@@ -1,4 +1,4 @@
-"""C++ spelling of constants and comments."""
+"""Conversion of constants and comments to C++ source code."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def text_literal(text: str) -> str:
-    r"""Return a string literal in UTF-8.
+    r"""Return a text as a C++ string literal in UTF-8.
 
     >>> print(text_literal('5 "°"'))
     "5 \"°\""
@@ -18,7 +18,7 @@ def text_literal(text: str) -> str:
 
 
 def literal(value: object) -> str:
-    """Return the literal of a primitive value or a text."""
+    """Return a number, boolean or text as a C++ literal."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -31,7 +31,7 @@ def literal(value: object) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """Return the lines of a comment, each with the space after the slashes.
+    """Return a text as the lines of a C++ comment. The space after the slashes is included, the slashes are not.
 
     A backslash at the end of a line would continue the comment on the next line, so a period is added.
     """

@@ -1,4 +1,4 @@
-"""Fields of a standard message and its payload, as ``templates/cpp/standard_message.cpp.j2`` reads them."""
+"""Conversion of a standard message's fields, as ``templates/cpp/standard_message.cpp.j2`` reads it."""
 
 from __future__ import annotations
 
@@ -30,65 +30,65 @@ _CPP = Dialect(separator="'", pi="roverlink::PI", power="std::pow({base}, {expon
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """Field of the message that ``to_ros`` fills."""
+    """Field of the standard message that the C++ function ``to_ros`` fills."""
 
     path: str
-    """Path in the message: ``header.stamp``."""
+    """Path of the field in the standard message: ``header.stamp``."""
     value: str
-    """Expression; with `source` it uses the variable ``item``."""
+    """C++ expression for the value. If `source` is set, this is the value of each list item, computed from ``item``."""
     source: str = ""
-    """Repeated field of the payload whose items fill the list; empty for a single value."""
+    """C++ expression of the payload's repeated field whose items fill the list; empty for a single value."""
     count: int = 0
-    """Number of items that have the value; 0 for a single value."""
+    """Length of a list whose items all have this value; 0 for a single value."""
     is_array: bool = False
-    """True for an array, False for a sequence."""
+    """True if the list has a fixed length (an array), False for a sequence."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recalled:
-    """Field of the payload that ``from_ros`` sets, or a variable for several of them."""
+    """Payload field that the C++ function ``from_ros`` sets, or a variable that holds the angles of a rotation."""
 
     target: str
-    """Function that sets the field: ``payload.mutable_inner()->set_x``; or the variable."""
+    """C++ function that sets the field, ``payload.mutable_inner()->set_x``; or the name of the variable."""
     value: str
-    """Expression; with `source` it uses the variable ``item``."""
+    """C++ expression for the value. If `source` is set, this is the value of each list item, computed from ``item``."""
     source: str = ""
-    """List in the message whose items are the field's values; empty for a single value."""
+    """C++ expression of the list in the ROS message whose items fill the repeated field; empty for a single value."""
     is_rotation: bool = False
-    """True for the variable with the angles of a rotation."""
+    """True if `target` is a variable that holds the angles of a rotation."""
 
 
 @dataclass(frozen=True, slots=True)
 class EnumTable:
-    """Function between an enum value's number and the value of a field of the message."""
+    """C++ function that converts between the values of a payload's enum and those of a field in the ROS message."""
 
     to_number: bool
     path: str
     source: str
-    """Enum field of the payload."""
+    """Path of the payload's enum field."""
     type: str
-    """Type of the message's field."""
+    """C++ type of the field in the ROS message."""
     cases: tuple[tuple[int, str, str], ...]
-    """Number and name of each enum value, and the value of the message's field."""
+    """Number and name of each enum value, and the C++ expression of the field's value in the ROS message."""
     default: str
-    """Value for every other number; empty if another number is an error."""
+    """C++ expression for every other enum value; empty if another enum value is an error."""
 
 
 class StandardFields:
-    """Bodies of ``to_ros`` and ``from_ros`` of a standard message, with the functions and constants that they need."""
+    """Data from which the template writes the C++ functions ``to_ros`` and ``from_ros`` of a standard message."""
 
     def __init__(self, standard: StandardTopic) -> None:
         self._arithmetic = Arithmetic(_CPP)
         self.obstacle = standard.obstacle and text_literal(standard.obstacle)
-        """Reason why no payload can be made, as a literal; empty if it can."""
+        """Reason, as a C++ literal, why ``from_ros`` cannot make a payload; empty if it can."""
         self.headers = {cpp_names.runtime_header("values")}
         self.tables: dict[str, EnumTable] = {}
-        """Functions by name."""
+        """C++ functions that convert enum values, by the functions' names."""
         leaves = [leaf for field in standard.fields for leaf in _leaves(field, ())]
         self.filled = [self._filled(*leaf) for leaf in leaves]
         self.recalled = list(_first_each(self._recalled(standard)))
         self.constants = self._arithmetic.constants
-        """Constants by name."""
+        """C++ expression of each constant that the functions use, by the constant's name."""
         sources = [source for _, value, _ in leaves for source in _sources(value)]
         self.reads_payload = any(sources)
         self.reads_received = None in sources
@@ -106,7 +106,7 @@ class StandardFields:
         return Filled(dotted, self._value(value, type, path))
 
     def _value(self, value: _Leaf, type: InterfaceType, path: Path) -> str:
-        """Return the expression for a single value."""
+        """Return the C++ expression for a single value of the ROS message; ``path`` leads to its field."""
         if isinstance(value, Constant):
             return literal(value.value)
         if isinstance(value, Taken):
@@ -122,7 +122,10 @@ class StandardFields:
         return self._moment(value, path)
 
     def _made(self, value: Taken, text: str, type: InterfaceType, path: Path) -> str:
-        """Return the expression of one value in the message."""
+        """Return the C++ expression for a value of the ROS message.
+
+        ``text`` is the expression for the payload's value.
+        """
         source, shown = value.source, _shown(path)
         if source.type == "string":
             bound = f", {type.text_bound}" if type.text_bound else ""
@@ -173,7 +176,10 @@ class StandardFields:
                 yield Recalled(_setter(value.source), number)
 
     def _untaken(self, value: Taken, text: str, type: str) -> str:
-        """Return the expression of one value in the payload."""
+        """Return the C++ expression for a value of the payload.
+
+        ``text`` is the expression for the ROS message's value.
+        """
         source, scaling = value.source, value.scaling
         shown = _shown(source.path)
         if source.type == "string":
@@ -192,7 +198,7 @@ class StandardFields:
     # --- enums ---
 
     def _table(self, value: Chosen, path: Path, type: InterfaceType, *, to_number: bool) -> str:
-        """Return the name of the function for an enum's values."""
+        """Return the name of the C++ function that converts an enum's values, and add the function to `tables`."""
         cases = {case.value if to_number else case.number: case for case in value.cases}
         table = EnumTable(
             to_number,
@@ -209,7 +215,7 @@ class StandardFields:
         return name
 
     def _case(self, case: Case, holder: str) -> str:
-        """Return the value of the message's field."""
+        """Return the C++ expression that replaces an enum value in ROS: a constant of the ROS message, or a literal."""
         if not case.constant:
             return literal(case.value)
         self.headers.add(cpp_names.interface_header(holder))
@@ -217,7 +223,10 @@ class StandardFields:
 
 
 def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, InterfaceType]]:
-    """Yield the filled fields with their paths; nested messages are replaced by their fields."""
+    """Yield each field that the table fills, with its path, value and type.
+
+    Nested messages are replaced by their fields.
+    """
     path, value = (*holders, field.name), field.value
     if isinstance(value, Parts):
         for part in value.fields:
@@ -227,14 +236,17 @@ def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, In
 
 
 def _sources(value: _Leaf) -> Iterator[Source | None]:
-    """Yield the payload's fields that fill a field; None stands for the time of reception."""
+    """Yield the payload's fields from which a value is computed. None stands for the time of reception."""
     for part in (value.roll, value.pitch, value.yaw) if isinstance(value, Rotation) else (value,):
         if isinstance(part, (Taken, Chosen, Moment)):
             yield part.source
 
 
 def _first_each(recalled: Iterable[Recalled]) -> Iterable[Recalled]:
-    """Keep the first statement for each payload field, because two message fields may use the same one."""
+    """Return the first statement for each field of the payload.
+
+    Two fields of the ROS message may come from the same field of the payload.
+    """
     found: dict[str, Recalled] = {}
     for one in recalled:
         found.setdefault(one.target, one)
@@ -252,7 +264,10 @@ def _unscaled_time(value: Moment, source: Source, text: str) -> str:
 
 
 def _operand(text: str, type: str) -> str:
-    """Return an operand. Integers are widened first: negating them as floats would give -0.0 for 0."""
+    """Return a C++ expression as the operand of an arithmetic operation.
+
+    Integers are converted to a wide integer type first. Negating a zero as a float would give -0.0.
+    """
     return text if type.startswith("float") else f"roverlink::wide({text})"
 
 
@@ -271,5 +286,5 @@ def _has(source: Source) -> str:
 
 
 def _shown(path: Path) -> str:
-    """Return a field's name in error messages, as a literal."""
+    """Return the name of a field for error messages, as a C++ literal."""
     return f'"{".".join(path)}"'

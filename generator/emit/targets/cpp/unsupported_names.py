@@ -1,6 +1,6 @@
-"""Check of names that protobuf's C++ cannot use, or that differ between its versions.
+"""Check for names in the protos that cannot be used in C++, or that get different accessors from protobuf's versions.
 
-The check runs here, so that the user gets a diagnostic and not an error of the C++ compiler.
+The check is part of the generator, so that the user gets a diagnostic and not an error of the C++ compiler.
 """
 
 from __future__ import annotations
@@ -46,11 +46,14 @@ _KNOWN_SINCE_22 = frozenset(
 _METHODS_OF_EVERY_CLASS = frozenset(
     {"default_instance", "descriptor", "internal_default_instance", "mutable_unknown_fields", "unknown_fields"}
 )
-"""Functions without parameters that every generated class has. Only newer versions rename a field's accessor then."""
+"""Functions without parameters that every class of protobuf has.
+
+If a field has such a name, newer versions of protobuf rename the field's accessor, and older versions do not.
+"""
 
 
 def check(bridge: ir.Bridge) -> None:
-    """Raise `DiagnosticsError` for all names that C++ cannot use."""
+    """Raise `DiagnosticsError` with one diagnostic for each name that cannot be used in C++."""
     files = {conversion.proto: conversion.file for conversion in bridge.conversions().values()}
     files |= {standard.proto: standard.file for route in bridge.routes for standard in route.standard_topics}
     findings: list[Diagnostic] = []
@@ -74,7 +77,7 @@ def check(bridge: ir.Bridge) -> None:
 
 
 def _of_message(bridge: ir.Bridge, name: str) -> str:
-    """Return the problem of a message's own name; empty if there is none."""
+    """Return the reason why a message's name cannot be used in C++; empty if it can."""
     *outer, _ = name.split(".")
     if name.split(".")[0] == _RUNTIME:
         return f"the class of {name} would be in the namespace of the C++ runtime library, {_RUNTIME}"
@@ -91,7 +94,7 @@ def _of_message(bridge: ir.Bridge, name: str) -> str:
 
 
 def _of_fields(message: ir.WireMessage) -> Iterator[str]:
-    """Yield the problems of the names of a message's fields."""
+    """Yield the reasons why names of a message's fields cannot be used in C++."""
     taken: dict[str, str] = {}
     for field in message.fields:
         name = cpp_names.accessor(field.name)
@@ -107,6 +110,6 @@ def _of_fields(message: ir.WireMessage) -> Iterator[str]:
 
 
 def _is_there(message: ir.WireMessage, name: str) -> bool:
-    """Return True if a field has a function for its presence or its size."""
+    """Return True if protobuf's class has a function for the field's presence (``has_``) or its size (``_size``)."""
     field = next(field for field in message.fields if field.name == name)
     return bool(field.label or field.oneof) or "." in field.type or field.type[:1].isupper()

@@ -1,4 +1,4 @@
-"""Target for docs/messages.md: senders and receivers, and each message with fields, units, sizes and an example."""
+"""Target for docs/messages.md: senders and receivers, and each message with its fields, units, sizes and an example."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from roverlink.generator.emit.targets.markdown.page import page
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield the page."""
+    """Yield the page docs/messages.md."""
     top = header(bridge.table, "<!--", " -->")
     yield "docs/messages.md", render("messages.md.j2", header=top, page=page(bridge))

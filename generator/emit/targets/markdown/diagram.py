@@ -1,4 +1,4 @@
-"""Diagram of senders and receivers: groups of rows, from senders on the left to receivers on the right."""
+"""Content of the page's diagram: senders on the left, receivers on the right, and groups of rows between them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SHOWN = 12  # rows of a group; more would make the diagram too high
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """Board, peer or ROS 2, as a sender or as a receiver."""
+    """Sender or receiver in the diagram: a board, a whole peer, or ROS 2."""
 
     id: str
     label: str
@@ -24,17 +24,18 @@ class Group:
 
     id: str
     rows: tuple[ir.Route, ...]
-    """Rows that are shown."""
+    """Rows that the diagram shows; the others are only counted in `more`."""
     more: int
-    """Number of rows that are not shown."""
+    """Number of further rows in the group, which the diagram does not show."""
     sender: End
     receiver: End
-    """Receiver. All receivers of forwarded rows are one `End`, because arrows to each of them would cross."""
+    """Box of the diagram for all receivers of the rows. Forwarded rows get one box, because several arrows would cross.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """Content of the diagram."""
+    """Content of the diagram from left to right."""
 
     senders: tuple[End, ...]
     groups: tuple[Group, ...]
@@ -42,12 +43,12 @@ class Diagram:
 
 
 def peer_of(route: ir.Route) -> str:
-    """Return the peer of a row."""
+    """Return the name of the peer that a row's direction names."""
     return route.direction.removesuffix("_to_ros") if route.inbound else route.direction.removeprefix("ros_to_")
 
 
 def diagram(bridge: ir.Bridge) -> Diagram:
-    """Group the rows, so that the diagram has a few arrows instead of one for each row."""
+    """Return the diagram. Rows with the same sender and receivers share a group, so that the diagram has few arrows."""
     peers = {peer.name: peer for peer in bridge.peers}
     grouped: dict[tuple[bool, End, tuple[str, ...]], list[ir.Route]] = {}
     for route in sorted(bridge.routes, key=lambda route: not route.inbound):
@@ -76,7 +77,10 @@ def _as(role: str, end: End) -> End:
 
 
 def _end(peer: ir.Peer, route: ir.Route) -> End:
-    """Return the board of a row, or the peer if it does not consist of several boards."""
+    """Return the box of the board to which a row's message belongs.
+
+    If the peer has fewer than two boards, return the box of the peer.
+    """
     name = route.proto.rpartition(".")[2]
     prefix = next((prefix for prefix in peer.prefixes if name.startswith(prefix)), "")
     if len(peer.prefixes) < 2 or not prefix:

@@ -21,7 +21,7 @@ _BYTES_A_LINE = 16
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """Line of an example: a few bytes, and their meaning."""
+    """Line of an example: some bytes of the datagram in hexadecimal, and their meaning."""
 
     hex: str
     meaning: str = ""
@@ -29,7 +29,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """Example datagram, line by line."""
+    """Example datagram of a row, with its sizes in bytes and one line for each field."""
 
     payload_size: int
     datagram_size: int
@@ -37,12 +37,12 @@ class Example:
 
     @property
     def width(self) -> int:
-        """Number of characters of the longest line of bytes."""
+        """Number of characters in the longest line of hexadecimal bytes."""
         return max((len(line.hex) for line in self.lines), default=0)
 
 
 class Examples:
-    """Maker of a row's example, with classes from protoc's descriptors."""
+    """Maker of an example datagram for each row. It needs no generated code: it uses the descriptors in the IR."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         pool = DescriptorPool()
@@ -51,7 +51,7 @@ class Examples:
         self._envelope: Any = GetMessageClass(pool.FindMessageTypeByName(bridge.envelope.message))
 
     def of(self, route: ir.Route) -> Example:
-        """Return the example of a row."""
+        """Return the example datagram of a row."""
         envelope = self._envelope()
         payload = getattr(envelope, route.name)
         payload.CopyFrom(payload_at(type(payload), EXAMPLE_S))
@@ -60,14 +60,14 @@ class Examples:
 
 
 def _encoded(message: Message) -> bytes:
-    """Encode a message, even if required fields are missing."""
+    """Encode a message; required fields may be missing, which `SerializeToString` would refuse."""
     return message.SerializePartialToString(deterministic=True)
 
 
 def _lines(message: Message, depth: int) -> Iterator[Line]:
-    """Yield the lines of a message's fields, sorted by number.
+    """Yield a line for each field of a message, sorted by field number, with the lines of nested messages below.
 
-    A message with the same type and bytes as an earlier one is not shown again.
+    If a nested message has the same type and bytes as an earlier one, the line only refers to that one.
     """
     earlier: dict[tuple[str, bytes], str] = {}
     for field, held in message.ListFields():
@@ -96,7 +96,7 @@ def _taken_apart(field: FieldDescriptor, value: Message, data: bytes, depth: int
 
 
 def _alone(message: Message, field: FieldDescriptor, held: Any) -> bytes:
-    """Encode a message that has only one field set."""
+    """Return the bytes of one field: encode a message of the same type in which only this field is set."""
     one = type(message)()
     if field.is_repeated:
         getattr(one, field.name).extend(held)

@@ -1,4 +1,4 @@
-"""Units of fields: from the table's standard messages, or in brackets at the end of a field's comment."""
+"""Units of payload fields. They come from the table's standard messages, or from brackets at the end of a comment."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _BRACKETS = re.compile(r"\s*\[(?P<unit>[^\[\]]{1,20})\](?P<stop>\.?)$")
 
 
 class Units:
-    """Known units of the fields in a bridge's payloads."""
+    """Lookup of the unit of each field in a bridge's payloads."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         types = {(message.name, field.name): field.type for message in bridge.wire_messages for field in message.fields}
@@ -26,13 +26,19 @@ class Units:
                 self._of_table[message, path[-1]] = unit
 
     def split(self, message: str, field: ir.WireField) -> tuple[str, str]:
-        """Return a field's comment without its unit, and the unit; the table's unit overrides the comment's."""
+        """Return the comment of a field without the unit, and the unit.
+
+        A unit in the table overrides a unit in the comment.
+        """
         comment, unit = _stated(field.comment)
         return comment, self._of_table.get((message, field.name), unit)
 
 
 def _stated(comment: str) -> tuple[str, str]:
-    """Split a comment from the unit in brackets at its end: ``Voltage.`` and ``V`` for ``Voltage [V].``."""
+    """Return a comment without the unit in brackets at its end, and the unit; the unit is empty if there is none.
+
+    ``Voltage [V].`` becomes ``Voltage.`` and ``V``.
+    """
     found = _BRACKETS.search(comment)
     if found is None:
         return comment, ""
@@ -44,7 +50,7 @@ def _stated(comment: str) -> tuple[str, str]:
 
 
 def _units(standard: ir.StandardTopic) -> Iterator[tuple[Path, str]]:
-    """Yield every field of the payload whose unit a standard topic gives."""
+    """Yield the path and the unit of each payload field whose unit a standard topic's entries in the table give."""
     for target in standard.fields:
         for taken in _taken_fields(target.value):
             if taken.scaling.unit:

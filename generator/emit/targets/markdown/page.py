@@ -1,4 +1,4 @@
-"""Data of docs/messages.md, as the template ``messages.md.j2`` reads it."""
+"""Content of docs/messages.md, as the template ``messages.md.j2`` reads it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.ir.msg_types import msg_type
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """Topic with its message; for a standard message, with the sources of its fields."""
+    """Topic on the page, with its ROS message. For a standard message, `fields` tells where each value comes from."""
 
     name: str
     message: str
@@ -25,7 +25,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Row of the table, with its payload."""
+    """Section of the page for a row of the table."""
 
     number: int
     name: str
@@ -44,25 +44,25 @@ class Row:
     priority: int
     deadman: ir.Deadman | None
     payload: Payload | None
-    """Payload; None if an earlier row has the same one."""
+    """Payload of the row; None if the section of an earlier row shows the same payload."""
     payload_anchor: str
-    """Anchor of the section that shows the payload."""
+    """Anchor of the section in which the payload is shown."""
     example: Example
 
     @property
     def receivers(self) -> tuple[str, ...]:
-        """All receivers of the payload."""
+        """Receiver of the row, and the peers to which the row is forwarded."""
         return (self.receiver, *self.forward)
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """Own topic and extra topics of the row."""
+        """The row's own topic, then its extra topics."""
         return (self.topic, *self.extra_topics)
 
 
 @dataclass(frozen=True, slots=True)
 class Enum:
-    """Enum with its values."""
+    """Section of the page for an enum."""
 
     name: str
     comment: str
@@ -71,7 +71,7 @@ class Enum:
 
 @dataclass(frozen=True, slots=True)
 class Helper:
-    """ROS 2 message without a proto message of its own: for a map's entry, an enum, or an Any."""
+    """Generated ROS 2 message that belongs to no proto message: it is made for a map's entry, an enum, or an Any."""
 
     name: str
     fields: str
@@ -94,7 +94,7 @@ class Page:
 
 
 def page(bridge: ir.Bridge) -> Page:
-    """Collect the content of the page."""
+    """Return the content of the page."""
     payloads = Payloads(bridge)
     carried = {route.proto for route in bridge.routes}
     shown = [message for message in bridge.wire_messages if message.name != bridge.envelope.message]

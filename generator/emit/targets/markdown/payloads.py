@@ -1,4 +1,4 @@
-"""Proto messages and enums for the page: fields, types with links, units, and fields of the .msg files."""
+"""Tables of the page for proto messages and enums: types with links, units, and the fields of the .msg files."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from roverlink.generator.ir.msg_types import msg_type
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Field of a proto message, or a oneof, which has no number."""
+    """Line of a message's table: a field, or a oneof, which has no number."""
 
     number: int | None
     name: str
     type: str
     unit: str
     ros: str
-    """Fields of the .msg file that contain the value."""
+    """Fields of the .msg file to which the proto field is converted."""
     meaning: str
 
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """Proto message."""
+    """Section of the page for a proto message."""
 
     name: str
     comment: str
@@ -34,22 +34,22 @@ class Payload:
     """Name of the ROS message; empty if the proto message has none."""
     fields: tuple[Field, ...]
     reserved: str
-    """Reserved numbers; empty if there are none."""
+    """Reserved numbers as text; empty if there are none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """Value of an enum."""
+    """Line of an enum's table: an enum value."""
 
     number: int
     name: str
     constants: tuple[str, ...]
-    """Constants in .msg files that have another name."""
+    """Constants for the value in .msg files, unless they have the name of the value."""
     meaning: str
 
 
 class Payloads:
-    """Messages and enums that a bridge's envelope can contain."""
+    """Messages and enums that the envelope can contain, as the page shows them."""
 
     def __init__(self, bridge: ir.Bridge) -> None:
         self._messages = {message.name: message for message in bridge.wire_messages}
@@ -63,11 +63,11 @@ class Payloads:
             self._constants.setdefault((constant.enum, constant.value), {})[constant.name] = None
 
     def comment(self, proto: str) -> str:
-        """Return the comment of a message."""
+        """Return the comment of a proto message."""
         return self._messages[proto].comment
 
     def of(self, proto: str) -> Payload:
-        """Return a message for the page."""
+        """Return the section of the page for a proto message."""
         message = self._messages[proto]
         conversion = self._conversions.get(proto)
         ranges = [str(first) if first == last else f"{first} to {last}" for first, last in message.reserved]
@@ -75,14 +75,14 @@ class Payloads:
         return Payload(proto, message.comment, conversion.ros if conversion else "", fields, ", ".join(ranges))
 
     def values(self, enum: ir.WireEnum) -> tuple[Value, ...]:
-        """Return the values of an enum for the page."""
+        """Return the lines of the table of an enum."""
         return tuple(Value(one.number, one.name, self._renamed(enum, one), cell(one.comment)) for one in enum.values)
 
     def _renamed(self, enum: ir.WireEnum, value: ir.WireValue) -> tuple[str, ...]:
         return tuple(name for name in self._constants.get((enum.name, value.number), ()) if name != value.name)
 
     def anchor(self, proto: str) -> str:
-        """Return the anchor of the section of a message or enum."""
+        """Return the anchor of the section that shows a message or enum."""
         return self.anchor_of_row(self._rows[proto]) if proto in self._rows else _anchor(proto)
 
     @staticmethod
@@ -113,17 +113,20 @@ class Payloads:
 
 
 def cell(text: str) -> str:
-    """Escape a text for a cell of a Markdown table."""
+    """Return a text in the form that a cell of a Markdown table needs: on one line, with special characters escaped."""
     return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
 
 
 def _anchor(heading: str) -> str:
-    """Return the anchor of a heading, by the rules of GitHub and Python-Markdown."""
+    """Return the anchor that GitHub and Python-Markdown give to a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
 def _taken(conversion: ir.Conversion | None) -> dict[str, list[str]]:
-    """Return the fields of the .msg file for each field of the payload, or of the message around it."""
+    """Return the fields of the .msg file for each field of a proto message.
+
+    A .msg field that comes from inside a nested message is listed for the field with the nested message.
+    """
     taken: dict[str, list[str]] = {}
     for field in conversion.fields if conversion else ():
         inner = f" from `{'.'.join(field.proto_path)}`" if len(field.proto_path) > 1 else ""
@@ -133,7 +136,7 @@ def _taken(conversion: ir.Conversion | None) -> dict[str, list[str]]:
 
 
 def _oneofs(message: ir.WireMessage, conversion: ir.Conversion | None) -> Iterator[Field]:
-    """Yield the message's oneofs, with the .msg field that tells which member is set."""
+    """Yield a line for each oneof of a message, with the .msg field that tells which member is set."""
     taken = _taken(conversion)
     for name in dict.fromkeys(field.oneof for field in message.fields if field.oneof):
         yield Field(None, name, "oneof", "", ", ".join(taken.get(name, ())), "")
