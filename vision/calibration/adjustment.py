@@ -40,7 +40,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearization:
-    """Linearization of one view: residuals (2N,) and derivatives, multiplied by the square roots of the weights."""
+    """Residuals (2N,) of one view with their derivatives; all are multiplied by the square roots of the weights."""
 
     residuals: Floats
     by_camera: Floats

@@ -48,7 +48,7 @@ class Need:
 
     @property
     def met(self) -> bool:
-        """True if there are enough views."""
+        """True if enough views meet the requirement."""
         return self.have >= self.wanted
 
 

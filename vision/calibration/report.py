@@ -116,7 +116,7 @@ def _date(views: Sequence[Fitted]) -> str:
 
 
 def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
-    """Return the coverage of the used views."""
+    """Return the parts of the image, distances and tilts that the used views show."""
     coverage = Coverage()
     for fitted in calibration.views:
         if not fitted.dropped:
