@@ -1,1 +1,4 @@
-"""Command line: the only package that combines generator, runtime and vision."""
+"""Command line of roverlink.
+
+This is the only package that uses the generator, the runtime and the camera programs together.
+"""

@@ -67,12 +67,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _interrupt(*_: object) -> None:
-    """Treat SIGTERM like SIGINT, so that context managers close everything, such as the demo's bridge process."""
+    """Handle SIGTERM like SIGINT: raise KeyboardInterrupt, so that all context managers close what they have opened.
+
+    An example is the bridge process of the demo.
+    """
     raise KeyboardInterrupt
 
 
 class _Version(argparse.Action):
-    """Prints the version; it is looked up only on demand, because the look-up is slow."""
+    """Action of the option ``--version``. It looks the version up only when it is called, because that is slow."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from roverlink.installed_packages import installed_version
@@ -87,7 +90,7 @@ class _AnyOrderParser(argparse.ArgumentParser):
     _in_any_order = True
 
     def add_subparsers(self, **options: Any) -> Any:
-        """Add subcommands; only their parsers accept options in any order."""
+        """Add subcommands. Then only the parsers of the subcommands accept options in any order, not this parser."""
         self._in_any_order = False
         return super().add_subparsers(**options)
 
@@ -102,9 +105,10 @@ class _AnyOrderParser(argparse.ArgumentParser):
 
 
 def command_line(arguments: Sequence[str] = ()) -> argparse.ArgumentParser:
-    """Return the parser of a command line: with the command that it calls, else with all of them.
+    """Return the parser for a command line.
 
-    A command is imported only if it is called, since the generator is slow to import.
+    The parser has only the command that ``arguments`` call, or all commands if they call none. Importing a command can
+    be slow, because it may import the generator.
     """
     parser = argparse.ArgumentParser(
         prog="roverlink",

@@ -1,4 +1,4 @@
-"""Basics of all commands: exit codes, the project's folder, option types, messages, loggers."""
+"""Functions that all commands use: exit codes, the folder of the project, types of options, messages, and loggers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Subparsers = Any  # argparse names its type only in private
 
 
 class NoProjectError(SetupError):
-    """A command was started outside a project."""
+    """Error: a command that needs a project was started outside of one."""
 
 
 def print_error(message: str) -> None:
@@ -46,7 +46,7 @@ def counted(count: int, what: str) -> str:
 
 
 def command(commands: Subparsers, name: str, help: str, example: str, description: str = "") -> argparse.ArgumentParser:
-    """Create a subcommand; its help ends with the example."""
+    """Add a subcommand to the command line and return its parser. The help of the subcommand ends with the example."""
     parser: argparse.ArgumentParser = commands.add_parser(
         name,
         help=help,
@@ -58,7 +58,7 @@ def command(commands: Subparsers, name: str, help: str, example: str, descriptio
 
 
 def add_project(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the folder of the generated code."""
+    """Add the option ``--project`` to a parser: the folder that contains the generated code."""
     parser.add_argument(
         "--project",
         type=Path,
@@ -68,7 +68,7 @@ def add_project(parser: argparse.ArgumentParser) -> None:
 
 
 def add_table(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the table."""
+    """Add the option ``--table`` to a parser: the path of mapping.yaml."""
     parser.add_argument(
         "--table",
         type=Path,
@@ -78,7 +78,10 @@ def add_table(parser: argparse.ArgumentParser) -> None:
 
 
 def table_file(given: Path | None) -> Path:
-    """Return the given table or the nearest one; if there is none, the path in the current folder."""
+    """Return the path of the table: ``given``, or else the nearest mapping.yaml in this folder or above it.
+
+    If there is none, return the path at which it would be in this folder.
+    """
     here = Path.cwd()
     near = (folder / TABLE for folder in (here, *here.parents))
     # lexists: a dangling link named mapping.yaml is a mistake to report, not a reason to look further up.
@@ -87,29 +90,32 @@ def table_file(given: Path | None) -> Path:
 
 
 def port(text: str) -> int:
-    """Parse a port number; 0 means any free port."""
+    """Parse the value of an option that is a port number; 0 means any free port."""
     return _number(text, int, lambda number: 0 <= number < 65_536, "a port number from 0 to 65535")
 
 
 def count(text: str) -> int:
-    """Parse a number above 0."""
+    """Parse the value of an option that is a whole number above 0."""
     return _number(text, int, lambda number: number > 0, "a whole number above 0")
 
 
 def rate(text: str) -> float:
-    """Parse a frequency in hertz; less than once a year is refused."""
+    """Parse the value of an option that is a frequency in hertz. A frequency of less than once a year is refused."""
     return _number(
         text, float, lambda number: 1 / _A_YEAR_S < number < math.inf, "a frequency above 0 (at least once a year)"
     )
 
 
 def seconds(text: str) -> float:
-    """Parse a duration in seconds, at most a year, since larger values overflow the system's clocks."""
+    """Parse the value of an option that is a duration in seconds, at most a year.
+
+    Larger values would overflow the clocks of the system.
+    """
     return _number(text, float, lambda number: 0 <= number <= _A_YEAR_S, "a duration in seconds (0 to one year)")
 
 
 def megabytes(text: str) -> int:
-    """Parse a size in megabytes; return bytes."""
+    """Parse the value of an option that is a size in megabytes, and return the size in bytes."""
     return int(1e6 * _number(text, float, lambda number: 0 < number < math.inf, "a size in megabytes"))
 
 
@@ -121,7 +127,10 @@ def _number(text: str, read: Callable[[str], N], fits: Callable[[N], bool], what
 
 
 def project_folder(given: Path | None) -> Path:
-    """Return the given folder, or the nearest one with a project. Raises `NoProjectError`."""
+    """Return the folder of the project: ``given``, or else this folder or the nearest one above it with a project.
+
+    Raises `NoProjectError` if there is no project.
+    """
     if given is not None:
         return given
     here = Path.cwd()
@@ -135,7 +144,7 @@ def project_folder(given: Path | None) -> Path:
 
 
 def isolate_ros() -> None:
-    """Restrict ROS 2 to this host, in a domain that others on this host are unlikely to use.
+    """Restrict ROS 2 to this host, in a DDS domain that other programs on this host probably do not use.
 
     The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
@@ -144,7 +153,7 @@ def isolate_ros() -> None:
 
 
 class _RosFormatter(logging.Formatter):
-    """Formats records as ROS 2 nodes do: ``[INFO] [1700000000.123456] [udp_forwarder]: text``."""
+    """Formats log records as ROS 2 nodes do: ``[INFO] [1700000000.123456] [udp_forwarder]: text``."""
 
     def format(self, record: logging.LogRecord) -> str:
         level = {"WARNING": "WARN", "CRITICAL": "FATAL"}.get(record.levelname, record.levelname)
@@ -152,7 +161,7 @@ class _RosFormatter(logging.Formatter):
 
 
 class _JsonFormatter(logging.Formatter):
-    """Formats records as one JSON object per line: time, level, logger, message, and the record's ``facts``."""
+    """Formats a log record as one line of JSON: time, level, logger, message, and the record's ``facts``."""
 
     def format(self, record: logging.LogRecord) -> str:
         facts: dict[str, Any] = getattr(record, "facts", {})
@@ -165,7 +174,10 @@ LOG_FORMATS = {"ros": _RosFormatter, "json": _JsonFormatter}
 
 
 def node_logger(name: str, level: str | None, format: str = "ros") -> logging.Logger:
-    """Return a logger to standard error with the levels of ROS 2; with level None it prints nothing."""
+    """Return a logger that writes to standard error with the levels of ROS 2.
+
+    If ``level`` is None, it writes nothing.
+    """
     handler = logging.StreamHandler() if level else logging.NullHandler()
     handler.setFormatter(LOG_FORMATS[format]())
     logger = logging.getLogger(name)

@@ -1,4 +1,4 @@
-"""Diagnostics as text for people: place, message, source line with a caret, other places, help."""
+"""Diagnostics as text for people: place, message, source line with a caret below it, other places, and help."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TAB = "    "
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Sources:
-    """Source files of diagnostics."""
+    """Access to the source files to which diagnostics refer."""
 
     folder: Path
     """Folder to which the paths in diagnostics are relative."""
@@ -36,17 +36,20 @@ class Sources:
     _read: dict[str, list[str]] = dataclasses.field(default_factory=dict)
 
     def from_here(self, span: Span) -> Span:
-        """Return a place relative to the current folder; a file that does not exist keeps its path."""
+        """Return a place with its path relative to the current folder.
+
+        If the file does not exist, the path stays as it is.
+        """
         path = self.folder / span.file
         return dataclasses.replace(span, file=os.path.relpath(path)) if path.exists() else span
 
     def with_commit(self, span: Span, what: str) -> str:
-        """Return the text of another place, with the commit of its line if known."""
+        """Return ``what``, the text for a place, followed by the commit of the place's line if the commit is known."""
         commit = self.commit_of(span)
         return f"{what} ({commit})" if commit else what
 
     def line(self, span: Span) -> str:
-        """Return the source line of a place; empty if it cannot be read."""
+        """Return the source line at a place; an empty text if the line cannot be read."""
         if span.file not in self._read:
             text = self.texts.get(span.file)
             self._read[span.file] = (_text_of(self.folder / span.file) if text is None else text).splitlines()
@@ -74,7 +77,10 @@ def show(findings: Iterable[Diagnostic], sources: Sources, stream: TextIO) -> No
 
 
 def show_error(error: DiagnosticsError, folder: Path, stream: TextIO) -> None:
-    """Print why a command cannot continue; ``folder`` is that of the table or tree."""
+    """Print the diagnostics because of which a command cannot continue.
+
+    ``folder`` is the folder of the table or of the .proto files.
+    """
     show(error.findings, Sources(folder, error.texts), stream)
 
 

@@ -1,4 +1,4 @@
-"""Checks of ``roverlink doctor``. Each examines one thing, changes nothing, and returns its result."""
+"""Checks of ``roverlink doctor``. Each check examines one thing, changes nothing, and returns a result."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _COMMAND_S = 5.0
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Result of one check."""
+    """Result of one check of ``roverlink doctor``."""
 
     verdict: str
     """``ok``, ``warning`` or ``error``."""
@@ -55,12 +55,15 @@ class Diagnosis:
     cure: str = ""
 
     def as_dict(self) -> dict[str, str]:
-        """Return the result for JSON."""
+        """Return the result as JSON values."""
         return dataclasses.asdict(self)
 
 
 def examine(project: Path | None, ros: RosArguments) -> list[Diagnosis]:
-    """Run all checks; ``project`` is the folder from the command line. Failures are results, not exceptions."""
+    """Run all checks and return their results. A check that fails is a result, not an exception.
+
+    ``project`` is the folder from the command line, or None.
+    """
     found = list(_python())
     try:
         registry = load_project(project_folder(project))
@@ -118,10 +121,10 @@ def _buffer(got: int, wanted: int) -> Diagnosis:
 
 
 def _holder(port: int) -> str:
-    """Return the program that uses a UDP port; empty if we may not see it.
+    """Return the name of the program that uses a UDP port; an empty text if we have no permission to see it.
 
-    The columns of /proc/net/udp are in proc(5); the socket's inode is the tenth. A process has a link to
-    ``socket:[inode]`` among its file descriptors.
+    The columns of /proc/net/udp are in proc(5); the tenth is the socket's inode. A process that uses the socket has a
+    link to ``socket:[inode]`` among its file descriptors.
     """
     try:
         lines = (_PROC / "net" / "udp").read_text().splitlines()[1:]
@@ -163,7 +166,7 @@ def _firewall(settings: Parameters) -> Iterator[Diagnosis]:
 
 
 def _output(*command: str) -> str:
-    """Return the output of a command; empty if it does not exist or is not allowed."""
+    """Return the output of a command; an empty text if the command does not exist or is not allowed."""
     program = shutil.which(command[0])
     if program is None:
         return ""
@@ -177,7 +180,7 @@ def _output(*command: str) -> str:
 
 
 def _multicast() -> Iterator[Diagnosis]:
-    """Check that a datagram to the multicast group of DDS comes back to this host, since discovery needs it."""
+    """Check that this host receives a datagram that it sends to DDS's multicast group, because discovery needs this."""
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
         yield Diagnosis("ok", "multicast", "not needed: ROS_LOCALHOST_ONLY=1 restricts ROS 2 to this host")
         return
@@ -233,7 +236,7 @@ def _imports(module: str) -> bool:
 
 
 def _joins(version: str, domain: str) -> Diagnosis:
-    """Check that Cyclone DDS has a supported version and can join the domain."""
+    """Check that Cyclone DDS has a supported version and can join a domain."""
     if version.partition(".")[0] != "11":
         return Diagnosis(
             "error",
@@ -252,7 +255,7 @@ def _joins(version: str, domain: str) -> Diagnosis:
 
 
 def _interfaces(registry: Registry) -> Diagnosis:
-    """Check that the interface package that rclpy imports is the generated one."""
+    """Check that the interface package that rclpy imports is the package that was generated from the table."""
     package = registry.package
     generated = [
         one.message_type for one in registry.handlers if one.message_type.__msgtype__.startswith(f"{package}/")

@@ -1,4 +1,4 @@
-"""Loading of a project's generated code."""
+"""Loading of the generated code of a project."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from roverlink.runtime import Registry, load_registry
 
 
 def load_project(folder: Path) -> Registry:
-    """Load the registry of a project.
+    """Load the registry of the project in ``folder``.
 
-    The import name is the table's ``python.package``; it is ``generated`` if there is no readable table. Raises
-    `RegistryError` as `load_registry` does.
+    The import name of the generated code is the table's ``python.package``, or ``generated`` if there is no readable
+    table. Raises `RegistryError` in the same cases as `load_registry`.
     """
     ignored: list[Diagnostic] = []  # only `generate` and `lint` show them
     try:

@@ -1,6 +1,6 @@
-"""Versions of installed packages.
+"""Look-up of the versions of installed packages.
 
-A module of its own, because importlib.metadata is slow to import and few commands need it.
+This is a module of its own because importlib.metadata is slow to import and few commands need it.
 """
 
 from __future__ import annotations

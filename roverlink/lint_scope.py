@@ -1,4 +1,7 @@
-"""Scope of the lint commands: the project or tree that they check."""
+"""Options of the commands that check .proto files, and the checks that these options select.
+
+The commands check a project with a table, or a folder of .proto files without a table.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from roverlink.runtime.core.errors import SetupError
 
 
 def add_subject(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose a table, or a tree of .proto files without a table."""
+    """Add the options to a parser that select the table, or a folder of .proto files without a table."""
     parser.add_argument(
         "root",
         nargs="?",
@@ -32,7 +35,10 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:
-    """Lint the tree, or the table's project. Raises `SetupError` if an envelope is given without a tree."""
+    """Check the .proto files in ``root``, or the project of the table if ``root`` is None.
+
+    ``question`` selects the checks. Raises `SetupError` if the options name an envelope although ``root`` is None.
+    """
     if root is None and (arguments.envelope or arguments.message):
         raise SetupError("--envelope and --message need PROTO_ROOT, the folder of a tree without mapping.yaml")
     if root is None:
@@ -41,18 +47,24 @@ def linted(arguments: argparse.Namespace, root: Path | None, question: Question)
 
 
 def folder_of(arguments: argparse.Namespace) -> Path:
-    """Return the folder to which paths in diagnostics are relative: the tree, or the table's folder."""
+    """Return the folder to which the paths in diagnostics are relative.
+
+    It is the folder of .proto files that the options name, or else the folder of the table.
+    """
     root: Path | None = arguments.root
     return root or table_file(arguments.table).parent
 
 
 def sources(found: Linted) -> Sources:
-    """Return the source files of the diagnostics of a lint."""
+    """Return the source files to which the diagnostics of a check refer."""
     return Sources(found.folder, commit_of=found.commit_of)
 
 
 def print_limits(found: Linted) -> int:
-    """Print the parts that were not checked, for commands that show no other findings; return the exit code."""
+    """Print on standard error what could not be checked, and return the exit code.
+
+    The commands that print no other diagnostics call this.
+    """
     show(found.limits, sources(found), sys.stderr)
     return UNABLE if any(finding.severity is Severity.FATAL for finding in found.limits) else OK
 

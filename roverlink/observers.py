@@ -1,7 +1,7 @@
-"""Observers of a bridge: diagnostics, metrics, Foxglove and the recorder.
+"""Observers that `roverlink run` attaches to a bridge: diagnostics, metrics, Foxglove and the recorder.
 
-They are attached before the bridge starts, as observers or as a wrapper of the middleware. A bridge without them does
-no extra work.
+They are attached before the bridge starts: as an `Observer` of the bridge, or as a wrapper of the middleware. A bridge
+without observers does no extra work.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `roverlink run` and `roverlink record` that attach observers."""
+    """Add the options that attach observers to a parser. `roverlink run` and `roverlink record` have these options."""
     parser.add_argument("--no-diagnostics", action="store_true", help="do not publish on /diagnostics")
     parser.add_argument("--metrics", type=port, metavar="PORT", help="serve Prometheus metrics on this TCP port")
     parser.add_argument(
@@ -55,7 +55,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 class BridgeObservers:
-    """All observers of one bridge, opened on an exit stack."""
+    """All observers of one bridge. They are opened on an exit stack, which closes them."""
 
     def __init__(
         self,
@@ -79,7 +79,10 @@ class BridgeObservers:
         return not self._arguments.no_diagnostics or self._arguments.metrics is not None
 
     def wrap(self, middleware: Middleware) -> Middleware:
-        """Return the middleware, wrapped for observers of topics. Raises `SetupError` for a file or a port."""
+        """Return the middleware, wrapped so that the recorder and Foxglove get all messages if the options request it.
+
+        Raises `SetupError` if a file cannot be written or a port is not available.
+        """
         if self._arguments.record is not None:
             middleware = self._recorded(middleware, self._arguments.record)
         if self._arguments.foxglove is not None:
@@ -91,9 +94,9 @@ class BridgeObservers:
         return middleware
 
     def monitor(self, bridge: Bridge) -> ExitStack:
-        """Start the monitoring of a bridge.
+        """Start the monitoring of a bridge, and return the exit stack that ends the monitoring.
 
-        Close the returned stack before the bridge, because the bridge closes the topics.
+        Close this stack before the bridge, because the bridge closes the topics on which the monitoring publishes.
         """
         watch = ExitStack()
         if not self._monitored:

@@ -1,4 +1,4 @@
-"""Progress bars of long tasks."""
+"""Progress bar of a long task."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ Report = Callable[[int, int], None]
 
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
-    """Show a progress bar on a terminal until the task is done; show nothing elsewhere."""
+    """Show a progress bar on a terminal until the block ends; show nothing if there is no terminal.
+
+    Yields a function to call with the amounts that are done and to do. ``what`` is the text beside the bar.
+    """
     shown = sys.stderr.isatty()
     with Progress(console=Console(file=sys.stderr), transient=True, disable=not shown, redirect_stdout=False) as bar:
         task = bar.add_task(what, total=None)

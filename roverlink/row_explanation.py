@@ -1,4 +1,4 @@
-"""Facts about a row: on the wire, in ROS 2 and in the generated code."""
+"""Facts about a row for ``roverlink explain``: on the wire, in ROS 2 and in the generated code."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ _NUMBER = re.compile("[0-9]{1,9}")  # the largest field number, 536870911, has n
 
 
 class Project:
-    """Table with everything that it compiles to. Raises `DiagnosticsError` if it does not compile."""
+    """Table of a project, with everything that is compiled from it.
+
+    Raises `DiagnosticsError` if it does not compile.
+    """
 
     def __init__(self, table: Path, *, history: bool) -> None:
         self.folder = table.resolve().parent
@@ -36,23 +39,26 @@ class Project:
         self.hashes = type_hashes(self.compiled.bridge)
 
     def find(self, word: str) -> Row | None:
-        """Return the row with this number, name, topic or message; None if there is none."""
+        """Return the row whose number, name, topic or message is ``word``; None if there is no such row."""
         for row in self.context.table.rows:
             if word in (str(row.number), row.name, row.topic, row.proto, row.ros):
                 return row
         return None
 
     def taken(self, word: str) -> str:
-        """Return the reason why a number without a row is not free; empty if it is free or not a number."""
+        """Return the reason why a number without a row is not free.
+
+        Returns an empty text if the number is free, or if ``word`` is not a number.
+        """
         occupied = self.context.occupied(int(word)) if _NUMBER.fullmatch(word) else iter(())
         return next((why for _, _, why in occupied), "")
 
     def known(self) -> list[str]:
-        """Return all words by which rows can be found."""
+        """Return all names, topics and messages by which `find` finds a row."""
         return [name for row in self.context.table.rows for name in (row.name, row.topic, row.proto, row.ros)]
 
     def explain(self, row: Row) -> dict[str, Any]:
-        """Return all facts about a row, ready for JSON, in the order in which they are printed."""
+        """Return all facts about a row as JSON values, in the order in which they are printed."""
         bridge = self.compiled.bridge
         route = next(one for one in bridge.routes if one.number == row.number)
         return {
@@ -85,7 +91,10 @@ class Project:
         return next(member for member in self.compiled.bridge.envelope.members if member.number == number)
 
     def _ros(self, route: ir.Route) -> dict[str, Any]:
-        """Return the row's own message; the hash of a standard message is left to ROS 2."""
+        """Return the message on the row's own topic.
+
+        A standard message has no type hash here, because ROS 2 defines it.
+        """
         if route.conversion is None:
             return {"message": route.standard_topics[0].message, "type_hash": None}
         name = route.conversion.ros
@@ -93,7 +102,7 @@ class Project:
 
     @staticmethod
     def _standard(standard: ir.StandardTopic) -> dict[str, Any]:
-        """Return an extra topic with the sources of its fields."""
+        """Return the facts about an extra topic, with the proto field from which each ROS field gets its value."""
         fields = [{"ros": name, "takes": taken} for name, taken in extra_topic_text.fields(standard)]
         return {
             "topic": standard.topic,
@@ -110,7 +119,10 @@ class Project:
         return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
 
     def _size(self, row: Row) -> dict[str, Any]:
-        """Return the largest encoded sizes as nanopb computes them; None with the reason if there is no bound."""
+        """Return the largest encoded sizes of the payload and of the envelope in bytes, as nanopb computes them.
+
+        If the size has no limit, the sizes are None, and the reason is given.
+        """
         schema, bounds = self.context.schema, self.context.bounds
         if schema is None or bounds is None or row.proto not in schema.messages:
             return {"payload": None, "envelope": None, "unbounded": "not known"}
@@ -134,7 +146,7 @@ class Project:
         }
 
     def _proto_field(self, message: str, path: tuple[str, ...]) -> ProtoField | None:
-        """Return the field at a path."""
+        """Return the field of a proto message at a path of field names; None if there is no such field."""
         found: ProtoField | None = None
         for name in path:
             declared = self.context.schema.messages.get(message) if self.context.schema else None
@@ -143,12 +155,12 @@ class Project:
         return found
 
     def _published(self, number: int) -> list[str]:
-        """Return the ledger's entries of a number."""
+        """Return the entries of the ledger for a number, as texts."""
         entries = [entry for entry in self.context.ledger.entries if entry.number == number]
         return [f"{entry.name} ({entry.proto}){', retired' if entry.retired else ''}" for entry in entries]
 
     def _history(self, number: int) -> list[str] | None:
-        """Return the usages of a number in git; None if they were not requested."""
+        """Return the meanings that a number has had in git's history; None if the history was not requested."""
         if self.context.past is None:
             return None
         usages = self.context.past.history.numbers(self.context.table.envelope.message).get(number, ())
@@ -158,7 +170,7 @@ class Project:
         ]
 
     def _files(self, route: ir.Route) -> list[str]:
-        """Return the generated files that belong only to this row and its message."""
+        """Return the paths of the generated files that belong only to this row and its message."""
         bridge = self.compiled.bridge
         file = self._member(route.number).file
         row = spelling.module(route.name)
@@ -174,7 +186,10 @@ class Project:
         return [path for path in (placed(path, bridge) for path in wanted) if path in self.compiled.files]
 
     def _example(self, row: Row) -> dict[str, Any]:
-        """Return the bytes of an envelope from a simulated board, or the reason why there is none."""
+        """Return an example envelope with its bytes explained, or the reason why there is none.
+
+        The values are those of a simulated board.
+        """
         try:
             registry = load_project(self.folder)
             handler = registry.by_name[row.name]

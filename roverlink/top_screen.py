@@ -1,4 +1,4 @@
-"""Screen of ``roverlink top``: the diagnostics of a bridge as a table."""
+"""Screen of ``roverlink top``: the diagnostics of a bridge as a table on the terminal."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ _TEXTS = ("fingerprint", "topic", "direction", "recording")
 
 
 def page_of(array: DiagnosticArray, node: str) -> dict[str, Any] | None:
-    """Return the statuses of one bridge, with numbers as numbers; None if the message is from another node."""
+    """Return the state of one bridge from its diagnostics; None if the diagnostics are not those of the node ``node``.
+
+    Values that are numbers are converted to numbers.
+    """
     own = next((status for status in array.status if status.name == node), None)
     if own is None:
         return None
@@ -61,12 +64,12 @@ def _number(text: str) -> Any:
 
 
 def has_problems(page: dict[str, Any]) -> bool:
-    """Return true if any status is not OK."""
+    """Return true if the bridge or one of its rows has another level than OK."""
     return any(entry["level"] != "OK" for entry in (page["node"], *page["rows"]))
 
 
 def render(page: dict[str, Any], quiet: bool = False) -> RenderableType:
-    """Return the screen; ``quiet`` says that the bridge has not sent anything for a while."""
+    """Return the screen for a state; ``quiet`` is true if the bridge has not published its state for a while."""
     node = page["node"]
     title = Text.assemble(
         (str(node["name"]), "bold"),

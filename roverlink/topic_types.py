@@ -1,4 +1,4 @@
-"""Types of topics and text forms of messages, for ``echo`` and ``pub``."""
+"""Message types of topics, and messages as text, for ``roverlink echo`` and ``roverlink pub``."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def endpoint(registry: Registry, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
-    """Return type and QoS of a topic: those of its row, or of the type that is given.
+    """Return message type and QoS of a topic: those of the topic's row, or those of the type ``type_name``.
 
-    Raises `SetupError` if neither exists, or if the topic's name is invalid.
+    Raises `SetupError` if there is neither a row nor a type, or if the name of the topic is invalid.
     """
     if not _TOPIC.fullmatch(topic):
         raise SetupError(f"{topic!r} is not a topic name: letters, digits and underscores, with slashes between names")
@@ -50,22 +50,25 @@ def _named_type(registry: Registry, type_name: str) -> type[Message]:
 
 
 def full_topic(topic: str) -> str:
-    """Return a topic's fully qualified name, for a bridge with its default name."""
+    """Return the fully qualified name that a topic of the table has if the bridge's node has its default name."""
     return NodeIdentity(NODE).topic(topic)
 
 
 def identity(command: str) -> NodeIdentity:
-    """Return a node name that is different for every process."""
+    """Return a name for the node of a command; the name differs for each process."""
     return NodeIdentity(f"roverlink_{command}_{os.getpid()}")
 
 
 def yaml_text(values: Mapping[str, Any]) -> str:
-    """Return a message as ``ros2 topic echo`` prints it: PyYAML's block style, without folded lines."""
+    """Return a message as YAML, in the form that ``ros2 topic echo`` prints. Long lines are not folded."""
     return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
 
 
 class _Dumper(yaml.SafeDumper):
-    """Dumper that quotes texts with Unicode line breaks; PyYAML's own does not read back such texts unchanged."""
+    """Writer of YAML that quotes texts with Unicode line breaks.
+
+    PyYAML's own writer does not quote them, so they change when the text is read again.
+    """
 
     def represent_text(self, text: str) -> yaml.ScalarNode:
         style = '"' if _UNICODE_BREAKS.intersection(text) else None
@@ -76,7 +79,7 @@ _Dumper.add_representer(str, _Dumper.represent_text)
 
 
 def json_text(values: Mapping[str, Any]) -> str:
-    """Return a message as one line of JSON; NaN and infinity become strings, as in protobuf's JSON mapping."""
+    """Return a message as one line of JSON. NaN and infinity become strings, as in protobuf's JSON."""
     return json.dumps(_json_ready(values), allow_nan=False)
 
 

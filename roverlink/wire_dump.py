@@ -1,4 +1,4 @@
-"""Bytes of a protobuf message, explained in one line per field."""
+"""Explanation of the bytes of a protobuf message, with one line for each field."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class WireLine(NamedTuple):
-    """Some bytes and their meaning."""
+    """Line of the explanation: some bytes with their meaning."""
 
     depth: int
     """Number of messages around the bytes."""
@@ -32,9 +32,9 @@ class WireLine(NamedTuple):
 
 
 def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
-    """Yield a line for each field; a nested message has a line for its start and one for each of its fields.
+    """Yield a line for each field. A nested message has one line for its start, and one line for each of its fields.
 
-    ``message`` is the descriptor.
+    ``message`` is the descriptor of the message, ``depth`` the number of messages around it.
     """
     start = 0
     groups: list[Any] = []  # open groups; their fields follow as top-level fields of the reader
@@ -62,7 +62,7 @@ def _content(content: bytes, kind: int, field: FieldDescriptor) -> str:
 
 
 def _value(data: bytes, position: int, kind: int, field: FieldDescriptor) -> tuple[str, int]:
-    """Return a varint or a value of fixed size as text, and the position after it."""
+    """Return the text for a varint or a value of fixed size, and the position after the value."""
     if kind == VARINT:
         raw, end = varint(data, position)
         return _of_varint(raw, field), end
@@ -96,7 +96,7 @@ def _of_varint(raw: int, field: FieldDescriptor) -> str:
 
 
 def _delimited(content: bytes, field: FieldDescriptor) -> str:
-    """Return the text of a string, of bytes, or of a packed list of numbers."""
+    """Return the text for a length-delimited value: a string, bytes, or a packed list of numbers."""
     if field.type == field.TYPE_STRING:
         return repr(content.decode("utf-8", errors="replace"))
     if field.type == field.TYPE_BYTES:

@@ -1,7 +1,8 @@
-"""Camera programs: poses of ArUco markers, and of the camera relative to known landmarks.
+"""Camera programs: they find ArUco markers, and compute the poses of markers and of the camera.
 
-`Tracker` finds markers in images and estimates their poses. `localize` combines them to the camera's pose on a field
-with known landmarks. Importing this package without OpenCV raises `SetupError`, which says how to install it.
+`Tracker` finds markers in images and estimates their poses. `localize` computes the camera's pose on a field from the
+markers whose poses on the field are known. Importing this package without OpenCV raises `SetupError`, which says how to
+install OpenCV.
 """
 
 if __name__ != "roverlink.vision":

@@ -1,6 +1,6 @@
-"""Import of OpenCV: the only module that imports it, and that tells how to install it.
+"""Import of OpenCV. Only this module imports it; if that fails, the error says how to install OpenCV.
 
-It has the type Any, because OpenCV's stubs differ between versions.
+The module object has the type Any, because OpenCV's type stubs differ between versions.
 """
 
 from __future__ import annotations

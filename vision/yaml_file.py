@@ -1,4 +1,4 @@
-"""YAML files written by people: values with their places, for error messages."""
+"""YAML files that people write. Each value keeps its line and column for error messages."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LARGEST = 1e9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Item:
-    """Value in a file. It is checked only when it is used."""
+    """Value in a YAML file. A value is checked only when the program uses it."""
 
     path: Path
     node: yaml.Node
@@ -35,12 +35,12 @@ class Item:
 
     @property
     def shown(self) -> str:
-        """Value for messages: as written, or its kind."""
+        """Value as text for error messages: a scalar as it is written, or else the kind of the value."""
         return shown(self.node)
 
     @property
     def value(self) -> Any:
-        """Value as YAML reads it. Raises `SetupError` if that is impossible, such as February 30."""
+        """Value as a Python object. Raises `SetupError` if that is impossible, as for February 30."""
         try:
             return construct(self.node)
         except YamlTextError as error:
@@ -48,12 +48,12 @@ class Item:
 
     @property
     def text(self) -> str | None:
-        """Text exactly as written; None for a mapping or a list."""
+        """Text of a scalar exactly as it is written; None for a mapping or a list."""
         return str(self.node.value) if isinstance(self.node, yaml.ScalarNode) else None
 
     @property
     def number(self) -> float:
-        """Value as a number; NaN if it is not one. Raises `SetupError` if it is too large."""
+        """Value as a number; NaN if the value is not a number. Raises `SetupError` if the number is too large."""
         value = self.value
         number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
         if LARGEST < abs(number) < math.inf:
@@ -62,40 +62,46 @@ class Item:
 
     @property
     def is_mapping(self) -> bool:
-        """True for a mapping."""
+        """True if the value is a mapping."""
         return isinstance(self.node, yaml.MappingNode)
 
     def entries(self, kind: str = "") -> dict[Any, Item]:
-        """Return the values of a YAML mapping by key.
+        """Return the values of a mapping by their keys.
 
-        Error messages name a value by `kind` and its key, such as ``camera front``. Raises `SetupError` if the item is
-        not a mapping.
+        In error messages, the name of a value is `kind` and its key, such as ``camera front``. Raises `SetupError` if
+        this item is not a mapping.
         """
         start = f"{kind} " if kind else f"{self.name}: "
         return {key.value: Item(self.path, node, f"{start}{key.text}") for key, node in self._pairs()}
 
     def known_entries(self, known: Collection[str]) -> dict[str, Item]:
-        """Return the values as `entries`. Raises `SetupError` also for a key that is not in `known`."""
+        """Return the values of a mapping by their keys, as `entries` does.
+
+        Raises `SetupError` also if a key is not in `known`.
+        """
         for key, _ in self._pairs():
             if key.value not in known:
                 raise key.error(f"{self.name} has an unknown key {key.text!r}; {nearest(str(key.text), sorted(known))}")
         return self.entries()
 
     def _pairs(self) -> Iterator[tuple[Item, yaml.Node]]:
-        """Yield keys and values; of two with the same key, the later one counts."""
+        """Yield the keys and values of a mapping. If a key occurs twice, the later value counts."""
         if not isinstance(self.node, yaml.MappingNode):
             raise self.error(f"{self.name} is not a mapping")
         for key, value in self.node.value:
             yield Item(self.path, key, f"a key of {self.name}"), value
 
     def items(self, name: str) -> list[Item] | None:
-        """Return the values of a list, each with this name; None if it is not a list."""
+        """Return the elements of a list; None if this item is not a list. Error messages call each element `name`."""
         if not isinstance(self.node, yaml.SequenceNode):
             return None
         return [Item(self.path, node, name) for node in self.node.value]
 
     def numbers(self, count: int) -> Floats:
-        """Return a list of `count` finite numbers. Raises `SetupError` for anything else."""
+        """Return this item as an array of `count` finite numbers.
+
+        Raises `SetupError` if it is not a list of such numbers.
+        """
         items = self.items(f"a number of {self.name}")
         if items is None or len(items) != count:
             raise self.error(f"{self.name} is {self.shown}; it must be a list of {count} numbers")
@@ -109,7 +115,10 @@ class Item:
 
 
 def read_file(path: Path, what: str) -> Item:
-    """Read a whole file; `what` names its content. Raises `SetupError` if it cannot be read or parsed."""
+    """Read a YAML file.
+
+    Raises `SetupError` if the file cannot be read or parsed; `what` says in the error what the file is.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -118,7 +127,7 @@ def read_file(path: Path, what: str) -> Item:
 
 
 def parse(path: Path, text: str) -> Item:
-    """Parse a file's text. Raises `SetupError` if it is not YAML, or if a key occurs twice."""
+    """Parse the text of a YAML file. Raises `SetupError` if it is not YAML, or if a key occurs twice in a mapping."""
     try:
         return Item(path, compose(text), "the file")
     except YamlTextError as error:

@@ -1,1 +1,1 @@
-"""Parts of ``roverlink aruco``."""
+"""Modules that only the commands ``roverlink aruco ...`` use."""

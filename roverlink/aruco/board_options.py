@@ -15,7 +15,7 @@ _SQUARES = re.compile(r"(\d{1,3})x(\d{1,3})")
 
 
 def add_board(parser: argparse.ArgumentParser) -> None:
-    """Add the options that describe a board."""
+    """Add the options that describe a ChArUco board to a parser."""
     parser.add_argument(
         "--squares",
         type=_squares,
@@ -40,7 +40,7 @@ def add_board(parser: argparse.ArgumentParser) -> None:
 
 
 def board_of(arguments: argparse.Namespace) -> CharucoBoard:
-    """Return the board that the options describe. Raises `SetupError` if there is no such board."""
+    """Return the board that the options describe. Raises `SetupError` if such a board is impossible."""
     from roverlink.vision.calibration import CharucoBoard  # only here, so that the help needs no OpenCV
 
     columns, rows = arguments.squares

@@ -1,4 +1,4 @@
-"""Run of ``roverlink aruco calibrate``: collect views, calibrate, write parameters and report."""
+"""Implementation of ``roverlink aruco calibrate``: collects views, calibrates, writes parameters and report."""
 
 from __future__ import annotations
 
@@ -35,7 +35,10 @@ from roverlink.vision.frames import Frame, FrameSource, ImageFiles
 
 
 def calibrate(arguments: argparse.Namespace) -> int:
-    """Collect views, calibrate and write the files. Raises `SetupError` if something is missing."""
+    """Collect views, calibrate, write the files, and return the exit code.
+
+    Raises `SetupError` if the source of frames, the board or the folder for the files is not usable.
+    """
     board = board_of(arguments)
     if not arguments.out.resolve().parent.is_dir():  # checked before the work, not after it
         raise SetupError(f"{arguments.out}: the folder {arguments.out.parent} does not exist")
@@ -59,7 +62,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _images(source: ImageFiles, board: CharucoBoard) -> list[View]:
-    """Return a view of every image, since the user has chosen the images."""
+    """Return one view of each image. No image is left out, because the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
     with progress(source.name) as report_progress:
@@ -89,7 +92,7 @@ def _stream(
 def _on_page(
     source: FrameSource, board: CharucoBoard, arguments: argparse.Namespace, say: Callable[[str], None]
 ) -> tuple[Calibration, Path, Path]:
-    """Let the user calibrate on the page; return the last saved calibration and its two files."""
+    """Let the user calibrate on the web page; return the calibration saved last, and the paths of its two files."""
     saved: list[tuple[Calibration, Path, Path]] = []
 
     def save(calibration: Calibration) -> str:
@@ -117,7 +120,10 @@ def _on_page(
 
 
 def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
-    """Yield frames with names for their views, stamped in nanoseconds since 1970 as well as possible."""
+    """Yield each frame with a name for its view.
+
+    Stamps become nanoseconds since 1970, as exactly as the source allows.
+    """
     if isinstance(source, ImageFiles):
         for path, frame in zip(source.paths, source):
             yield replace(frame, stamp=path.stat().st_mtime_ns), path.name
@@ -131,7 +137,7 @@ def _named(source: FrameSource) -> Iterator[tuple[Frame, str]]:
 
 
 def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[Path, Path]:
-    """Write the parameters, and the report next to them; return both paths."""
+    """Write the parameters to ``path`` and the report beside it; return the paths of both files."""
     page = path.with_suffix(".html")
     write_report(page, calibration, board, versions())
     write_calibration(path, calibration)
@@ -139,6 +145,6 @@ def _write(path: Path, calibration: Calibration, board: CharucoBoard) -> tuple[P
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the packages on which the numbers may depend."""
+    """Return the versions of the packages whose version can change the numbers of a calibration, by name."""
     packages = {"roverlink": "roverlink", "OpenCV": "opencv-contrib-python-headless", "NumPy": "numpy"}
     return {name: found for name, package in packages.items() if (found := installed_version(package))}

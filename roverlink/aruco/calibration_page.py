@@ -1,4 +1,4 @@
-"""Page of ``roverlink aruco calibrate --page``: take, drop and calibrate views in a browser."""
+"""Web page of ``roverlink aruco calibrate --page``, on which the user takes and drops views, and calibrates."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ Feed = Callable[[threading.Event], None]
 def serve_page(
     live: LiveCalibration, feed: Feed, address: str, port: int, say: Callable[[str], None], *, waits: bool
 ) -> None:
-    """Serve the page until a calibration is saved on it; the frames may end earlier.
+    """Serve the page until the user has saved a calibration; the frames may end earlier.
 
-    With ``waits``, ``feed`` may be blocked on a camera: it is then not joined, but ends when the camera is closed.
-    Raises `SetupError` if the page cannot be served, and the errors of ``feed``.
+    ``feed`` passes the frames to ``live``; it runs on a thread of its own. If ``waits`` is true, ``feed`` may be
+    blocked on a camera; then its thread is not joined, and ends when the camera is closed. Raises `SetupError` if the
+    page cannot be served, and the errors of ``feed``.
     """
     stop = threading.Event()
     frames = ThreadPoolExecutor(1, "frames")  # its own thread: a click must not wait for a lost camera

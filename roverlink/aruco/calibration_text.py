@@ -24,43 +24,43 @@ _GRID = (32, 24)
 
 
 class CalibrationText(Protocol):
-    """Receiver of the events of a calibration."""
+    """Output of ``roverlink aruco calibrate``. The command calls a method for each event of the calibration."""
 
     def note(self, message: str) -> None:
-        """Report something about the source."""
+        """Called with a message for the user about the source of frames."""
 
     def begins(self, collection: Collection) -> None:
-        """Report that the collection of views begins."""
+        """Called when the collection of views begins."""
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """Report that a frame was examined."""
+        """Called when a frame was examined; ``offer`` tells if its view was taken."""
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """Report that the views are not sufficient."""
+        """Called when the calibration fails because the views are not sufficient."""
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Report the calibration; its file and the report are written already."""
+        """Called after the calibration, when its parameters are written to ``path`` and its report to ``report``."""
 
 
 class PlainText:
-    """Text for people: the result on standard output, everything else on standard error."""
+    """Output for people: the result on standard output, everything else on standard error."""
 
     def __init__(self) -> None:
         self._told = -_HINT_S
 
     def note(self, message: str) -> None:
-        """Print the message."""
+        """Print a message about the source of frames."""
         print_note(message)
 
     def begins(self, collection: Collection) -> None:
-        """Print instructions."""
+        """Print instructions for the user when the collection of views begins."""
         print_note(
             "Move the board through the whole image: near, far, and tilted to all sides. Hold it still now and then."
         )
         print_note(f"Useful views are taken automatically, at least {collection.wanted}. Ctrl-C ends the collection.")
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """Print each view that was taken and what is missing; at intervals, the reason why none is taken."""
+        """Print each view that was taken, and which views are missing; at intervals, print why no view is taken."""
         now = time.monotonic()
         if offer.taken:
             count = len(collection.views)
@@ -74,7 +74,7 @@ class PlainText:
         self._told = now
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """Print the unusable views, and one line for each reason."""
+        """Print the unusable views, and each reason why the views are not sufficient."""
         for view in views:
             if view.flaw:
                 print_note(f"{view.name}: {view.flaw}")
@@ -82,7 +82,7 @@ class PlainText:
             print_error(f"the views are not sufficient for a calibration: {reason}")
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Print the views, the parameters and their uncertainty."""
+        """Print the views, the camera's parameters and their uncertainty."""
         console = Console(highlight=False, markup=False, soft_wrap=True)
         console.print(_view_table(calibration))
         console.print()
@@ -97,17 +97,20 @@ class PlainText:
 
 
 class JsonText:
-    """JSON lines on standard output: one for each view that is taken, then the result or the refusal."""
+    """Output for scripts: JSON lines on standard output.
+
+    There is one line for each view that is taken, and then one for the calibration or for the reasons why it failed.
+    """
 
     def note(self, message: str) -> None:
-        """Print the message on standard error, for people."""
+        """Print a message about the source on standard error, because it is for people."""
         print_note(message)
 
     def begins(self, collection: Collection) -> None:
-        """Print nothing."""
+        """Print nothing when the collection of views begins: scripts need no instructions."""
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """Print a line for a view that was taken."""
+        """Print a JSON line for a view that was taken."""
         if offer.taken:
             adds = [need.name for need in offer.adds]
             missing = [{"kind": need.kind, "name": need.name} for need in collection.missing]
@@ -116,17 +119,17 @@ class JsonText:
             )
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """Print a line with the reasons."""
+        """Print a JSON line with the reasons why the views are not sufficient."""
         useless = {view.name: view.flaw for view in views if view.flaw}
         _line({"refused": list(error.reasons), "views": len(views), "useless": useless})
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Print a line with the calibration."""
+        """Print a JSON line with the calibration."""
         _line(as_dict(calibration) | {"file": str(path), "report": str(report)})
 
 
 def missing_words(needs: Iterable[Need]) -> str:
-    """Return the missing views in words; empty if none is missing."""
+    """Return the requirements in ``needs`` as text for the user; an empty text if there are none."""
     found: dict[str, list[str]] = {}
     for need in needs:
         found.setdefault(_KINDS[need.kind], []).append(need.name)
@@ -134,7 +137,7 @@ def missing_words(needs: Iterable[Need]) -> str:
 
 
 def as_dict(calibration: Calibration) -> dict[str, Any]:
-    """Return a calibration as JSON values; lengths in pixels, deviations are standard deviations."""
+    """Return a calibration as JSON values. Lengths are in pixels; deviations are standard deviations."""
     mean, most = spread(calibration)
     return {
         "model": calibration.model.value,
@@ -161,7 +164,7 @@ def as_dict(calibration: Calibration) -> dict[str, Any]:
 
 
 def spread(calibration: Calibration) -> tuple[float, float]:
-    """Return mean and largest standard deviation of a direction over the image, in pixels."""
+    """Return the mean and the largest uncertainty over the image: standard deviations of a direction, in pixels."""
     width, height = calibration.views[0].view.size
     places = np.stack(np.meshgrid(np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])), axis=-1)
     deviations = calibration.uncertainty(places)

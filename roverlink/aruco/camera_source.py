@@ -1,4 +1,4 @@
-"""Options that choose a camera or another source of frames."""
+"""Options that select a camera or another source of frames."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose the source."""
+    """Add the options that select the source of frames to a parser."""
     parser.add_argument(
         "source",
         nargs="?",
@@ -36,10 +36,10 @@ def add_source(parser: argparse.ArgumentParser) -> None:
 def open_source(
     arguments: argparse.Namespace, size: tuple[int, int] | None = None, say: Callable[[str], None] = print_note
 ) -> FrameSource:
-    """Open the source that the options or the user name; ``size`` is requested if the options give none.
+    """Open the source of frames that the options name; without options, ask the user.
 
-    ``say`` is called with messages for the user, also later, for instance if the camera is lost. Raises `SetupError` if
-    the source cannot be opened.
+    If the options give no image size, ``size`` is requested. ``say`` is called with messages for the user, also later,
+    for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
     """
     from roverlink.vision import frames
 
@@ -48,7 +48,7 @@ def open_source(
 
 
 def _asked(say: Callable[[str], None]) -> str:
-    """Ask the user on the terminal; without a terminal, return camera 0."""
+    """Return the source that the user enters on the terminal; without a terminal, return camera 0."""
     # Both: the question goes to standard error, because standard output may be a pipe for --json.
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         say(f"no source given; using camera {_CAMERA}")

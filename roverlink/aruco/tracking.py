@@ -1,4 +1,4 @@
-"""Run of ``roverlink aruco track``: frames in; poses out to ROS 2, JSON and a video."""
+"""Implementation of ``roverlink aruco track``: reads frames, and writes poses to ROS 2, JSON and a video."""
 
 from __future__ import annotations
 
@@ -41,7 +41,10 @@ Output = Callable[[View], None]
 
 
 def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> int:
-    """Track markers until the source ends. Raises `SetupError` if something is missing."""
+    """Track markers until the source of frames ends, and return the exit code.
+
+    Raises `SetupError` if a file, the source of frames or a package is missing, or if a file is wrong.
+    """
     camera, markers = read_parameters(arguments.parameters), _markers(arguments)
     landmarks = _landmarks(arguments, markers)
     with ExitStack() as stack:
@@ -77,7 +80,10 @@ def _landmarks(arguments: argparse.Namespace, markers: MarkerSet) -> Landmarks |
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Frame]:
-    """Yield the frames; those of a recording at full speed, or in real time if others listen."""
+    """Yield the frames of the source, at most ``--count``.
+
+    The frames of a recording come at full speed. But they come in real time if they are also published or repeated.
+    """
     played = not source.live and (arguments.middleware or arguments.loop)
     frames = play(source, loop=arguments.loop) if played else iter(source)
     frames = itertools.islice(frames, arguments.count)
@@ -91,7 +97,10 @@ def _frames(source: FrameSource, arguments: argparse.Namespace) -> Iterator[Fram
 
 
 def _fitted(camera: CameraParameters, size: tuple[int, int], rescale: bool, logger: logging.Logger) -> CameraParameters:
-    """Return the camera at the size of the images. Raises `SetupError` if its parameters are for another size."""
+    """Return the camera's parameters for images of ``size`` (width, height).
+
+    Raises `SetupError` if the parameters are for images of another size and cannot be rescaled.
+    """
     width, height = size
     if camera.size == size:
         return camera

@@ -1,4 +1,4 @@
-"""Log of a tracker: new landmarks, rejected landmarks, and totals at the end."""
+"""Log of ``roverlink aruco track``: new landmarks, landmarks that do not fit, and totals at the end."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ from roverlink.vision.markers.marker_set import TargetId
 
 
 class TrackingLog:
-    """Logs the first sight of each landmark and rejected landmarks; on exit, the totals."""
+    """Log of a tracker. A context manager: on exit it logs the totals.
+
+    It logs each landmark when it is seen for the first time, and each landmark that is not at its position on the
+    field.
+    """
 
     def __init__(self, logger: logging.Logger) -> None:
         self._logger = logger
@@ -27,13 +31,16 @@ class TrackingLog:
         self._times: list[float] = []
 
     def timed(self, frames: Iterable[Frame]) -> Iterator[Frame]:
-        """Yield the frames; the time until the next `add` is that of the frame."""
+        """Yield the frames, and measure for each frame the time until the next call of `add`."""
         for frame in frames:
             self._begin = time.perf_counter()
             yield frame
 
     def add(self, view: View) -> None:
-        """Log what a frame showed for the first time."""
+        """Log the landmarks of a frame that were not seen before, and those that do not fit.
+
+        Call this once for each frame.
+        """
         self._times.append(time.perf_counter() - self._begin)
         self._frames += 1
         self._with_landmarks += bool(view.sightings)

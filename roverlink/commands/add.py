@@ -1,4 +1,4 @@
-"""``roverlink add``: add a row with the next number that was never used."""
+"""``roverlink add``: add a row to the table; its number is the next one that was never used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "add",
@@ -46,7 +46,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Add the row and generate. If one of them fails, nothing is written."""
+    """Add the row and generate. If the table with the new row does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
         number = _number(table, arguments.name)
@@ -67,7 +67,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _number(table: Path, name: str) -> int:
-    """Return the number for a payload: its number in an envelope that another repository owns, else the next one."""
+    """Return the number for the payload with this name.
+
+    If another repository owns the envelope, it is the payload's number there; otherwise it is the next unused number.
+    """
     with progress("reading history") as reading:
         question = Question(branches=in_repository(table.resolve().parent), report=reading)
         context = lint_project(table, question).context

@@ -40,7 +40,7 @@ _SHOWN_COUNTERS = ("received", "published", "sent", "forwarded", "dropped", "ker
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "demo",
@@ -61,7 +61,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the bridge at work. Exit code 1 if a message was not bridged."""
+    """Show a bridge at work. The exit code is 1 if a message was not bridged."""
     # The demo's messages must not reach a real rover in the same network.
     isolate_ros()
     project = project_folder(arguments.project)
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _camera(console: Console, project: Path, middleware: str, stack: contextlib.ExitStack) -> DemoCamera | None:
-    """Start the camera that reports the rover's position, if OpenCV is installed."""
+    """Start the camera process that reports the rover's position; None if OpenCV is not installed."""
     try:
         from roverlink.demo.camera import DemoCamera
     except SetupError as error:
@@ -117,7 +117,7 @@ def _host(middleware: str, project: Path, registry: Registry, sockets: dict[str,
 
 
 class _Rig:
-    """Boards, basestation and ROS 2 nodes around the bridge."""
+    """Simulated boards, basestation and ROS 2 nodes that exchange messages through the bridge."""
 
     def __init__(
         self,
@@ -127,7 +127,10 @@ class _Rig:
         sockets: dict[str, socket.socket],
         published_elsewhere: Collection[str] = (),
     ) -> None:
-        """Connect to the topics; ``published_elsewhere`` are the rows whose topics another node publishes."""
+        """Create the ROS 2 publishers and subscribers.
+
+        ``published_elsewhere`` holds the names of rows whose topics another ROS 2 node publishes.
+        """
         self._registry, self._host, self._sockets = registry, host, sockets
         self._published_elsewhere = published_elsewhere
         self._translator = Translator(registry)
@@ -139,7 +142,7 @@ class _Rig:
             self._join(crossing, middleware)
 
     def _join(self, crossing: Crossing, middleware: Middleware) -> None:
-        """Create the ROS 2 publisher or subscriber at the other end of a row."""
+        """Create the ROS 2 publisher or subscriber for the topic of a row."""
         handler = crossing.handler
         topic = topic_types.full_topic(handler.route.topic)
         if not handler.route.inbound:
@@ -158,7 +161,10 @@ class _Rig:
         middleware.subscribe(topic, handler.message_type, handler.route.qos, seen)
 
     def send(self, seconds: float) -> None:
-        """Send one datagram of each inbound row, and one message of each outbound row."""
+        """Send one datagram of each row from a peer, and publish one message of each row to a peer.
+
+        The values of the messages depend on ``seconds``, the time since the start.
+        """
         for handler in self._registry.handlers:
             if handler.route.inbound:
                 payload = payload_at(handler.payload_type, seconds)
@@ -168,7 +174,7 @@ class _Rig:
             publisher.publish([handler.to_cdr(payload_at(handler.payload_type, seconds))])
 
     def receive(self) -> None:
-        """Count the datagrams that have arrived at each peer."""
+        """Read the datagrams that have arrived at the peers, and count them."""
         for sock in self._sockets.values():
             for datagram in _arrived(sock):
                 envelope = self._translator.parse(datagram)

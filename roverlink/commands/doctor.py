@@ -1,4 +1,4 @@
-"""``roverlink doctor``: check an installation."""
+"""``roverlink doctor``: check the installation on this machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "doctor",
@@ -32,7 +32,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the result of all checks. Exit code 1 if one of them is an error."""
+    """Print the results of all checks. The exit code is 1 if a result is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     found = doctor_checks.examine(arguments.project, ros)
     if arguments.json:

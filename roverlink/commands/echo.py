@@ -18,7 +18,7 @@ from roverlink.runtime.text.values import message_to_values
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "echo",
@@ -41,7 +41,10 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print messages until interrupted or ``--count`` is reached (0), or until ``--timeout`` (1)."""
+    """Print the messages of a topic until Ctrl-C or until ``--count`` messages have come; the exit code is then 0.
+
+    If ``--timeout`` is over before, the exit code is 1.
+    """
     registry = load_project(project_folder(arguments.project))
     message_type, published = topic_types.endpoint(registry, arguments.topic, arguments.type)
     reliability = "best_effort" if arguments.best_effort else published.reliability

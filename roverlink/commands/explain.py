@@ -1,4 +1,4 @@
-"""``roverlink explain``: the documentation of a rule, or all facts about a row."""
+"""``roverlink explain``: print the documentation of a rule, or all facts about a row."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.runtime.core.errors import SetupError, nearest
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "explain",
@@ -33,7 +33,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print a row, a rule's documentation, or one line for each rule."""
+    """Print the facts about a row, the documentation of a rule, or one line for each rule."""
     rules = all_rules()
     if arguments.what is None:
         for rule in rules.values():
@@ -79,7 +79,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
 
 
 def _print_row(said: dict[str, Any]) -> None:
-    """Print a row for people."""
+    """Print the facts about a row as text; ``said`` is the result of `Project.explain`."""
     peer, ros = said["peer"], said["ros"]
     _line("row", f"{said['name']}, number {said['number']} in {said['envelope']['message']}")
     _line("proto", f"{said['proto']['message']} ({said['proto']['file']})")
@@ -140,7 +140,7 @@ def _field(field: dict[str, Any]) -> tuple[str, str, str]:
 
 
 def _table(rows: list[tuple[str, ...]]) -> None:
-    """Print rows in aligned columns."""
+    """Print rows of texts in aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
         print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip())

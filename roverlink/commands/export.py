@@ -1,4 +1,4 @@
-"""``roverlink export``: write a topic of a recording as a table."""
+"""``roverlink export``: write a topic of a recording to a file as a table."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from roverlink.runtime.recording import EXPORTS
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "export",
@@ -32,7 +32,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the table. Exit code 1 if the topic has no messages."""
+    """Write the file. The exit code is 1 if the topic has no messages."""
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.tables import WRITERS, rows_of
 

@@ -1,4 +1,4 @@
-"""``roverlink generate``: compile the table."""
+"""``roverlink generate``: compile mapping.yaml and write the generated files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.pipeline import Compiled, compile_table
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "generate",
@@ -41,7 +41,10 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Generate, or check. Exit code 1 for findings and for files that are out of date."""
+    """Write the generated files, or check if they are up to date.
+
+    The exit code is 1 if there are diagnostics, or if ``--check`` finds a file that is out of date.
+    """
     table = table_file(arguments.table)
     try:
         # Relative to the table: generated files name their templates and must not contain machine paths.
@@ -59,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def print_changes(compiled: Compiled, changes: list[Change]) -> None:
-    """Print the changes that were written."""
+    """Print one line for each file that was changed, and the number of files and messages."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
     said = counted(len(changes), "change"), counted(len(compiled.bridge.routes), "message")
@@ -77,7 +80,7 @@ def _check(table: Path, changes: list[Change]) -> int:
 
 
 def report(table: Path, error: DiagnosticsError) -> int:
-    """Print why nothing was written, and return the exit code."""
+    """Print the diagnostics because of which nothing was written, and return the exit code."""
     severities = [finding.severity for finding in error.findings]
     errors = sum(severity.rank <= Severity.ERROR.rank for severity in severities)
     show_error(error, table.parent, sys.stderr)

@@ -1,4 +1,4 @@
-"""``roverlink history``: the history of an envelope number."""
+"""``roverlink history``: print the meanings that an envelope number has had."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "history",
@@ -31,7 +31,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the usages of a number. Exit code 1 if there are none."""
+    """Print the meanings that a number has had. The exit code is 1 if it has had none."""
     try:
         with progress("reading history") as report:
             question = Question(history=True, envelope=not arguments.of, report=report)

@@ -1,4 +1,4 @@
-"""``roverlink info``: show the contents of a recording."""
+"""``roverlink info``: print the contents of a recording."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(commands, "info", "show the contents of a recording", "roverlink info run.mcap")
     parser.add_argument("recording", type=Path, help="an .mcap file, of topics or of datagrams")
     parser.add_argument("--json", action="store_true", help="print a JSON object")
@@ -26,7 +26,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the contents."""
+    """Print the contents of a recording."""
     from roverlink.runtime.recording.reader import Recording
 
     facts = _facts(Recording(arguments.recording))

@@ -1,4 +1,4 @@
-"""``roverlink init``: start a project, in an empty folder or from a tree of .proto files."""
+"""``roverlink init``: start a project in an empty folder, or in a folder that has .proto files already."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _IN_TOP_FOLDER = (".github/workflows/roverlink.yml", ".pre-commit-config.yaml")
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "init",
@@ -59,7 +59,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Make all files and write them. If one cannot be made, nothing is written."""
+    """Write the files of the new project. If one of them cannot be made, none is written."""
     table = Path(TABLE)
     if table.exists():
         raise SetupError(f"{table} exists already; `roverlink add` adds a row to it")
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(changes: Iterable[Change], dry_run: bool) -> bool:
-    """Write the files, or print only the table; return true if the files were written."""
+    """Write the files; with ``dry_run``, only print the table. Return true if the files were written."""
     if dry_run:
         sys.stdout.writelines(change.after or "" for change in changes if change.path == TABLE)
     else:
@@ -114,7 +114,7 @@ def _print_started(started: NewProject) -> None:
 
 
 def _print_adoption(adoption: Adoption) -> None:
-    """Print the results, the guesses, and the next steps."""
+    """Print, for a project made from existing .proto files, the results, the guesses and the next steps."""
     draft = adoption.draft
     guessed = sum(bool(row.doubt) for row in draft.rows)
     print(f"{draft.message} in {draft.root}/{draft.file} has {counted(len(draft.rows), 'payload')} in {draft.oneof}")

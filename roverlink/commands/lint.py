@@ -1,4 +1,4 @@
-"""``roverlink lint``: check numbers, names and sizes: now, against another state, and in git's history."""
+"""``roverlink lint``: check numbers, names and sizes, also compared with another state and in git's history."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COUNTED = ("error", "warning", "hint")
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "lint",
@@ -75,7 +75,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Lint and print the findings."""
+    """Run the checks, print the findings, and return the exit code."""
     try:
         found = _lint(arguments)
         if arguments.accept:
@@ -111,7 +111,7 @@ def _lint(arguments: argparse.Namespace) -> Linted:
 
 
 def _accept(arguments: argparse.Namespace, found: Linted) -> int:
-    """Record the numbers that the history check found in the ledger, and generate."""
+    """Write the numbers that the check of the history has found to the ledger, and generate. Return the exit code."""
     # Imported here: a plain lint does not need the slow import of the emitter.
     from roverlink.generator.accept import accept
     from roverlink.generator.emit.writer import write

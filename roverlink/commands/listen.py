@@ -20,7 +20,7 @@ _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines, so loopba
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "listen",
@@ -37,7 +37,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print envelopes until interrupted, or until ``--count`` is reached."""
+    """Print the envelopes until Ctrl-C, or until ``--count`` envelopes have come."""
     registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0

@@ -1,4 +1,4 @@
-"""``roverlink next-number``: print the number for the next payload."""
+"""``roverlink next-number``: print the envelope number for the next payload."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.progress import progress
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "next-number",
@@ -31,7 +31,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the number."""
+    """Print the next number on standard output, and the reasons for skipped numbers on standard error."""
     try:
         with progress("reading history") as report:
             question = Question(branches=in_repository(folder_of(arguments)), envelope=True, report=report)
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def print_skipped(context: Context) -> None:
-    """Print the reasons for skipped numbers on standard error."""
+    """Print on standard error why the numbers before the next free number are not free."""
     largest, number = context.largest_number(), context.next_number()
     for start in [largest + 1] if number > largest else [largest + 1, 1]:
         for first, last, why in context.occupied(start):

@@ -1,4 +1,4 @@
-"""``roverlink pub``: publish on a topic, without a ROS installation."""
+"""``roverlink pub``: publish messages on a topic, without a ROS installation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _FLUSH_S = 0.2
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "pub",
@@ -51,7 +51,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Publish after a subscriber has been found."""
+    """Wait for a subscriber of the topic, and publish the messages."""
     registry = load_project(project_folder(arguments.project))
     message_type, qos = topic_types.endpoint(registry, arguments.topic, arguments.type)
     data = cdr.encode(message_from_values(message_type, _values(arguments.values)))

@@ -9,7 +9,7 @@ from roverlink.console import Subparsers, command
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "record",

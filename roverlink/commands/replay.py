@@ -1,4 +1,4 @@
-"""``roverlink replay``: replay a recording to a bridge or to ROS 2 nodes."""
+"""``roverlink replay``: send a recording to a bridge, or publish it for ROS 2 nodes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Send = Callable[["Timed"], None]
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "replay",
@@ -70,7 +70,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay. Exit code 1 if a message could not be replayed."""
+    """Replay a recording. The exit code is 1 if a message could not be replayed."""
     from roverlink.runtime.recording.reader import Recording
     from roverlink.runtime.recording.replaying import BoardReplay, RosReplay
 
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _play(replay: BoardReplay | RosReplay, send: Send, speed: float, loop: bool) -> tuple[int, float]:
-    """Send all messages at their times; return their number and the duration in seconds."""
+    """Send all messages at their times; return how many were sent, and how long it took in seconds."""
     from roverlink.runtime.recording.replaying import paced
 
     start, sent = time.monotonic(), 0
@@ -139,7 +139,10 @@ def _to_topics(replay: RosReplay, arguments: argparse.Namespace, stack: ExitStac
 
 
 def _wait_for_subscriber(publishers: Collection[Publisher], seconds: float) -> None:
-    """Wait until one of the topics has a subscriber, because messages published before that are lost."""
+    """Wait until one of the topics has a subscriber, but at most ``seconds``.
+
+    Messages published before that would be lost.
+    """
     deadline = time.monotonic() + seconds
     while not any(publisher.has_subscribers() for publisher in publishers):
         if time.monotonic() > deadline:

@@ -1,4 +1,4 @@
-"""``roverlink retire``: end the use of a number."""
+"""``roverlink retire``: end the use of an envelope number."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from roverlink.generator.pipeline import retire
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "retire",
@@ -25,7 +25,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Retire the number and generate. If one of them fails, nothing is written."""
+    """Retire a number and generate. If the table without the row does not compile, nothing is written."""
     table = table_file(arguments.table)
     try:
         compiled, changes = retire(table, arguments.number)

@@ -1,4 +1,4 @@
-"""``roverlink run``: the ROS 2 node ``udp_forwarder``."""
+"""``roverlink run``: run the bridge as the ROS 2 node ``udp_forwarder``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "run",
@@ -42,7 +42,7 @@ def add(commands: Subparsers) -> None:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a bridge; `roverlink record` has them too."""
+    """Add the options of a bridge to a parser. `roverlink run` and `roverlink record` have the same options."""
     add_project(parser)
     parser.add_argument(
         "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
@@ -63,7 +63,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Bridge until a signal comes; then exit with 0."""
+    """Run the bridge until a signal comes; the exit code is then 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_project(project_folder(arguments.project))
@@ -87,9 +87,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:
-    """Report that the port is open, and the table's fingerprint.
+    """Report that the bridge listens on a UDP port, together with the fingerprint of the table.
 
-    Two machines with equal fingerprints use the same table and schema.
+    Two machines with equal fingerprints use the same table and the same schema.
     """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
     logger.info("%s bridges %s on UDP port %d", node, counted(messages, "message"), port)

@@ -1,4 +1,4 @@
-"""``roverlink send``: send envelopes as a board does."""
+"""``roverlink send``: send envelopes to a bridge, as a board does."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from roverlink.runtime.text.assignments import payload_from_assignments
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "send",
@@ -48,7 +48,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Send envelopes, or list the payloads."""
+    """Send the envelopes, or list the payloads of the table."""
     registry = load_project(project_folder(arguments.project))
     if arguments.list:
         _list(registry)
@@ -87,7 +87,10 @@ def _assignments(texts: list[str]) -> dict[str, str]:
 
 
 def destination_of(text: str) -> tuple[str, int]:
-    """Resolve ``HOST:PORT`` to an address. Raises `SetupError` if it is malformed or does not resolve."""
+    """Return the address for ``HOST:PORT``.
+
+    Raises `SetupError` if the text has another form or the host does not resolve.
+    """
     host, separator, port = text.rpartition(":")
     if not separator or not host or not port.isdecimal() or not 0 < int(port) < 65_536:
         raise SetupError(f"{text!r} is not of the form HOST:PORT")

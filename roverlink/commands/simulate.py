@@ -1,4 +1,4 @@
-"""``roverlink simulate``: simulated boards and a simulated basestation, for tests and demos."""
+"""``roverlink simulate``: simulate boards and a basestation, for tests and demonstrations."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _TIMEOUT_S = 20.0
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "simulate",
@@ -101,7 +101,7 @@ def _summary(name: str) -> str:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate. Exit code 1 if the counters of a bridge started here do not agree."""
+    """Simulate the peers. The exit code is 1 if the counters of a bridge that was started for the run do not agree."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
     world = World(registry, random.Random(arguments.seed), longest)  # noqa: S311  # repeatable, not secret
@@ -154,7 +154,7 @@ def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals)
 
 
 class _Nodes:
-    """ROS 2 nodes that command the peers."""
+    """Publishers of all topics that command peers, in place of the rover's ROS 2 nodes."""
 
     def __init__(self, registry: Registry, middleware: Middleware) -> None:
         self._publishers: list[tuple[AnyHandler, Publisher]] = []
@@ -166,7 +166,7 @@ class _Nodes:
         self._next = 0.0
 
     def publish(self, now: float) -> int:
-        """Publish the messages that are due, if the bridge has subscribed; return their number."""
+        """Publish the messages that are due on the topics to which the bridge has subscribed; return their number."""
         if now < self._next:
             return 0
         self._next = now + 1 / _COMMANDS_HZ
@@ -178,7 +178,10 @@ class _Nodes:
 
 
 def _repeated(stream: Stream, count: int) -> Stream:
-    """Repeat the first ``count`` emissions, because making datagrams takes longer than sending them."""
+    """Yield the first ``count`` datagrams of a stream again and again, at later and later times.
+
+    They are prepared, because making a datagram takes longer than sending it.
+    """
     prepared = list(itertools.islice(stream, count))
     length = prepared[-1].at + prepared[-1].at / count
     for start in itertools.count():
@@ -187,7 +190,10 @@ def _repeated(stream: Stream, count: int) -> Stream:
 
 
 def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
-    """Send each datagram at its time; yield the time in seconds every few milliseconds."""
+    """Send each datagram of a stream at its time, for ``length`` seconds. Count the datagrams in ``totals``.
+
+    Yields the time since the start, in seconds, every few milliseconds.
+    """
     translator, predictions = Translator(world.registry), dict[bytes, str]()
     start = time.monotonic()
     next_tick = 0.0
@@ -216,7 +222,7 @@ def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:
 
 
 def _wait_for(arrivals: Arrivals, totals: RunTotals) -> None:
-    """Wait until the peers have received everything that the bridge has sent."""
+    """Wait until the peers have received all datagrams that the bridge has sent, or until a time limit is reached."""
     account = totals.account
     out = account["sent"] + account["forwarded"] + sum(account["stops"].values())
     deadline = time.monotonic() + _TIMEOUT_S

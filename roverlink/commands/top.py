@@ -1,4 +1,4 @@
-"""``roverlink top``: live state of a bridge."""
+"""``roverlink top``: show the live state of a bridge on the terminal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _QUIET_S = 3.0  # time without a message after which the screen reports it
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "top",
@@ -50,9 +50,9 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show the state until interrupted, or once.
+    """Show the state of a bridge until Ctrl-C, or only once.
 
-    Exit code 1 if no bridge is found, or with ``--once`` if its state is not OK.
+    The exit code is 1 if no bridge is found. With ``--once`` it is also 1 if the state is not OK.
     """
     arrived: queue.Queue[bytes] = queue.Queue()
 
@@ -92,7 +92,7 @@ def _follow(arrived: queue.Queue[bytes], page: dict[str, Any], arguments: argpar
 
 
 def _next_page(arrived: queue.Queue[bytes], node: str, seconds: float) -> dict[str, Any] | None:
-    """Return the next state that the bridge publishes; None if none comes in time."""
+    """Return the next state that the bridge publishes; None if no state comes in ``seconds``."""
     deadline = time.monotonic() + seconds
     # Other nodes publish on /diagnostics too, so a message may be from another node.
     while (left := deadline - time.monotonic()) > 0:

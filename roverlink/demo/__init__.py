@@ -1,1 +1,1 @@
-"""Parts of ``roverlink demo``."""
+"""Modules that only ``roverlink demo`` uses."""

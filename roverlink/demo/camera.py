@@ -1,6 +1,6 @@
-"""Camera of the demo: a child process ``roverlink aruco track`` that gets rendered frames.
+"""Camera of the demo: a child process ``roverlink aruco track`` that gets rendered frames instead of a camera's.
 
-It is a separate process, as on a rover, so that its computations do not delay the nodes that command peers.
+It is a process of its own, as on a rover. So its computations do not delay the nodes that command peers.
 """
 
 from __future__ import annotations
@@ -33,15 +33,17 @@ _TIMEOUT_S = 20.0
 
 
 class DemoCamera:
-    """Camera that sees a film in a loop. A context manager; on exit the child process ends."""
+    """Simulated camera that sees a film in a loop. A context manager; on exit the child process ends."""
 
     rows = (ROW,)
     """Rows whose topics the camera publishes."""
 
     def __init__(self, project: Path, middleware: str) -> None:
-        """Prepare the child; ``middleware`` is ``dds``, or any other for none.
+        """Prepare the child process.
 
-        Without DDS, `publish_on` has to be called, because the child cannot publish itself.
+        If ``middleware`` is ``dds``, the child process publishes the rover's position itself.
+
+        Otherwise call `publish_on`, because the child process has no access to a middleware in this process.
         """
         self._film = render_film()
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
@@ -61,7 +63,7 @@ class DemoCamera:
             cv2.imwrite(str(frames / f"{frame.number}.png"), frame.image)
 
     def publish_on(self, middleware: Middleware, registry: Registry, topic: Callable[[str], str]) -> None:
-        """Publish the rover's position from this process, because the child has no access to its middleware."""
+        """Publish the positions that the child process computes with a middleware of this process."""
         self._publish_position = position_publisher(middleware, registry, topic)
 
     def __enter__(self) -> DemoCamera:
@@ -78,7 +80,7 @@ class DemoCamera:
         return self
 
     def stop(self) -> str:
-        """End the child and return a summary for the user."""
+        """End the child process and return a summary for the user."""
         self._child.send_signal(signal.SIGINT)
         self._child.wait(_TIMEOUT_S)
         self._thread.join()

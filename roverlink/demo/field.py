@@ -1,4 +1,4 @@
-"""Scene of the demo's camera: four landmarks on a field, rendered, so that the true pose is known."""
+"""Scene of the demo's camera: four landmarks on a field. The scene is rendered, so the camera's true pose is known."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _LANDMARKS = {7: (3.0, 0.9, 0.9), 8: (3.4, 0.2, 1.2), 9: (2.6, -0.5, 0.5), 10: (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Film:
-    """Frames of a drive in a circle, with the camera's true pose in each."""
+    """Frames of a camera that drives in a circle, with the camera's true pose in each frame."""
 
     frames: tuple[Image, ...]
     truth: tuple[Pose, ...]
@@ -48,17 +48,17 @@ class Film:
 
 
 def landmarks() -> Landmarks:
-    """Return the landmarks with their positions."""
+    """Return the landmarks on the field, with their poses."""
     return Landmarks("field", {number: Landmark(_on_field(number), SURVEY) for number in _LANDMARKS})
 
 
 def parameters() -> CameraParameters:
-    """Return the camera's parameters."""
+    """Return the parameters of the simulated camera."""
     return CameraParameters(_LENS.matrix, np.array(_LENS.distortion), _SIZE)
 
 
 def write_field(folder: Path) -> None:
-    """Write the camera's parameters (``camera.yml``) and the landmarks (``landmarks.yaml``)."""
+    """Write the camera's parameters to ``camera.yml`` and the landmarks to ``landmarks.yaml``, both in ``folder``."""
     write_parameters(folder / "camera.yml", parameters())
     lines = [
         f"  {number}: {{position: {one.pose.translation.tolist()}, rpy: [90, 0, -90]}}"
@@ -69,7 +69,10 @@ def write_field(folder: Path) -> None:
 
 
 def render_film(frames: int = FRAMES) -> Film:
-    """Render the first camera images of the demo rover's trip around the field; equal every time."""
+    """Render the first ``frames`` camera images of the demo rover's trip around the field.
+
+    The result is always the same.
+    """
     rng = np.random.default_rng(1)
     scene = texture(_SIZE, rng)
     truth = tuple(_place(2 * np.pi * index / FRAMES) for index in range(frames))
@@ -82,11 +85,11 @@ def _on_field(number: int) -> Pose:
 
 
 def _place(angle: float) -> Pose:
-    """Return the camera's pose in the field frame."""
+    """Return the pose of the camera (camera to field) when the rover is at this angle of its circle, in radians."""
     return Pose(_AHEAD, np.array([0.3 * np.sin(angle), 0.3 * np.cos(angle), 0.6]))
 
 
 def _print(number: int, camera: Pose) -> tuple[Print, PrintPose]:
-    """Return a landmark's print with its pose in the camera frame."""
+    """Return the print of a landmark, with its pose in the camera's frame, for a pose of the camera on the field."""
     seen = camera.inverse() @ _on_field(number)
     return marker_print(cv2.aruco.DICT_5X5_250, number, SIDE, texels=8), PrintPose(seen.rotation, seen.translation)

@@ -1,4 +1,4 @@
-"""Formats of a lint's findings: for people, scripts and CI."""
+"""Output formats for the findings of `roverlink lint`: for people, scripts and CI servers."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Workflow commands of GitHub Actions, which shows findings at the lines of a pull request.
+"""Findings as workflow commands of GitHub Actions. GitHub shows them at the lines of a pull request.
 
-Their syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
+The syntax is in GitHub's documentation, "Workflow commands for GitHub Actions".
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ _COMMANDS = {Severity.FATAL: "error", Severity.ERROR: "error", Severity.WARNING:
 
 
 def write(linted: Linted) -> None:
-    """Print one workflow command for each finding."""
+    """Print one workflow command of GitHub Actions for each finding."""
     for finding in linted.findings:
         print(_command(finding, linted))
 
@@ -29,7 +29,10 @@ def _command(finding: Diagnostic, linted: Linted) -> str:
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Percent-encode the characters that end a command, and those in ``more`` that end a property."""
+    """Percent-encode the characters that would end a workflow command, and the characters in ``more``.
+
+    ``more`` holds the characters that would end a property of the command.
+    """
     for character in f"%\r\n{more}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text

@@ -1,4 +1,4 @@
-"""JSON report: a list with one object for each finding."""
+"""Findings as JSON: a list with one object for each finding."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from roverlink.generator.lint.project import Linted
 
 
 def write(linted: Linted) -> None:
-    """Print the list."""
+    """Print the JSON list."""
     print(json.dumps([_finding(finding, linted) for finding in linted.findings], indent=2))
 
 
@@ -30,7 +30,7 @@ def _finding(finding: Diagnostic, linted: Linted) -> dict[str, Any]:
 
 
 def _use(use: Use) -> dict[str, Any]:
-    """Return one usage of a number; without a last commit if a branch still has it."""
+    """Return the JSON values for one meaning that a number had. If a branch still uses it, there is no last commit."""
     last = (
         {"last_commit": use.went.id, "last_date": use.went.date, "last_subject": use.went.subject} if use.went else {}
     )

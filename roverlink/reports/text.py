@@ -1,4 +1,4 @@
-"""Text report of a lint: diagnostics, disagreements between consumers, and the number of diagnostics."""
+"""Findings as text: diagnostics, numbers about which projects disagree, and the number of diagnostics."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from roverlink.lint_scope import sources
 
 
 def write(linted: Linted) -> None:
-    """Print the findings, and their number by severity."""
+    """Print the findings, and how many there are of each severity."""
     console = Console(file=sys.stdout, highlight=False, soft_wrap=True)
     show(linted.findings, sources(linted), sys.stdout)
     if linted.context.past is not None and linted.context.past.pinned:
@@ -28,7 +28,10 @@ def write(linted: Linted) -> None:
 
 
 def _matrix(pinned: Sequence[Pinned]) -> Table:
-    """Return a table of the numbers about which two consumers disagree."""
+    """Return a table with a row and a column for each project that uses the .proto files.
+
+    A cell holds the numbers that two projects use differently, because they use different commits of the .proto files.
+    """
     table = Table("", *(escape(one.pin.consumer) for one in pinned), box=SIMPLE)
     for one in pinned:
         cells = (", ".join(map(str, one.disagreements(other))) or "agree" for other in pinned)

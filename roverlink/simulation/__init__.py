@@ -1,1 +1,1 @@
-"""Simulated boards and basestations, and the final check of their counters."""
+"""Simulation of boards and a basestation, and the final check that no datagram is unaccounted for."""

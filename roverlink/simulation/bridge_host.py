@@ -1,4 +1,4 @@
-"""Bridge for demo and simulation: a separate process over DDS, or a thread of this process without ROS 2."""
+"""Start of a bridge for the demo and the simulation: as a child process that uses DDS, or as a thread without ROS 2."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STOP_TIMEOUT_S = 20.0  # on a busy machine it may take long to handle the datag
 
 
 class BridgeHost(Protocol):
-    """Running bridge. A context manager."""
+    """Bridge that was started for a demo or simulation. A context manager."""
 
     port: int
     """UDP port on which the bridge listens."""
@@ -29,10 +29,10 @@ class BridgeHost(Protocol):
     """Id of the process in which the bridge runs."""
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return a middleware that is connected to the bridge's topics."""
+        """Return a middleware for a node that exchanges messages with the bridge."""
 
     def stop(self) -> dict[str, Any]:
-        """Stop the bridge and return its counters."""
+        """Stop the bridge and return its counters, as `Account.as_dict` does."""
 
     def __enter__(self) -> BridgeHost: ...
 
@@ -40,7 +40,7 @@ class BridgeHost(Protocol):
 
 
 class BridgeProcess:
-    """``roverlink run`` as a child process, over DDS."""
+    """Bridge in a child process ``roverlink run``, which uses DDS."""
 
     def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
         command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
@@ -76,17 +76,20 @@ class BridgeProcess:
         return self
 
     def _pass_on(self) -> None:
-        """Show the bridge's warnings and errors."""
+        """Print the warnings and errors that the child process logs."""
         for line in self._log:
             if not line.startswith("[INFO]"):
                 sys.stderr.write(line)
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return a DDS middleware, as the bridge has one."""
+        """Return a DDS middleware, because the bridge uses DDS too."""
         return open_middleware("dds", node)
 
     def stop(self) -> dict[str, Any]:
-        """Interrupt the child as Ctrl-C does. Raises `SetupError` if it fails or hangs."""
+        """Stop the child process as Ctrl-C does, and return the bridge's counters.
+
+        Raises `SetupError` if the child process fails or does not stop.
+        """
         self._child.send_signal(signal.SIGINT)
         try:
             code = self._child.wait(_STOP_TIMEOUT_S)  # no deadlock: its output is far smaller than a pipe's buffer
@@ -104,7 +107,7 @@ class BridgeProcess:
 
 
 class BridgeThread:
-    """Bridge on a thread of this process, with the memory middleware."""
+    """Bridge on a thread of this process, which uses the middleware `memory`."""
 
     def __init__(self, registry: Registry, ports: dict[str, int], log_level: str = "warn") -> None:
         self._graph = Graph()
@@ -121,11 +124,11 @@ class BridgeThread:
         return self
 
     def middleware(self, node: NodeIdentity) -> Middleware:  # noqa: ARG002  # memory has no nodes
-        """Return a middleware on the bridge's graph."""
+        """Return a memory middleware that is connected to the bridge."""
         return MemoryMiddleware(self._graph)
 
     def stop(self) -> dict[str, Any]:
-        """Stop the bridge when it has handled the datagrams that have arrived."""
+        """Stop the bridge after it has handled the datagrams that have arrived; return its counters."""
         self._bridge.stop()
         self._thread.join()
         return self._bridge.account.as_dict()

@@ -1,4 +1,4 @@
-"""Counters of bridged messages by row, and the table that shows them."""
+"""Counters of the messages that were bridged, by row, and the table that shows the counters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SHOWN_FIELDS = 4
 
 @dataclass
 class Crossing:
-    """Count of the messages of one row that were bridged, with the last of them."""
+    """Count of the messages of one row that were bridged, with the last of these messages."""
 
     handler: AnyHandler
     count: int = 0
@@ -27,13 +27,13 @@ class Crossing:
     _times: deque[float] = field(default_factory=deque)
 
     def add(self, last: Callable[[], dict[str, Any]]) -> None:
-        """Count a message."""
+        """Count a message; ``last`` returns its values."""
         self.count += 1
         self.last = last
         self._times.append(time.monotonic())
 
     def rate(self) -> float:
-        """Return the messages a second, averaged over the last two seconds."""
+        """Return how many messages a second were counted, averaged over the last two seconds."""
         horizon = time.monotonic() - _WINDOW_S
         while self._times and self._times[0] < horizon:
             self._times.popleft()
@@ -41,7 +41,7 @@ class Crossing:
 
 
 def table(crossings: Iterable[Crossing], title: str) -> Table:
-    """Return a table of the counters."""
+    """Return a table for the terminal with the counters of all rows."""
     shown = Table(title=title, expand=True)
     shown.add_column("no.", justify="right", no_wrap=True)
     shown.add_column("payload", no_wrap=True)
@@ -64,7 +64,7 @@ def table(crossings: Iterable[Crossing], title: str) -> Table:
 
 
 def brief(values: dict[str, Any]) -> str:
-    """Return the first fields of a message on one line."""
+    """Return the first fields of a message as text on one line."""
     parts = [f"{name} {_short(value)}" for name, value in list(values.items())[:_SHOWN_FIELDS]]
     return ", ".join([*parts, "…"] if len(values) > _SHOWN_FIELDS else parts)
 

@@ -1,4 +1,4 @@
-"""Sockets of simulated boards and basestation: they send a scenario's datagrams and count those received."""
+"""Sockets of the simulated peers. They send the datagrams of a scenario, and count the datagrams that they receive."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _LARGEST = 65_536
 
 
 class Senders:
-    """Sending sockets of the peers, a new one after each restart of a peer. A context manager."""
+    """Sockets from which the simulated peers send. After each restart a peer gets a new socket. A context manager."""
 
     def __init__(self, bridge: tuple[str, int]) -> None:
         self._bridge = bridge
         self._sockets: dict[tuple[str, int], socket.socket] = {}
 
     def send(self, emission: Emission) -> bool:
-        """Send a datagram; return false if this host's network refuses it."""
+        """Send a datagram to the bridge; return false if the network of this host refuses it."""
         key = emission.peer, emission.life
         sock = self._sockets.get(key)
         if sock is None:
@@ -43,7 +43,7 @@ class Senders:
 
 
 class Arrivals:
-    """Receiving sockets of the peers, each read by a thread. A context manager."""
+    """Sockets on which the simulated peers receive; a thread reads each socket. A context manager."""
 
     def __init__(self, registry: Registry) -> None:
         self._count = 0
@@ -54,12 +54,12 @@ class Arrivals:
 
     @property
     def count(self) -> int:
-        """Datagrams received by all peers."""
+        """Number of datagrams that all peers have received."""
         return self._count
 
     @property
     def lost(self) -> int:
-        """Datagrams that the kernel dropped because this process was too slow."""
+        """Number of datagrams that the kernel dropped because this process was too slow to read them."""
         return sum(udp.kernel_drops(sock) for sock in self._sockets.values())
 
     def __enter__(self) -> Arrivals:

@@ -1,4 +1,4 @@
-"""Final check of a simulated run: every datagram sent must be delivered, or dropped with a known reason."""
+"""Final check of a simulation: every datagram that was sent must be delivered, or dropped for a known reason."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ _MOST_GROWTH = 8 * 1024 * 1024
 
 
 def predict(datagram: bytes, translator: Translator, longest: int) -> str:
-    """Predict the result of a datagram in a bridge with enough room: ``published``, or the reason of its drop."""
+    """Return the result that a datagram must have in a bridge: ``published``, or the reason of its drop.
+
+    A bridge that is overloaded may drop the datagram for another reason.
+    """
     if len(datagram) > longest:
         return Reason.OVERSIZED.value
     try:
@@ -39,7 +42,7 @@ def predict(datagram: bytes, translator: Translator, longest: int) -> str:
 
 @dataclass
 class RunTotals:
-    """Totals of a run: datagrams sent to a bridge, and their results."""
+    """Totals of a simulation: how many datagrams were sent to the bridge, and what happened to them."""
 
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to the bridge, by predicted result."""
@@ -59,7 +62,7 @@ class RunTotals:
     """Resident memory of the bridge's process in bytes, one value per second."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as plain values, for JSON."""
+        """Return all totals as plain values, for JSON."""
         return {
             "sent": dict(sorted(self.sent.items())),
             "seconds": round(self.seconds, 3),
@@ -72,7 +75,7 @@ class RunTotals:
         }
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of the report."""
+        """Yield the lines of the report for the user."""
         account = self.account
         hertz = self.sent.total() / self.seconds if self.seconds else 0
         yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; the bridge counted:"
@@ -92,7 +95,10 @@ class RunTotals:
             yield f"memory of the bridge: {first} after 1 s, {last} at the end"
 
     def faults(self) -> list[str]:
-        """Return the sums that do not agree, and growth of memory; an empty list if all is well."""
+        """Return a text for each pair of sums that disagree, and one if the bridge's memory has grown.
+
+        Empty if there is no fault.
+        """
         return [
             *self._lost_before_bridge(),
             *discrepancies(self.account),
@@ -107,7 +113,10 @@ class RunTotals:
             yield f"{self.sent.total()} datagrams were sent, but {found} were received or dropped by the kernel"
 
     def _mispredicted(self) -> Iterator[str]:
-        """Yield reasons whose count differs from the prediction by more than the datagrams lost earlier explain."""
+        """Yield a text for each reason for which more or fewer datagrams were dropped than predicted.
+
+        Datagrams that were dropped before they were parsed may explain a part of the difference.
+        """
         dropped = self.account["dropped"]
         for reason in Reason:
             expected, counted = self.sent[reason.value], dropped.get(reason.value, 0)

@@ -1,7 +1,7 @@
-"""Scenarios: datagrams of simulated boards and a simulated basestation, with faults on request.
+"""Scenarios: datagrams of simulated boards and of a simulated basestation, with the faults that the user selects.
 
-A scenario is a function from a stream of datagrams to a stream of datagrams, so scenarios can be combined. All random
-choices come from one seeded generator: the same seed gives the same stream.
+A scenario is a function that changes a stream of datagrams, so scenarios can be combined. All random choices come from
+one generator of random numbers: the same seed gives the same stream.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from roverlink.runtime.core.wire_format import DELIMITED, VARINT
 
 @dataclass(frozen=True, slots=True)
 class Emission:
-    """Datagram that a peer sends."""
+    """Datagram that a simulated peer sends at a certain time."""
 
     at: float
     """Seconds since the start."""
@@ -39,7 +39,7 @@ Stream = Iterator[Emission]
 
 @dataclass(frozen=True)
 class World:
-    """Objects that the scenarios need beside the stream of datagrams."""
+    """Objects that every scenario needs in addition to the stream of datagrams."""
 
     registry: Registry
     rng: random.Random
@@ -47,23 +47,23 @@ class World:
     """Length in bytes of the longest datagram that the bridge accepts."""
 
     def datagram(self, name: str, seconds: float) -> bytes:
-        """Return the envelope with a payload as it is some seconds after its peer's start."""
+        """Return an envelope with the payload ``name``. Its values are those at ``seconds`` after the peer's start."""
         payload = payload_at(self.registry.by_name[name].payload_type, seconds)
         return bytes(self.registry.envelope(**{name: payload}).SerializeToString())
 
     @property
     def inbound(self) -> list[AnyHandler]:
-        """Rows that peers send."""
+        """Handlers of the rows whose payloads come from peers."""
         return [handler for handler in self.registry.handlers if handler.route.inbound]
 
     def unused_number(self) -> int:
-        """Return a number without a row, preferably a retired one."""
+        """Return a number that no row has; a retired number if there is one."""
         candidates = itertools.chain(self.registry.retired, itertools.count(1))
         return next(number for number in candidates if number not in self.registry.by_number)
 
 
 def steady(world: World, rate: float) -> Stream:
-    """Yield all inbound rows in turn, endlessly, with ``rate`` datagrams a second in total."""
+    """Yield the datagrams of all rows from peers in turn, without end; ``rate`` is the number of datagrams a second."""
     rows = world.inbound
     for index in itertools.count():
         route = rows[index % len(rows)].route
@@ -123,7 +123,7 @@ _NEWER_FIELD = 1000
 
 
 def _of_other_protos(emission: Emission, world: World) -> bytes:
-    """Return the payload without its last field, and with a field that the rover does not know."""
+    """Return a datagram whose payload lacks its last field, and has a field that the rover does not know."""
     handler = world.registry.by_name[emission.name]
     payload = payload_at(handler.payload_type, emission.at)
     fields = handler.payload_type.DESCRIPTOR.fields
@@ -238,7 +238,10 @@ SCENARIOS: dict[str, Callable[[Stream, World], Stream]] = {
 
 
 def emissions(world: World, rate: float, names: list[str]) -> Stream:
-    """Combine scenarios: each changes the stream of the one before. Endless, in order of time."""
+    """Return a stream of datagrams, changed by the scenarios ``names`` in this order.
+
+    The stream has no end and is in order of time. ``rate`` is the number of datagrams a second before the changes.
+    """
     stream = steady(world, rate)
     for name in names:
         stream = SCENARIOS[name](stream, world)

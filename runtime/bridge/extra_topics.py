@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import Time
 
 
 def now() -> Time:
-    """Return the wall-clock time as the receive stamp of the current batch."""
+    """Return the current wall-clock time, which is used as the receive time of a batch."""
     return Time(*divmod(time.time_ns(), 1_000_000_000))
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def number(payload: ProtoMessage, oneof: str, members: Mapping[str, int]) -> int:
-    """Return the constant of the member that is set; 0 if none is set."""
+    """Return the constant of the oneof's member that is set; 0 if none is set."""
     name = payload.WhichOneof(oneof)
     return 0 if name is None else members.get(name, 0)
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 
 class Quaternion(Protocol):
-    """An object with the four components of a quaternion."""
+    """Object with the four components of a quaternion, such as a geometry_msgs/Quaternion."""
 
     x: float
     y: float

@@ -91,5 +91,5 @@ def _describe_field(field: FieldDescriptor) -> tuple[int, str, str]:
 
 
 def scalar_name(field: FieldDescriptor) -> str:
-    """Return the type of a scalar field as a .proto file spells it."""
+    """Return the type of a scalar field as it is written in a .proto file, such as ``uint32``."""
     return _SCALARS[field.type]

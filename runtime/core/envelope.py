@@ -35,7 +35,7 @@ _LARGEST_DATAGRAM = 65_507  # bytes of UDP payload over IPv4: 65,535 - 20 (IP he
 
 
 def strip_trailing_zeros(datagram: bytes) -> bytes:
-    """Return the shortest datagram that `restore` turns back into this one."""
+    """Return a datagram without the zero bytes at its end; `restore` appends them again."""
     return datagram.rstrip(b"\0")
 
 

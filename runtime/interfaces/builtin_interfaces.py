@@ -10,7 +10,7 @@ from roverlink.runtime.core.messages import Int32, Message, UInt32
 
 @dataclass(slots=True)
 class Time(Message):
-    """builtin_interfaces/msg/Time: seconds since 1970, plus nanoseconds."""
+    """ROS 2 message builtin_interfaces/msg/Time: seconds since 1970, plus nanoseconds."""
 
     __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Time"
 
@@ -20,7 +20,10 @@ class Time(Message):
 
 @dataclass(slots=True)
 class Duration(Message):
-    """builtin_interfaces/msg/Duration: seconds (rounded down to an integer), and nanoseconds that are added to them."""
+    """ROS 2 message builtin_interfaces/msg/Duration: seconds, and nanoseconds that are added to them.
+
+    The seconds of a negative duration are rounded down: -0.5 s is -1 s and 500,000,000 ns.
+    """
 
     __msgtype__: ClassVar[str] = "builtin_interfaces/msg/Duration"
 

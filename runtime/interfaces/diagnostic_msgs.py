@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import std_msgs
 
 @dataclass(slots=True)
 class KeyValue(Message):
-    """diagnostic_msgs/msg/KeyValue."""
+    """ROS 2 message diagnostic_msgs/msg/KeyValue."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/KeyValue"
 
@@ -22,7 +22,7 @@ class KeyValue(Message):
 
 @dataclass(slots=True)
 class DiagnosticStatus(Message):
-    """diagnostic_msgs/msg/DiagnosticStatus: the state of one component."""
+    """ROS 2 message diagnostic_msgs/msg/DiagnosticStatus: the state of one component."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticStatus"
 
@@ -40,7 +40,7 @@ class DiagnosticStatus(Message):
 
 @dataclass(slots=True)
 class DiagnosticArray(Message):
-    """diagnostic_msgs/msg/DiagnosticArray."""
+    """ROS 2 message diagnostic_msgs/msg/DiagnosticArray."""
 
     __msgtype__: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticArray"
 

@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import std_msgs
 
 @dataclass(slots=True)
 class Vector3(Message):
-    """geometry_msgs/msg/Vector3."""
+    """ROS 2 message geometry_msgs/msg/Vector3."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Vector3"
 
@@ -23,7 +23,7 @@ class Vector3(Message):
 
 @dataclass(slots=True)
 class Point(Message):
-    """geometry_msgs/msg/Point."""
+    """ROS 2 message geometry_msgs/msg/Point."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Point"
 
@@ -34,7 +34,7 @@ class Point(Message):
 
 @dataclass(slots=True)
 class Quaternion(Message):
-    """geometry_msgs/msg/Quaternion."""
+    """ROS 2 message geometry_msgs/msg/Quaternion."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Quaternion"
 
@@ -46,7 +46,7 @@ class Quaternion(Message):
 
 @dataclass(slots=True)
 class Transform(Message):
-    """geometry_msgs/msg/Transform."""
+    """ROS 2 message geometry_msgs/msg/Transform."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Transform"
 
@@ -56,7 +56,7 @@ class Transform(Message):
 
 @dataclass(slots=True)
 class TransformStamped(Message):
-    """geometry_msgs/msg/TransformStamped."""
+    """ROS 2 message geometry_msgs/msg/TransformStamped."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/TransformStamped"
 
@@ -67,7 +67,7 @@ class TransformStamped(Message):
 
 @dataclass(slots=True)
 class Pose(Message):
-    """geometry_msgs/msg/Pose."""
+    """ROS 2 message geometry_msgs/msg/Pose."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/Pose"
 
@@ -77,7 +77,7 @@ class Pose(Message):
 
 @dataclass(slots=True)
 class PoseWithCovariance(Message):
-    """geometry_msgs/msg/PoseWithCovariance."""
+    """ROS 2 message geometry_msgs/msg/PoseWithCovariance."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
 
@@ -87,7 +87,7 @@ class PoseWithCovariance(Message):
 
 @dataclass(slots=True)
 class PoseWithCovarianceStamped(Message):
-    """geometry_msgs/msg/PoseWithCovarianceStamped."""
+    """ROS 2 message geometry_msgs/msg/PoseWithCovarianceStamped."""
 
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovarianceStamped"
     __typehash__: ClassVar[str] = "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e"

@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import std_msgs
 
 @dataclass(slots=True)
 class RegionOfInterest(Message):
-    """sensor_msgs/msg/RegionOfInterest."""
+    """ROS 2 message sensor_msgs/msg/RegionOfInterest."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/RegionOfInterest"
 
@@ -25,7 +25,7 @@ class RegionOfInterest(Message):
 
 @dataclass(slots=True)
 class CameraInfo(Message):
-    """sensor_msgs/msg/CameraInfo."""
+    """ROS 2 message sensor_msgs/msg/CameraInfo."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/CameraInfo"
     __typehash__: ClassVar[str] = "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"
@@ -45,7 +45,7 @@ class CameraInfo(Message):
 
 @dataclass(slots=True)
 class CompressedImage(Message):
-    """sensor_msgs/msg/CompressedImage."""
+    """ROS 2 message sensor_msgs/msg/CompressedImage."""
 
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/CompressedImage"
     __typehash__: ClassVar[str] = "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"

@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import builtin_interfaces
 
 @dataclass(slots=True)
 class Header(Message):
-    """std_msgs/msg/Header."""
+    """ROS 2 message std_msgs/msg/Header."""
 
     __msgtype__: ClassVar[str] = "std_msgs/msg/Header"
 

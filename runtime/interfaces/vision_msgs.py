@@ -12,7 +12,7 @@ from roverlink.runtime.interfaces import geometry_msgs, std_msgs
 
 @dataclass(slots=True)
 class ObjectHypothesis(Message):
-    """vision_msgs/msg/ObjectHypothesis."""
+    """ROS 2 message vision_msgs/msg/ObjectHypothesis."""
 
     __msgtype__: ClassVar[str] = "vision_msgs/msg/ObjectHypothesis"
 
@@ -22,7 +22,7 @@ class ObjectHypothesis(Message):
 
 @dataclass(slots=True)
 class ObjectHypothesisWithPose(Message):
-    """vision_msgs/msg/ObjectHypothesisWithPose."""
+    """ROS 2 message vision_msgs/msg/ObjectHypothesisWithPose."""
 
     __msgtype__: ClassVar[str] = "vision_msgs/msg/ObjectHypothesisWithPose"
 
@@ -32,7 +32,7 @@ class ObjectHypothesisWithPose(Message):
 
 @dataclass(slots=True)
 class BoundingBox3D(Message):
-    """vision_msgs/msg/BoundingBox3D."""
+    """ROS 2 message vision_msgs/msg/BoundingBox3D."""
 
     __msgtype__: ClassVar[str] = "vision_msgs/msg/BoundingBox3D"
 
@@ -42,7 +42,7 @@ class BoundingBox3D(Message):
 
 @dataclass(slots=True)
 class Detection3D(Message):
-    """vision_msgs/msg/Detection3D."""
+    """ROS 2 message vision_msgs/msg/Detection3D."""
 
     __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection3D"
 
@@ -54,7 +54,7 @@ class Detection3D(Message):
 
 @dataclass(slots=True)
 class Detection3DArray(Message):
-    """vision_msgs/msg/Detection3DArray."""
+    """ROS 2 message vision_msgs/msg/Detection3DArray."""
 
     __msgtype__: ClassVar[str] = "vision_msgs/msg/Detection3DArray"
     __typehash__: ClassVar[str] = "RIHS01_793f5eab9595ac1c0da07873cc859db42eae51f0ee76056db8562515d830e018"

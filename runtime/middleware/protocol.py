@@ -74,7 +74,7 @@ class Middleware(Protocol):
         """
 
     def close(self) -> None:
-        """Leave the graph. A second call does nothing."""
+        """Make the node leave the ROS 2 graph. A second call does nothing."""
 
     def __enter__(self) -> Middleware: ...
 

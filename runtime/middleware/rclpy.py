@@ -81,7 +81,7 @@ class RclpyMiddleware:
         callback: Callback,
         priority: int = 0,  # noqa: ARG002  # rclpy's executor takes one message of each topic in turn
     ) -> RclpySubscription:
-        """Call ``callback`` with each serialized message of a topic, on the spinning thread."""
+        """Call ``callback`` with each serialized message of a topic, on the thread that spins the node."""
         # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
         self._node.create_subscription(
             _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True

@@ -51,7 +51,7 @@ class TappedMiddleware:
         return self._middleware.subscribe(topic, message_type, qos, tapped, priority)
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Close the wrapped middleware, so that the node leaves the ROS 2 graph."""
         self._middleware.close()
 
     def __enter__(self) -> TappedMiddleware:

@@ -39,7 +39,7 @@ class Watched(Protocol):
 
 
 class _Sample(NamedTuple):
-    """Counters at one moment."""
+    """Values of a bridge's counters at one moment."""
 
     time: float
     crossed: Counter[str]

@@ -50,7 +50,7 @@ def _fields_text(message_type: type[Message]) -> str:
 
 
 def _short(type_name: str) -> str:
-    """Return ``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, the form that every reader accepts."""
+    """Return ``comms/msg/SensorState[3]`` as ``comms/SensorState[3]``, the form that all MCAP readers accept."""
     return type_name.replace("/msg/", "/")
 
 

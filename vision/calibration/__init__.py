@@ -1,7 +1,8 @@
-"""Camera calibration with ChArUco boards, with an estimate of its own error.
+"""Camera calibration with ChArUco boards. The calibration estimates its own error.
 
-A `Collection` takes views of a `CharucoBoard` from frames and tells which views are missing. `calibrate` turns views
-into a `Calibration`: the camera, standard deviations, the result of each view, and the uncertainty over the image.
+A view is the set of board corners found in one image. A `Collection` takes views of a `CharucoBoard` from frames and
+tells which views are missing. `calibrate` computes a `Calibration` from the views: the camera's parameters, their
+standard deviations, the result of each view, and the uncertainty over the image.
 """
 
 from roverlink.vision.calibration.board import CharucoBoard

@@ -1,7 +1,7 @@
-"""Bundle adjustment: fit the camera's parameters and the board's poses to the corners.
+"""Bundle adjustment: fits the camera's parameters and the board's pose in each view to the observed corners.
 
-Each view has its own pose, which is eliminated by the Schur complement before the camera's parameters are solved for
-(Triggs et al., "Bundle adjustment - a modern synthesis", 2000). P is the number of the camera's parameters.
+Each view has its own pose. The poses are eliminated by the Schur complement before the camera's parameters are solved
+for (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). P is the number of the camera's parameters.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """Camera with the board's pose in each view (board to camera)."""
+    """Estimated camera parameters, with the estimated pose of the board in each view (board to camera)."""
 
     camera: CameraParameters
     poses: tuple[Pose, ...]
@@ -40,7 +40,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearization:
-    """Linearization of one view: residuals (2N,) and derivatives, multiplied by the square roots of the weights."""
+    """Residuals (2N,) of one view with their derivatives; all are multiplied by the square roots of the weights."""
 
     residuals: Floats
     by_camera: Floats
@@ -52,10 +52,10 @@ class Linearization:
 def adjust(
     observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_], tolerance: float = CONVERGED
 ) -> Estimate:
-    """Minimize the squared residuals over the camera's `free` parameters (P,) and all poses.
+    """Return the camera and the poses with the smallest sum of squared residuals, starting at `estimate`.
 
-    Uses the Levenberg-Marquardt algorithm from `estimate` to the nearest minimum. It stops when the sum of squared
-    residuals changes by less than the fraction `tolerance`.
+    `free` (P,) marks the camera's parameters that may change; all poses may change. The Levenberg-Marquardt algorithm
+    finds the nearest minimum. It stops when the sum changes by less than the fraction `tolerance`.
     """
     views = linearise(observations, estimate)
     damping, cost = 1e-3, _cost(views)
@@ -76,7 +76,7 @@ def adjust(
 
 
 def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[Linearization]:
-    """Return the residuals of each view, with their derivatives, at an estimate of camera and poses."""
+    """Return the residuals of each view, and their derivatives by the camera's parameters and by the view's pose."""
     predicted = [predict(pose, one.points) for one, pose in zip(observations, estimate.poses)]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
     pixels, slope = estimate.camera.distort_with_derivative(rays)
@@ -97,13 +97,19 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[L
 
 
 def information(view: Linearization) -> tuple[Floats, Floats]:
-    """Return a view's normal matrix (P, P) and right side (P,) for the camera, with its pose eliminated."""
+    """Return the normal matrix (P, P) and right side (P,) of one view for the camera's parameters.
+
+    The view's pose is eliminated from them.
+    """
     free_of_pose = view.by_camera - view.by_pose @ np.linalg.lstsq(view.by_pose, view.by_camera, rcond=None)[0]
     return free_of_pose.T @ free_of_pose, free_of_pose.T @ view.residuals
 
 
 def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
-    """Return the derivative (N, 2, P) of the pixels of rays (N, 2) by fx fy cx cy and the distortion."""
+    """Return the derivative (N, 2, P) of pixels by the camera's parameters fx fy cx cy and the distortion.
+
+    The pixels are those of the rays (N, 2).
+    """
     bent = (camera.distort(rays) - camera.centre) / camera.focal
     derivative = np.zeros((len(rays), 2, 4 + camera.distortion.size))
     derivative[:, 0, 0], derivative[:, 1, 1] = bent.T
@@ -114,7 +120,7 @@ def by_parameters(camera: CameraParameters, rays: Floats) -> Floats:
 
 
 def moved_camera(camera: CameraParameters, change: Floats) -> CameraParameters:
-    """Return the camera with its parameters changed by `change` (P,)."""
+    """Return a camera whose parameters are the given ones plus `change` (P,)."""
     matrix = camera.matrix.copy()
     matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
     return replace(camera, matrix=matrix, distortion=camera.distortion + change[4:])
@@ -127,7 +133,7 @@ def _cost(views: Sequence[Linearization]) -> float:
 def _step(
     views: Sequence[Linearization], estimate: Estimate, free: NDArray[np.bool_], damping: float
 ) -> Estimate | None:
-    """Return the estimate after one damped step; None if it is not a possible camera."""
+    """Return the estimate after one damped Gauss-Newton step; None if the step leads to an impossible camera."""
     count = int(free.sum())
     normal, right = np.zeros((count, count)), np.zeros(count)
     eliminated = []
@@ -156,7 +162,10 @@ def _step(
 
 
 def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
-    """Return the derivative (N, 2, count) of distorted rays by the first `count` of k1 k2 p1 p2 k3 k4 k5 k6."""
+    """Return the derivative (N, 2, C) of distorted rays by the C distortion coefficients.
+
+    The order of the coefficients is k1 k2 p1 p2 k3 k4 k5 k6.
+    """
     x, y = rays.T
     r2 = x * x + y * y
     powers = np.stack([r2, r2**2, r2**3])
@@ -173,7 +182,7 @@ def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
 
 
 def _by_fisheye(rays: Floats, coefficients: Floats) -> Floats:
-    """Return the derivative (N, 2, 4) of distorted rays by k1 k2 k3 k4."""
+    """Return the derivative (N, 2, 4) of distorted rays by the fisheye coefficients k1 k2 k3 k4."""
     r = np.maximum(np.hypot(*rays.T), 1e-12)
     angle = np.arctan(r)
     powers = angle[:, None] ** (3 + 2 * np.arange(coefficients.size)) / r[:, None]

@@ -1,4 +1,4 @@
-"""ChArUco boards: chessboards with markers in the white squares, so that each corner can be identified."""
+"""ChArUco boards: chessboards with a marker in each white square, so that each corner can be identified."""
 
 from __future__ import annotations
 
@@ -22,13 +22,11 @@ DICTIONARY = "DICT_4X4_50"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CharucoBoard:
-    """ChArUco board of `columns` x `rows` squares.
+    """ChArUco board of `columns` x `rows` squares. Raises `SetupError` for an impossible board.
 
-    Raises `SetupError` for an impossible board.
-
-    `square` and `marker` are sides in metres. `legacy` is for boards with an even number of rows that OpenCV made
-    before 4.6. The board's frame has its origin at the outer corner of the upper left square, x along the rows, y down
-    the columns, z into the board; in metres.
+    `square` and `marker` are the sides of a square and of a marker in metres. Set `legacy` for a board with an even
+    number of rows that was made with OpenCV before 4.6. The board's frame has its origin at the outer corner of the
+    upper left square. x points along the rows, y down the columns, z into the board; the unit is the metre.
     """
 
     columns: int = COLUMNS
@@ -62,12 +60,12 @@ class CharucoBoard:
 
     @property
     def opencv(self) -> Any:
-        """Board as an OpenCV object."""
+        """The same board as an object of OpenCV."""
         return self._opencv
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height of all squares in metres."""
+        """Width and height of the board without its margin, in metres."""
         return self.columns * self.square, self.rows * self.square
 
     @property
@@ -77,7 +75,7 @@ class CharucoBoard:
 
     @property
     def points(self) -> Floats:
-        """Inner corners (N, 3) in the board's frame in metres; a corner's id is its index here."""
+        """Inner corners (N, 3) in the board's frame in metres. The id of a corner is its index in this array."""
         across, down = self.grid
         row, column = np.divmod(np.arange(across * down), across)
         return np.column_stack([column + 1, row + 1, np.zeros(across * down)]) * self.square

@@ -1,4 +1,4 @@
-"""Collection of views while somebody moves the board: takes useful views and tells which are missing."""
+"""Collection of views while somebody moves the board: takes useful views and tells which views are missing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ELSEWHERE = 0.03
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """Result of examining a frame."""
+    """Result of examining one frame: the view in it, and if and why the view was taken."""
 
     view: View
     """Corners found in the frame, possibly none."""
@@ -42,7 +42,7 @@ class Offer:
 
 
 class Collection:
-    """Collection of views. It has no input, output or clock: frames are passed to it."""
+    """Collection of views for a calibration. It has no input, output or clock; the caller passes frames to it."""
 
     def __init__(self, board: CharucoBoard, wanted: int = VIEWS) -> None:
         self.board = board
@@ -55,12 +55,12 @@ class Collection:
 
     @property
     def views(self) -> tuple[View, ...]:
-        """Views that were taken."""
+        """Views that were taken, oldest first."""
         return tuple(self._views)
 
     @property
     def coverage(self) -> Coverage:
-        """Coverage of the taken views."""
+        """Parts of the image, distances and tilts that the taken views show."""
         return self._coverage
 
     @property
@@ -76,16 +76,17 @@ class Collection:
     def offer(self, image: Image, stamp_ns: int, name: str = "") -> Offer:
         """Examine a frame of a stream, grey (H, W) or BGR (H, W, 3).
 
-        It is taken if the board is still and the view adds something.
+        The view in the frame is taken if the board is still, and if the view shows something that the taken views do
+        not show.
         """
         return self._consider(self._detector.find(image, name, stamp_ns), force=False)
 
     def take(self, image: Image, stamp_ns: int, name: str = "") -> Offer:
-        """Examine an image that the user has chosen, and take it if it is usable."""
+        """Examine an image that the user has chosen, and take the view in it if the view is usable."""
         return self._consider(self._detector.find(image, name, stamp_ns), force=True)
 
     def discard(self, view: View) -> None:
-        """Remove a view."""
+        """Remove a view that was taken."""
         self._views = [one for one in self._views if one is not view]
         self._count()
 
@@ -123,7 +124,7 @@ class Collection:
         return traits(view, pose, camera.project(pose.apply(self.board.outline)))
 
     def _count(self) -> None:
-        """Compute the rough camera and the coverage again from all views."""
+        """Compute the rough camera and the coverage again from all views that were taken."""
         self._camera = rough_camera(self._views, self.board) if self._views else None
         self._coverage = Coverage()
         for view in self._views:
@@ -131,7 +132,10 @@ class Collection:
 
 
 def _shift(view: View, other: View) -> float:
-    """Return the largest motion of the common corners in image widths; infinity if there are none."""
+    """Return the largest distance, in image widths, that a corner moved between two views.
+
+    Returns infinity if no corner is in both views.
+    """
     _, here, there = np.intersect1d(view.ids, other.ids, assume_unique=True, return_indices=True)
     if not here.size:
         return np.inf

@@ -1,7 +1,7 @@
-"""Coverage of a set of views: parts of the image, distances, and tilts of the board.
+"""Coverage of a set of views: the parts of the image, the distances and the tilts that the views show.
 
-Views of all parts of the image determine the distortion and the principal point; tilted views separate the focal length
-from the distance; views at several distances separate effects that are equal at one distance.
+Views of all parts of the image determine the distortion and the principal point. Views of a tilted board separate the
+focal length from the distance. Views at several distances separate effects that look the same at one distance.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ TILTS = ("left edge nearer", "right edge nearer", "top edge nearer", "bottom edg
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Requirement of a calibration, and the number of views that meet it."""
+    """Requirement for a part of the image, a distance or a tilt: the number of views that show it, and that should."""
 
     kind: str
     """`region`, `distance` or `tilt`."""
@@ -48,13 +48,13 @@ class Need:
 
     @property
     def met(self) -> bool:
-        """True if there are enough views."""
+        """True if enough views meet the requirement."""
         return self.have >= self.wanted
 
 
 @dataclass(frozen=True, slots=True)
 class Traits:
-    """Properties of one view."""
+    """Properties of one view that count for the coverage."""
 
     cells: frozenset[tuple[int, int]]
     """Columns and rows of the regions that contain corners."""
@@ -65,23 +65,23 @@ class Traits:
 
 
 class Coverage:
-    """Counts the properties of views."""
+    """Counter of the regions, distances and tilts that views show."""
 
     def __init__(self) -> None:
         self._seen: Counter[tuple[int, int] | str] = Counter()
 
     @property
     def cells(self) -> NDArray[np.intp]:
-        """Number of views with corners in each region (rows, columns)."""
+        """Number of views that have corners in each region of the image, as an array (rows, columns)."""
         columns, rows = CELLS
         return np.array([[self._seen[column, row] for column in range(columns)] for row in range(rows)])
 
     def add(self, traits: Traits) -> None:
-        """Count a view."""
+        """Count the properties of one more view."""
         self._seen.update((*traits.cells, traits.distance, *traits.tilts))
 
     def needs(self) -> tuple[Need, ...]:
-        """Return all needs, met or not: regions row by row, distances, tilts."""
+        """Return all requirements, met or not: first the regions row by row, then the distances, then the tilts."""
         columns, rows = CELLS
         regions = (
             Need("region", region_name((column, row)), self._seen[column, row], cell=(column, row))
@@ -93,11 +93,11 @@ class Coverage:
         return (*regions, *distances, *tilts)
 
     def missing(self) -> tuple[Need, ...]:
-        """Return the needs that are not met."""
+        """Return the requirements that are not met yet."""
         return tuple(need for need in self.needs() if not need.met)
 
     def adds(self, traits: Traits) -> Iterator[Need]:
-        """Yield the unmet needs that a view would serve."""
+        """Yield the requirements that are not met yet and that a view with these properties would help to meet."""
         shown = {*traits.cells, traits.distance, *traits.tilts}
         for need in self.missing():
             if (need.cell or need.name) in shown:
@@ -105,7 +105,10 @@ class Coverage:
 
 
 def region_name(cell: tuple[int, int]) -> str:
-    """Return the name of a region, such as `upper left` or `middle`; several regions share a name."""
+    """Return the name of a region of the image, such as `upper left` or `middle`. Several regions have the same name.
+
+    `cell` is the column and row of the region.
+    """
     (column, row), (columns, rows) = cell, CELLS
     across = ("left", "", "right")[column * 3 // columns]
     down = "upper" if row == 0 else "lower" if row == rows - 1 else ""
@@ -113,7 +116,10 @@ def region_name(cell: tuple[int, int]) -> str:
 
 
 def traits(view: View, pose: Pose, outline: Floats) -> Traits:
-    """Return the properties of a view, given the board's pose (board to camera) and its outline (4, 2) in pixels."""
+    """Return the properties of a view.
+
+    `pose` is the board's pose (board to camera). `outline` (4, 2) holds the board's outer corners in pixels.
+    """
     size = np.array(view.size)
     cells = np.clip(np.floor((view.corners + 0.5) / size * CELLS), 0, np.array(CELLS) - 1).astype(int)
     return Traits(frozenset(map(tuple, cells.tolist())), _distance(outline, view.size), frozenset(_tilts(pose)))
@@ -127,7 +133,7 @@ def _distance(outline: Floats, size: tuple[int, int]) -> str:
 
 
 def _tilts(pose: Pose) -> Iterator[str]:
-    """Yield the tilts of the board from the direction of its normal in the image."""
+    """Yield the tilts of the board; they follow from the direction of its normal in the camera's frame."""
     into = pose.rotation[:, 2]  # the normal points away from the camera, towards the nearer edge
     across, down = math.atan2(into[0], abs(into[2])), math.atan2(into[1], abs(into[2]))
     for angle, (negative, positive) in ((across, TILTS[:2]), (down, TILTS[2:])):

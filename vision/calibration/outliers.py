@@ -1,4 +1,4 @@
-"""Outliers: corners and views that do not fit, and that the calibration leaves out."""
+"""Outliers: corners and views that do not fit the others, so that the calibration leaves them out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _RAYLEIGH_MEDIAN = 1.1774
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResidualLengths:
-    """Lengths of the residuals of all corners, for each view (N,)."""
+    """Lengths of the residuals of all corners; for each view an array (N,)."""
 
     pixels: tuple[Floats, ...]
     """Lengths in pixels; NaN for a corner that the camera cannot have seen."""
@@ -35,15 +35,18 @@ class ResidualLengths:
 
     @property
     def lengths(self) -> list[Floats]:
-        """Lengths in standard deviations."""
+        """Lengths of the residuals, divided by the standard deviations of the corners."""
         return [length / sigma for length, sigma in zip(self.pixels, self.sigmas)]
 
     def weights(self, masks: Sequence[NDArray[np.bool_]]) -> list[Floats]:
-        """Return the corners' weights; those outside the masks have weight 0."""
+        """Return the weights of the corners, for each view an array (N,).
+
+        A corner that its mask excludes has weight 0.
+        """
         return [mask / sigma**2 for mask, sigma in zip(masks, self.sigmas)]
 
     def robust_weights(self) -> list[Floats]:
-        """Return the corners' weights with Huber's function, in which outliers weigh less."""
+        """Return the weights of the corners by Huber's function, which gives outliers less weight."""
         return [
             np.nan_to_num(np.minimum(1, HUBER / np.maximum(length, 1e-12))) / sigma**2
             for length, sigma in zip(self.lengths, self.sigmas)
@@ -52,7 +55,7 @@ class ResidualLengths:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """Selection of corners and views."""
+    """Selection of the corners and views that the calibration uses."""
 
     masks: tuple[NDArray[np.bool_], ...]
     """Corners used in each view (N,); none of a dropped view."""
@@ -65,15 +68,15 @@ class Choice:
         return [place for place, reason in enumerate(self.dropped) if not reason]
 
     def same(self, other: Choice | None) -> bool:
-        """Return true if both selections use the same corners."""
+        """Return true if this selection and another one use the same corners; false if the other one is None."""
         return other is not None and all((here == there).all() for here, there in zip(self.masks, other.masks))
 
 
 def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> ResidualLengths:
-    """Return the lengths of the residuals at an estimate.
+    """Return the lengths of the residuals of all corners for an estimate of camera and poses.
 
-    Residuals that the image noise does not explain are treated as additional noise of all corners: an uneven board, or
-    a lens that differs from its model.
+    Residuals are often larger than the image noise explains, because the board is uneven or the lens differs from its
+    model. The excess is treated as additional noise that is equal for all corners.
     """
     lengths = tuple(
         np.linalg.norm(residuals(view, board, estimate.camera, pose), axis=1)
@@ -87,7 +90,7 @@ def measure(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> R
 
 
 def choose(misses: ResidualLengths) -> Choice:
-    """Select the corners and views to use."""
+    """Return the corners and views to use: those whose residuals are not much larger than expected."""
     lengths = misses.lengths
     reasons = _bad_views(misses)
     masks = [length < OUTLIER for length in lengths]  # false for NaN
@@ -96,7 +99,7 @@ def choose(misses: ResidualLengths) -> Choice:
 
 
 def _bad_views(misses: ResidualLengths) -> list[str]:
-    """Return for each view the reason why it does not fit the others; empty if it does."""
+    """Return, for each view, the reason why the view does not fit the others; an empty text if it fits."""
     medians = [float(np.median(np.nan_to_num(one, nan=np.inf))) for one in misses.lengths]
     typical = float(np.median(medians))
     others = float(np.nanmedian(np.concatenate(misses.pixels)))

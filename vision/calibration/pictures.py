@@ -1,7 +1,7 @@
-"""Figures of the report as SVG paths and rectangles, in pixels of the camera's image.
+"""Figures of the calibration report, as SVG paths and rectangles. The unit is a pixel of the camera's image.
 
-Coordinates are rounded, so that equal calibrations give equal bytes. SVG measures from the corner of the first pixel,
-the camera model from its centre.
+Coordinates are rounded, so that equal calibrations give equal bytes. In SVG, coordinates count from the corner of the
+first pixel; in the camera model, from the centre of the first pixel.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _CORNER = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Rectangle of one uncertainty class."""
+    """Rectangle of the image in which all pixels belong to the same class of uncertainty."""
 
     x: float
     y: float
@@ -43,7 +43,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Figure of the residuals: from the expected to the observed position of each corner."""
+    """Figure of the residuals: for each corner, a line from its expected to its observed position."""
 
     used: str
     """Path of the residuals that the calibration uses."""
@@ -57,7 +57,7 @@ class Residuals:
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """Figure of the uncertainty over the image."""
+    """Figure of the uncertainty of the calibration over the image."""
 
     fields: list[Field]
     """Rectangles; a level is the number of `BOUNDS` that the standard deviation reaches."""
@@ -70,7 +70,7 @@ class Uncertainty:
 
 
 def residuals(calibration: Calibration) -> Residuals:
-    """Return lines from each corner's expected position towards the observed one."""
+    """Return the figure with a line from the expected position of each corner towards its observed position."""
     seen, misses, used = _corners(calibration)
     long = max(float(np.percentile(np.linalg.norm(misses[used], axis=1), _LONG)), _SHORTEST_LONG)
     magnified = round_down(calibration.views[0].view.size[0] * _ARROW / long)
@@ -84,7 +84,7 @@ def residuals(calibration: Calibration) -> Residuals:
 
 
 def uncertainty(calibration: Calibration) -> Uncertainty:
-    """Return the standard deviation of a ray's pixel, for a grid of rectangles over the image."""
+    """Return the figure of the uncertainty: the standard deviation in pixels, for rectangles all over the image."""
     width, height = calibration.views[0].view.size
     rows = max(1, round(_COLUMNS * height / width))
     x, y = np.meshgrid((np.arange(_COLUMNS) + 0.5) * width / _COLUMNS, (np.arange(rows) + 0.5) * height / rows)
@@ -102,19 +102,22 @@ def uncertainty(calibration: Calibration) -> Uncertainty:
 
 
 def dots(places: Floats) -> str:
-    """Return a path of dots at the given points (N, 2); the round line ends make the dots."""
+    """Return an SVG path with a dot at each point (N, 2). A dot is a line of length 0 with round ends."""
     return "".join(f"M{x:.1f} {y:.1f}h0" for x, y in places + _CORNER)
 
 
 def arrows(places: Floats, misses: Floats, magnified: float) -> str:
-    """Return a path with a line from each point (N, 2) along its residual (N, 2), magnified."""
+    """Return an SVG path with a line from each point (N, 2) along its residual (N, 2), multiplied by `magnified`."""
     return "".join(
         f"M{x:.1f} {y:.1f}l{dx:.1f} {dy:.1f}" for (x, y), (dx, dy) in zip(places + _CORNER, misses * magnified)
     )
 
 
 def fields(levels: NDArray[np.intp], size: tuple[int, int]) -> list[Field]:
-    """Return rectangles for the classes (rows, columns) of an image of `size`; equal neighbours are merged."""
+    """Return rectangles for an image of `size`, given the class of each cell of a grid (rows, columns).
+
+    Neighbouring cells with the same class become one rectangle.
+    """
     rows, columns = levels.shape
     width, height = size[0] / columns, size[1] / rows
     found = []
@@ -129,13 +132,13 @@ def fields(levels: NDArray[np.intp], size: tuple[int, int]) -> list[Field]:
 
 
 def round_down(value: float) -> float:
-    """Return the largest number of the series ... 0.1, 0.2, 0.5, 1, 2, 5, 10 ... that is not above a positive value."""
+    """Return the largest number of the series ... 0.1, 0.2, 0.5, 1, 2, 5, 10 ... that is not greater than `value`."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(step * power for step in (1, 2, 5) if step * power <= value)
 
 
 def _corners(calibration: Calibration) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return all views' corners (N, 2), residuals (N, 2), and the mask of used corners (N,)."""
+    """Return positions (N, 2), residuals (N, 2) and the mask (N,) of used corners, for all views together."""
     judged = [fitted for fitted in calibration.views if np.isfinite(fitted.residuals).all()]
     return (
         np.concatenate([fitted.view.corners for fitted in judged]),

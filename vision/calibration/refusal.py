@@ -1,4 +1,4 @@
-"""Checks that refuse views which are not sufficient for a calibration, with instructions for the user."""
+"""Checks that refuse to calibrate from insufficient views. The errors contain instructions for the user."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FEWEST_TILTED = 3
 
 
 def check_sizes(views: Iterable[View]) -> None:
-    """Raise `PoorViewsError` for images of several sizes."""
+    """Raise `PoorViewsError` if the images of the views do not all have the same size."""
     sizes = sorted({view.size for view in views})
     if len(sizes) > 1:
         named = ", ".join(f"{width}x{height}" for width, height in sizes)
@@ -25,7 +25,7 @@ def check_sizes(views: Iterable[View]) -> None:
 
 
 def check_count(usable: int, given: int) -> None:
-    """Raise `PoorViewsError` for too few views."""
+    """Raise `PoorViewsError` if fewer views are usable than a calibration needs."""
     if usable < FEWEST_VIEWS:
         raise PoorViewsError((f"{usable} of {given} views are usable, but {FEWEST_VIEWS} are needed",))
 

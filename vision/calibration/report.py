@@ -1,4 +1,4 @@
-"""Report of a calibration: a single self-contained HTML page, to be kept with the parameters.
+"""Report of a calibration: one HTML file without links to other files, to be kept with the camera's parameters.
 
 Equal calibrations give equal bytes.
 """
@@ -26,7 +26,7 @@ _TEMPLATE = "calibration.html.j2"
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """Parameter of the camera, as text."""
+    """Parameter of the camera, with name, value and interval as text."""
 
     name: str
     value: str
@@ -36,7 +36,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """Row of the table of views."""
+    """Row of the table of views in the report."""
 
     fitted: Fitted
     used: str
@@ -52,7 +52,7 @@ class _Row:
 
 
 def parameters(calibration: Calibration) -> list[Parameter]:
-    """Return the camera's parameters, with as many digits as the interval justifies."""
+    """Return the camera's parameters as text, with as many digits as their confidence intervals justify."""
     halves = (calibration.interval * calibration.deviations).tolist()
     return [
         Parameter(name, f"{value:.{digits}f}", f"{half:.{digits}f}")
@@ -62,9 +62,9 @@ def parameters(calibration: Calibration) -> list[Parameter]:
 
 
 def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> str:
-    """Return the page: parameters, figures of residuals, uncertainty and coverage, and all views.
+    """Return the report as HTML: parameters, figures of residuals, uncertainty and coverage, and a table of all views.
 
-    `versions` are those of the programs that made the calibration, by name.
+    `versions` maps the names of the programs that made the calibration to their versions.
     """
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
@@ -96,17 +96,17 @@ def report(calibration: Calibration, board: CharucoBoard, versions: Mapping[str,
 
 
 def write_report(path: Path, calibration: Calibration, board: CharucoBoard, versions: Mapping[str, str]) -> None:
-    """Write the `report` completely or not at all. Raises `SetupError` if it cannot be written."""
+    """Write the report to a file, completely or not at all. Raises `SetupError` if the file cannot be written."""
     write_whole(path, report(calibration, board, versions).encode())
 
 
 def _digits(half: float) -> int:
-    """Return the number of decimals that shows two digits of an interval."""
+    """Return the number of decimals with which half the width of an interval is shown with two significant digits."""
     return max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 1
 
 
 def _date(views: Sequence[Fitted]) -> str:
-    """Return the time span of the views."""
+    """Return the times (UTC) of the first and last view as text; "unknown" if no view has a time."""
     stamps = [fitted.view.stamp_ns for fitted in views if fitted.view.stamp_ns]
     if not stamps:
         return "unknown"
@@ -116,7 +116,7 @@ def _date(views: Sequence[Fitted]) -> str:
 
 
 def _coverage(calibration: Calibration, board: CharucoBoard) -> Coverage:
-    """Return the coverage of the used views."""
+    """Return the parts of the image, distances and tilts that the used views show."""
     coverage = Coverage()
     for fitted in calibration.views:
         if not fitted.dropped:

@@ -1,7 +1,7 @@
-"""Sub-pixel positions of chessboard corners, fitted to all pixels near them.
+"""Sub-pixel positions of chessboard corners, fitted to the grey values of all pixels near them.
 
-At a corner two edges cross. Its grey values are modelled as four quadrants, two black and two white, blurred, with a
-linear gradient of brightness. Position, directions of the edges, blur and brightness are fitted together by the
+At a corner two edges cross. The grey values near it are modelled as four quadrants, two black and two white, blurred,
+with a linear gradient of brightness. Position, directions of the edges, blur and brightness are fitted together by the
 Gauss-Newton method; the quality of the fit gives the uncertainty. All corners of an image are fitted at once: K corners
 with N pixels each.
 """
@@ -43,7 +43,7 @@ _DIFFERENCES = make_pattern(np.eye(2, dtype=bool)).differences
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sites:
-    """Initial positions of the corners in an image, with the board's local axes."""
+    """Initial positions of the corners in an image, and the directions of the board's axes there."""
 
     places: Floats
     """(K, 2) in pixels."""
@@ -57,7 +57,7 @@ class Sites:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Saddles:
-    """Fitted corners (K, ...)."""
+    """Results of the fits of K corners."""
 
     places: Floats
     """(K, 2) in pixels."""
@@ -88,7 +88,7 @@ class _Outcome:
 
 
 def find_saddles(image: Image, sites: Sites) -> Saddles:
-    """Fit corners near their initial positions in a grey image (H, W)."""
+    """Return the fitted corners of a grey image (H, W); the fits start at the initial positions."""
     pixels, real = _pixels(image, sites)
     grey = np.where(real, image[pixels[:, 1], pixels[:, 0]], 0.0)
     normals = np.linalg.inv(sites.axes)  # rows: the derivatives of the board's x and y by the pixels
@@ -148,7 +148,10 @@ def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[n
 def _design(
     state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, Floats]:
-    """Return derivatives (K, 9, N) by position, angles, logarithm of the blur and brightness; contrast; residuals."""
+    """Return the derivatives (K, 9, N) of the model, the contrast, and the residuals.
+
+    The derivatives are by position, angles of the edges, logarithm of the blur, and brightness.
+    """
     offsets = pixels - state.places[:, :, None]
     normals = np.stack([np.cos(state.angles), np.sin(state.angles)], axis=2)  # (K, edge, 2)
     distances = normals @ offsets

@@ -1,4 +1,4 @@
-"""Result of a calibration: the camera, its uncertainty, and the result of each view."""
+"""Result of a calibration: the camera's parameters, their uncertainty, and the result of each view."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from roverlink.vision.poses.pose import Pose, predict
 
 
 class Model(str, Enum):
-    """Distortion model, with the names that ROS uses (sensor_msgs/distortion_models.hpp)."""
+    """Distortion model of a lens, with the names that ROS uses (sensor_msgs/distortion_models.hpp)."""
 
     PLUMB_BOB = "plumb_bob"
     """k1 k2 p1 p2 k3; the default."""
@@ -38,7 +38,7 @@ _GRID = 15
 
 
 class PoorViewsError(RoverlinkError):
-    """Views that do not determine the camera. `reasons` tell the user how to solve it."""
+    """Error: the views do not determine the camera's parameters. `reasons` tell the user what to do."""
 
     def __init__(self, reasons: tuple[str, ...]) -> None:
         super().__init__("; ".join(reasons))
@@ -47,7 +47,7 @@ class PoorViewsError(RoverlinkError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """View after the calibration."""
+    """View with its results: the board's pose, the residuals, and the corners that were used."""
 
     view: View
     pose: Pose
@@ -61,22 +61,23 @@ class Fitted:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the residuals' lengths in pixels.
+        """Root mean square of the lengths of the residuals, in pixels.
 
-        It covers the used corners, or all corners of a dropped view. NaN for a view without corners.
+        It is computed from the corners that were used, or from all corners of a view that was left out. NaN for a view
+        without corners.
         """
         chosen = self.residuals[self.used] if self.used.any() else self.residuals
         return float(np.sqrt((chosen**2).sum(axis=1).mean())) if chosen.size else math.nan
 
     @property
     def rejected(self) -> int:
-        """Number of corners left out of a used view."""
+        """Number of corners that were left out of the view, if the view itself was used."""
         return 0 if self.dropped else int((~self.used).sum())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """Camera with its uncertainty."""
+    """Camera parameters with their uncertainty, and the result of each view."""
 
     camera: CameraParameters
     model: Model
@@ -89,29 +90,29 @@ class Calibration:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the parameters."""
+        """Names of the camera's parameters, in the order of `values`."""
         return ("fx", "fy", "cx", "cy", *COEFFICIENTS[self.model])
 
     @property
     def values(self) -> Floats:
-        """Values (P,) of the parameters."""
+        """Values (P,) of the camera's parameters."""
         return np.concatenate([self.camera.focal, self.camera.centre, self.camera.distortion])
 
     @property
     def deviations(self) -> Floats:
-        """Standard deviations (P,) of the parameters."""
+        """Standard deviations (P,) of the camera's parameters."""
         return np.sqrt(self.covariance.diagonal())
 
     @property
     def interval(self) -> float:
-        """Factor from a standard deviation to half the width of its 95 % confidence interval."""
+        """Factor that converts a standard deviation to half the width of its 95 % confidence interval."""
         return _NORMAL_QUANTILE
 
     def uncertainty(self, pixels: Floats) -> Floats:
-        """Return the standard deviation (...,) in pixels, over both axes, of the rays seen at pixels (..., 2).
+        """Return the standard deviation (...,) in pixels of where the rays seen at `pixels` (..., 2) meet the image.
 
-        The part that a rotation of the camera explains over the whole image is removed first, because such a rotation
-        has no effect in use. NaN if no ray belongs to a pixel.
+        It is the root of the summed variances along both axes. Errors that are equal to a rotation of the camera are
+        removed first, because such a rotation has no effect in use. NaN if no ray belongs to a pixel.
         """
         everywhere = self._rays(self._grid())
         everywhere = everywhere[np.isfinite(everywhere).all(axis=1)]
@@ -131,7 +132,7 @@ class Calibration:
 
 
 def _by_turn(camera: CameraParameters, rays: Floats) -> Floats:
-    """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) by a small rotation of the rays."""
+    """Return the derivative (N, 2, 3) of the pixels of rays (N, 2) by a small rotation of the rays about x, y and z."""
     _, by_pose = predict(Pose(np.eye(3), np.zeros(3)), np.column_stack([rays, np.ones(len(rays))]))
     derivative: Floats = camera.distort_with_derivative(rays)[1] @ by_pose[:, :, 3:]
     return derivative

@@ -1,4 +1,4 @@
-"""Solver: turn views into a calibration, leave out outliers, and estimate the uncertainty."""
+"""Solver: computes a calibration from views, leaves out outliers, and estimates the uncertainty."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _ROUGHLY = 1e-3
 
 
 def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.PLUMB_BOB) -> Calibration:
-    """Estimate the camera from views of one image size.
+    """Compute the camera's parameters from views of a board; all images must have the same size.
 
-    Raises `PoorViewsError` if too few views are usable, or if they do not show enough.
+    Raises `PoorViewsError` if too few views are usable, or if the views show too little of the image or too few tilts.
     """
     usable = [view for view in views if not view.flaw]
     check_sizes(usable)
@@ -50,7 +50,7 @@ def calibrate(views: Sequence[View], board: CharucoBoard, model: Model = Model.P
 
 
 def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate:
-    """Return a robust estimate of all parameters from all corners."""
+    """Return an estimate from all corners on which outliers have little influence."""
     rough = rough_camera(views, board, fisheye=model is Model.EQUIDISTANT)
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
     estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views))
@@ -64,7 +64,10 @@ def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate
 
 
 def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Estimate) -> tuple[Estimate, Choice]:
-    """Alternate between selecting corners and adjusting, until the selection stays the same."""
+    """Return the estimate without outliers, and the selection of corners on which it is based.
+
+    Selecting corners and adjusting the estimate alternate until the selection stays the same.
+    """
     free = np.ones(4 + estimate.camera.distortion.size, dtype=bool)
     before: Choice | None = None
     for _ in range(_ROUNDS):
@@ -83,7 +86,10 @@ def _without_outliers(views: Sequence[View], board: CharucoBoard, estimate: Esti
 
 
 def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> Estimate:
-    """Estimate the poses of dropped views with the camera of the others, because they may fit in the next round."""
+    """Return the estimate with new poses of the views that were left out, because they may fit in the next round.
+
+    The camera's parameters stay unchanged.
+    """
     fixed = np.zeros(4 + estimate.camera.distortion.size, dtype=bool)
     poses = list(estimate.poses)
     for place, reason in enumerate(choice.dropped):
@@ -96,12 +102,12 @@ def _with_dropped(views: Sequence[View], board: CharucoBoard, estimate: Estimate
 
 
 def _part(estimate: Estimate, choice: Choice) -> Estimate:
-    """Return the estimate with only the kept views."""
+    """Return the estimate with only the poses of the views that are used."""
     return Estimate(estimate.camera, tuple(estimate.poses[place] for place in choice.kept))
 
 
 def _observations(views: Sequence[View], board: CharucoBoard, estimate: Estimate, choice: Choice) -> list[Observation]:
-    """Return the used corners of the kept views."""
+    """Return the corners that are used, grouped by view; views that were left out are missing."""
     weights = measure(views, board, estimate).weights(choice.masks)
     return _weighted([views[place] for place in choice.kept], board, [weights[place] for place in choice.kept])
 
@@ -119,10 +125,11 @@ def _unusable(view: View) -> Fitted:
 def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floats:
     """Return the covariance (P, P) of the camera's parameters.
 
-    It follows from the corners' standard deviations. In directions in which the views disagree more than these explain,
-    it follows from the disagreement, because errors within a view are correlated: the board may be bent, or the lens
-    may differ from its model. This is the sandwich estimator of Huber (1967) and White (1980), with views as clusters
-    and its correction for few clusters.
+    In general it follows from the standard deviations of the corners. But the errors inside one view are correlated,
+    because the board may be bent, or the lens may differ from its model. So views may contradict each other more than
+    the standard deviations explain. For combinations of parameters for which they do, the covariance follows from the
+    contradictions. This is the sandwich estimator of Huber (1967) and White (1980), with views as clusters, and with
+    the correction for few clusters.
     """
     said = [information(linearizations) for linearizations in linearise(observations, estimate)]
     normal = np.sum([matrix for matrix, _ in said], axis=0)

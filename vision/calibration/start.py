@@ -1,4 +1,4 @@
-"""Rough camera and rough board poses: good enough to judge a view and to start the solver."""
+"""Rough parameters of a camera and rough poses of a board: good enough to judge a view and to start the solver."""
 
 from __future__ import annotations
 
@@ -22,14 +22,20 @@ _SOME = 6
 
 
 def ideal_camera(focal: float, size: tuple[int, int], *, fisheye: bool = False) -> CameraParameters:
-    """Return a camera without distortion, with the principal point in the image's centre and `focal` in pixels."""
+    """Return a camera without distortion whose principal point is the image's centre; `focal` is in pixels.
+
+    `size` is (width, height) of the image.
+    """
     width, height = size
     matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
     return CameraParameters(matrix, np.zeros(4), size, fisheye)
 
 
 def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = False) -> CameraParameters:
-    """Return the ideal camera of `FOCALS` that fits the views best; for a single view, the one of `GUESS`."""
+    """Return the camera without distortion that fits the views best, among those with the focal lengths `FOCALS`.
+
+    For a single view, return the camera with the focal length `GUESS`.
+    """
     size = views[0].size
     # With one view, a longer focal length and a larger distance look the same.
     if len(views) < 2:  # one view fits nearly any focal length
@@ -40,10 +46,10 @@ def rough_camera(views: Sequence[View], board: CharucoBoard, *, fisheye: bool = 
 
 
 def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tuple[Pose, float]:
-    """Return the board's pose (board to camera) and the median reprojection error in pixels.
+    """Return the pose of the board in a view (board to camera), and the median reprojection error in pixels.
 
-    Uses IPPE (Collins and Bartoli, 2014) from OpenCV and takes the better of its two solutions. The error is infinite
-    if the camera cannot have seen the view.
+    Uses IPPE (Collins and Bartoli, 2014) from OpenCV and selects the better one of the two solutions. The error is
+    infinite if this camera cannot have seen the view.
     """
     rays = camera.undistort(view.corners)
     met = np.isfinite(rays).all(axis=1)
@@ -60,6 +66,6 @@ def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tup
 
 
 def residuals(view: View, board: CharucoBoard, camera: CameraParameters, pose: Pose) -> Floats:
-    """Return the residuals (N, 2) in pixels, from expected to observed positions."""
+    """Return the residuals (N, 2) of a view's corners in pixels: observed position minus expected position."""
     rays, _ = predict(pose, board.points[view.ids])
     return view.corners - camera.distort(rays)

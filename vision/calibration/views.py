@@ -27,7 +27,7 @@ _STRAY = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """Corners of a board in one image. Integer pixel coordinates are pixel centres."""
+    """Corners of a board in one image. Integer pixel coordinates are the centres of pixels."""
 
     name: str
     """Name in reports: the image's file, or the time of the frame."""
@@ -56,14 +56,14 @@ class View:
 
 
 class BoardDetector:
-    """Detector of a board's corners in images."""
+    """Detector of the corners of a board in images."""
 
     def __init__(self, board: CharucoBoard) -> None:
         self.board = board
         self._detector: Any = cv2.aruco.CharucoDetector(board.opencv, *_parameters())
 
     def find(self, image: Image, name: str = "", stamp_ns: int = 0) -> View:
-        """Find the corners in an image, grey (H, W) or BGR (H, W, 3); there may be none."""
+        """Return the view with the corners in an image, grey (H, W) or BGR (H, W, 3); it may have no corners."""
         image = to_grey(image)
         height, width = image.shape
         ids, corners = self._detect(image)
@@ -77,7 +77,7 @@ class BoardDetector:
         return View(name, ids[found], saddles.places[found], saddles.sigmas[found], (width, height), blur, stamp_ns)
 
     def _detect(self, image: Image) -> tuple[NDArray[np.intp], Floats]:
-        """Return OpenCV's ids (N,), ascending, and corners (N, 2)."""
+        """Return the ids (N,), ascending, and the corners (N, 2) that OpenCV finds."""
         corners, ids, _, _ = self._detector.detectBoard(image)
         if ids is None:
             return np.zeros(0, np.intp), np.zeros((0, 2))
@@ -87,7 +87,7 @@ class BoardDetector:
         return found[order], places[order]
 
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
-        """Return the derivative (N, 2, 2) of the pixels by the board's x and y; None for too few corners."""
+        """Return the derivative (N, 2, 2) of the pixels by the board's x and y; None if there are too few corners."""
         if len(ids) < 4:
             return None
         points = self.board.points[ids, :2]
@@ -101,7 +101,10 @@ class BoardDetector:
 
 
 def _parameters() -> tuple[Any, Any]:
-    """Return parameters of OpenCV's detector: they find 1.5 times as many corners of distant boards as its defaults."""
+    """Return parameters for OpenCV's detector.
+
+    With them it finds 1.5 times as many corners of distant boards as by default.
+    """
     charuco, markers = cv2.aruco.CharucoParameters(), cv2.aruco.DetectorParameters()
     charuco.tryRefineMarkers = True  # searches again at positions where the board must have markers
     markers.perspectiveRemovePixelPerCell = CELL

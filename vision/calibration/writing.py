@@ -1,4 +1,4 @@
-"""Writing of a calibration to the file of camera parameters."""
+"""Writing of a calibration to a file of camera parameters."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from roverlink.vision.camera.parameters_file import Fact, write_parameters
 
 
 def write_calibration(path: Path, calibration: Calibration) -> None:
-    """Write the camera and its accuracy, completely or not at all.
+    """Write the camera's parameters and their accuracy to a file, completely or not at all.
 
-    Additional keys: `reprojection_error_rms` in pixels, `standard_deviations` of fx fy cx cy and the distortion
-    coefficients, the numbers of used `views` and `corners`, and `data_date`, the day (UTC) of the newest view if known.
-    Raises `SetupError` if the file cannot be written.
+    Keys in addition to the parameters: `reprojection_error_rms` in pixels, `standard_deviations` of fx fy cx cy and the
+    distortion coefficients, the numbers of used `views` and `corners`, and `data_date`, the day (UTC) of the newest
+    view if known. Raises `SetupError` if the file cannot be written.
     """
     used = [one for one in calibration.views if not one.dropped]
     facts: dict[str, Fact] = {

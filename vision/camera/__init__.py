@@ -1,1 +1,1 @@
-"""Camera model and the file of its parameters."""
+"""Camera model, and the file that holds a camera's parameters."""

@@ -1,7 +1,7 @@
-"""Camera model: pinhole and lens distortion, as in OpenCV's `projectPoints` and `fisheye`.
+"""Camera model: a pinhole camera with lens distortion, as in OpenCV's `projectPoints` and `fisheye`.
 
-A *ray* is a direction in the camera's optical frame (x right, y down, z forward: REP 103), given by its point (x, y) in
-the plane z = 1. Integer pixel coordinates are pixel centres.
+A *ray* is a direction in the camera's optical frame (x right, y down, z forward: REP 103). It is given by the point (x,
+y) in which it meets the plane z = 1. Integer pixel coordinates are the centres of pixels.
 """
 
 from __future__ import annotations
@@ -24,12 +24,11 @@ _CONVERGED = 1e-10  # in the plane z = 1; less than a millionth of a pixel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraParameters:
-    """Intrinsic parameters of a camera.
+    """Intrinsic parameters of a camera. Raises `SetupError` for impossible values.
 
-    Raises `SetupError` for impossible values.
-
-    `matrix` is 3x3 in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4 of its fisheye
-    model if `fisheye` is set. `size` is (width, height) of the calibration images, if known.
+    `matrix` is the 3x3 camera matrix in pixels. `distortion` has 0, 4, 5 or 8 coefficients in OpenCV's order, or the 4
+    of OpenCV's fisheye model if `fisheye` is true. `size` is (width, height) of the images of the calibration, if
+    known.
     """
 
     matrix: Floats
@@ -62,14 +61,14 @@ class CameraParameters:
         return self.matrix[:2, 2]
 
     def distort(self, rays: Floats) -> Floats:
-        """Return the pixels (..., 2) of rays (..., 2)."""
+        """Return the pixels (..., 2) at which the camera sees rays (..., 2)."""
         pixels: Floats = self._bend(rays)[0] * self.focal + self.centre
         return pixels
 
     def undistort(self, pixels: Floats) -> Floats:
-        """Return the rays (..., 2) of pixels (..., 2), by Newton's method on `distort`.
+        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by Newton's method on `distort`.
 
-        NaN for a pixel that no ray meets, far outside the calibrated area.
+        NaN for a pixel to which no ray leads; such pixels are far outside the calibrated area.
         """
         wanted: Floats = (np.asarray(pixels, dtype=float) - self.centre) / self.focal
         rays: Floats = wanted.copy()
@@ -89,7 +88,7 @@ class CameraParameters:
         return rays
 
     def distort_with_derivative(self, rays: Floats) -> tuple[Floats, Floats]:
-        """Return the pixels of rays, as `distort`, and their derivative (..., 2, 2) by the rays' coordinates."""
+        """Return the pixels (..., 2) of rays, like `distort`, and their derivative (..., 2, 2) by the rays."""
         bent, slope = self._bend(rays)
         return bent * self.focal + self.centre, slope * self.focal[:, None]
 
@@ -100,9 +99,10 @@ class CameraParameters:
         return self.distort(points[..., :2] / depth)
 
     def scaled(self, size: tuple[int, int]) -> CameraParameters:
-        """Return the camera for images resized to (width, height).
+        """Return the camera for images that were resized to (width, height).
 
-        Resizing scales pixel areas, but coordinates count from the centre of the first pixel: (c + 0.5) is scaled.
+        Resizing scales the areas of pixels, but coordinates count from the centre of the first pixel. So c + 0.5 is
+        scaled, not the coordinate c itself.
         """
         if self.size is None:
             raise SetupError("the camera parameters name no image size, so they cannot be scaled")
@@ -113,12 +113,15 @@ class CameraParameters:
         return CameraParameters(matrix, self.distortion, size, self.fisheye)
 
     def _bend(self, rays: Floats) -> tuple[Floats, Floats]:
-        """Return distorted rays (..., 2) and the derivative (..., 2, 2)."""
+        """Return the distorted rays (..., 2) of rays, and their derivative (..., 2, 2) by the rays' coordinates."""
         return _bend_fisheye(rays, self.distortion) if self.fisheye else _bend(rays, self.distortion)
 
 
 def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """Apply OpenCV's rational model: a quotient of polynomials in r^2, and Brown-Conrady tangential distortion."""
+    """Return distorted rays and their derivative by OpenCV's rational model.
+
+    The model is a quotient of polynomials in r^2, with tangential distortion by Brown and Conrady.
+    """
     given: list[float] = coefficients.tolist()
     k1, k2, p1, p2, k3, k4, k5, k6 = given + [0.0] * (8 - len(given))
     x, y = rays[..., 0], rays[..., 1]
@@ -141,7 +144,10 @@ def _bend(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
 
 
 def _bend_fisheye(rays: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """Apply OpenCV's fisheye model (Kannala and Brandt, 2006): a polynomial in the angle to the optical axis."""
+    """Return distorted rays and their derivative by OpenCV's fisheye model (Kannala and Brandt, 2006).
+
+    The model is a polynomial in the angle between the ray and the optical axis.
+    """
     k1, k2, k3, k4 = coefficients
     r = np.maximum(np.hypot(rays[..., 0], rays[..., 1]), 1e-12)
     angle = np.arctan(r)

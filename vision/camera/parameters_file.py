@@ -55,10 +55,10 @@ def model_name(camera: CameraParameters) -> str:
 
 
 def read_parameters(path: Path) -> CameraParameters:
-    """Read a camera's parameters.
+    """Read a camera's parameters from a file.
 
-    Raises `SetupError`, with the line if there is one, if the file is missing, is not YAML, or describes an impossible
-    camera.
+    Raises `SetupError` if the file is missing, is not YAML, or describes an impossible camera. If the error is in a
+    line of the file, the message names the line.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -78,7 +78,7 @@ def read_parameters(path: Path) -> CameraParameters:
 
 
 def write_parameters(path: Path, camera: CameraParameters, facts: Mapping[str, Fact] | None = None) -> None:
-    """Write a camera's parameters and additional facts, completely or not at all.
+    """Write a camera's parameters and `facts`, which are additional keys, to a file, completely or not at all.
 
     Equal values give equal bytes. Raises `SetupError` if the file cannot be written.
     """
@@ -113,7 +113,7 @@ def _lines(key: str, fact: Fact) -> Iterator[str]:
 
 
 def _scalar(value: str | int | float) -> str:
-    """Return a value in a form that both YAML and OpenCV read."""
+    """Return a value as text that both YAML and OpenCV can read."""
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, int) or math.isfinite(value):
@@ -122,7 +122,7 @@ def _scalar(value: str | int | float) -> str:
 
 
 class _Entries:
-    """Keys of a file with their values and places."""
+    """Keys of a parameter file, with their values and their positions in the file."""
 
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
@@ -134,7 +134,7 @@ class _Entries:
             raise SetupError(f"{path}: no camera parameters found; the file needs keys such as camera_matrix")
 
     def matrix(self, key: str) -> Floats:
-        """Return the matrix of a key, in OpenCV's form or, without a tag, in that of ROS."""
+        """Return the matrix of a key: in OpenCV's form, which has a tag, or in the form of ROS, which has none."""
         item = self._items.get(key)
         if item is None:
             raise SetupError(f"{self._path}: missing key {key}; {nearest(key, map(str, self._items))}")
@@ -149,7 +149,7 @@ class _Entries:
         return np.array(numbers).reshape(rows, columns)
 
     def size(self) -> tuple[int, int] | None:
-        """Return the images' width and height if the file has them."""
+        """Return width and height of the images of the calibration; None if the file does not have them."""
         keys = ("image_width", "image_height")
         given = [key for key in keys if key in self._items]
         if not given:
@@ -160,7 +160,7 @@ class _Entries:
         return width, height
 
     def model(self, coefficients: int) -> str:
-        """Return the distortion model: the file's, or the one with this number of coefficients."""
+        """Return the distortion model that the file names, or else the one with this number of coefficients."""
         item = self._items.get("distortion_model")
         if item is None:
             return RATIONAL if coefficients in _MODELS[RATIONAL] else PLUMB_BOB
@@ -181,7 +181,7 @@ def _whole(item: Item, what: str) -> int:
 
 
 def _number(item: Item) -> float:
-    """Return a number as OpenCV writes it; YAML reads some of these as text."""
+    """Return the number in an item. OpenCV writes some numbers in a form that YAML reads as text."""
     try:
         number = float(item.text or "")
     except ValueError:

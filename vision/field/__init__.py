@@ -1,1 +1,1 @@
-"""Field: landmarks, and the camera's pose relative to them."""
+"""Field: known landmarks, and the camera's pose relative to them."""

@@ -31,7 +31,7 @@ SURVEY_ROTATION = math.radians(0.5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
-    """Pose of a marker or board on the field (landmark to field), with standard deviations per axis."""
+    """Pose of a marker or board on the field (landmark to field), with the standard deviations of its survey."""
 
     pose: Pose
     position_sigma: float = SURVEY_POSITION
@@ -40,14 +40,14 @@ class Landmark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmarks:
-    """Landmarks of a field; `frame` is the name of the field's frame."""
+    """Landmarks of a field; `frame` is the name of the field's coordinate frame."""
 
     frame: str = FRAME
     places: Mapping[TargetId, Landmark] = field(default_factory=dict)
 
 
 def read_landmarks(path: Path) -> Landmarks:
-    """Read a file of landmarks. Raises `SetupError`, with the place, for missing or impossible values."""
+    """Read a file of landmarks. Raises `SetupError`, with line and column, for missing or impossible values."""
     whole = read_file(path, "landmarks")
     top = whole.known_entries({"frame", "survey", "landmarks"})
     frame = _frame(top["frame"]) if "frame" in top else FRAME
@@ -78,7 +78,7 @@ def _landmark(item: Item, sigmas: tuple[float, float]) -> Landmark:
 
 
 def _survey(item: Item | None, default: tuple[float, float]) -> tuple[float, float]:
-    """Return the standard deviations in metres and radians."""
+    """Return the standard deviations of a position, in metres, and of a rotation, in radians."""
     given = item.known_entries({"position", "rotation"}) if item else {}
     position = _sigma(given["position"]) if "position" in given else default[0]
     rotation = math.radians(_sigma(given["rotation"])) if "rotation" in given else default[1]

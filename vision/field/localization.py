@@ -1,8 +1,8 @@
-"""Localization: the camera's pose on a field with known landmarks.
+"""Localization: computes the camera's pose on a field from known landmarks.
 
-All visible landmarks are used together. Their corners are predicted from the camera's pose, and the residuals are
-weighted by the image noise and by the accuracy of each landmark's survey. A landmark that was moved or misidentified
-does not fit the pose of the others; it is left out and reported.
+All visible landmarks are used together. The camera's pose predicts where their corners are seen. The differences to the
+observed corners are weighted by the image noise and by the accuracy with which each landmark was surveyed. A landmark
+that was moved or misidentified does not fit the pose that follows from the others; it is left out and reported.
 """
 
 from __future__ import annotations
@@ -48,9 +48,10 @@ class FieldPose:
 
 
 def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose | None:
-    """Return the camera's pose on the field from all sightings of known landmarks; None if there are none.
+    """Return the camera's pose on the field from all sightings of known landmarks; None if there is no such sighting.
 
-    If two landmarks contradict each other, it is unknown which is wrong; the more accurate one is used.
+    If only two landmarks are visible and contradict each other, it is unknown which is wrong. Then the more accurate
+    one is used.
     """
     known = [_known(one, landmarks.places[one.id]) for one in sightings if one.id in landmarks.places]
     starts = [
@@ -82,7 +83,7 @@ def localize(sightings: Sequence[Sighting], landmarks: Landmarks) -> FieldPose |
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Known:
-    """Sighting of a known landmark."""
+    """Sighting of a landmark whose pose on the field is known."""
 
     sighting: Sighting
     points: Floats
@@ -94,9 +95,9 @@ class _Known:
 
 
 def _known(sighting: Sighting, landmark: Landmark) -> _Known:
-    """Combine the landmark's own uncertainty with that of the image.
+    """Return a sighting of a known landmark; combine the uncertainties of the image and of the landmark's survey.
 
-    Its standard deviations are equal along all axes, so they can be applied in the camera's frame, at the seen pose.
+    The standard deviations of the survey are equal along all axes. So they can be applied in the camera's frame.
     """
     seen = sighting.seen
     _, derivative = predict(sighting.pose, seen.points)
@@ -106,7 +107,10 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
 
 
 def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
-    """Refine a start (field to camera); return cost, pose and the sightings that fit. None if it fails."""
+    """Refine a start pose (field to camera) with the sightings that fit it.
+
+    Returns the cost, the refined pose, and the sightings that fit; None if the pose cannot be refined.
+    """
     used: list[_Known] = []
     for slack in _SLACK:
         used = [one for one in known if _chi2(one, pose) < slack * one.limit]
@@ -118,7 +122,7 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
 
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:
-    """Return chi squared, in which each sighting counts at most its limit."""
+    """Return the sum of chi squared over all sightings. A sighting that does not fit counts only with its limit."""
     return sum(min(_chi2(one, pose), slack * one.limit) for one in known)
 
 
@@ -146,7 +150,10 @@ def _normal(used: Sequence[_Known], pose: Pose) -> tuple[Floats, Floats, float]:
 
 
 def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
-    """Minimize chi squared by Gauss-Newton steps, which are shortened while they make it worse."""
+    """Return the pose with the least chi squared, found by Gauss-Newton steps; None if the corners do not determine it.
+
+    A step that makes chi squared larger is shortened.
+    """
     normal, right, chi2 = _normal(used, pose)
     for _ in range(_STEPS):
         if not np.isfinite(chi2) or not np.linalg.cond(normal) < _SINGULAR:
@@ -168,10 +175,10 @@ def _refine(used: Sequence[_Known], pose: Pose) -> Pose | None:
 
 
 def _of_inverse(pose: Pose, covariance: Floats) -> Floats:
-    """Return the covariance (6, 6) of the inverse of a pose.
+    """Return the covariance (6, 6) of the inverse of a pose, given the covariance of the pose.
 
-    With R' = exp(r) R and t' = t + d, the inverse rotates by -R^T r, and its translation -R'^T t' changes by -R^T (d +
-    t x r).
+    If R' = exp(r) R and t' = t + d, the inverse rotates by -R^T r, and its translation -R'^T t' changes by -R^T (d + t
+    x r).
     """
     back = pose.rotation.T
     change = np.zeros((6, 6))

@@ -1,4 +1,4 @@
-"""Contents of one frame: landmarks, and the camera's pose."""
+"""Results of one frame: the landmarks in it, and the camera's pose."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _DIGITS = 9  # significant digits, because covariances are small numbers
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """Frame with the landmarks in it and the camera's pose from them."""
+    """Frame with the landmarks that were found in it, and the camera's pose that follows from them."""
 
     frame: Frame
     sightings: tuple[Sighting, ...]
@@ -26,14 +26,14 @@ class View:
     """Camera's pose on the field; None if the frame shows no known landmark."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the view as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
+        """Return the results as JSON values: metres, pixels, quaternions x y z w, covariances row by row."""
         markers = [_sighting(one) for one in self.sightings]
         found = {"stamp": self.frame.stamp, "frame": self.frame.number, "markers": markers}
         return {**found, "camera": _place(self.place)} if self.place else found
 
 
 def look(frames: Iterable[Frame], tracker: Tracker, landmarks: Landmarks | None = None) -> Iterator[View]:
-    """Track the markers through frames, and localize the camera if landmarks are given."""
+    """Yield the results of each frame: the markers in it and, if landmarks are given, the camera's pose."""
     for frame in frames:
         sightings = tracker.track(frame.image, frame.stamp)
         yield View(frame, sightings, localize(sightings, landmarks) if landmarks else None)
@@ -50,7 +50,10 @@ def _sighting(one: Sighting) -> Mapping[str, Any]:
 
 
 def _other(one: Sighting) -> Mapping[str, Any] | None:
-    """Return the rejected pose, with the ratio of its reprojection error to that of the chosen pose."""
+    """Return the pose that was rejected, and the ratio of its reprojection error to that of the chosen pose.
+
+    Returns None if there is only one pose.
+    """
     for solution in one.solutions:
         if solution.pose is not one.pose:
             return {**_pose(solution.pose, solution.covariance), "ambiguity": _number(one.ambiguity)}

@@ -4,8 +4,8 @@
         for frame in source:
             tracker.track(frame.image, frame.stamp)
 
-Recorded sources end, and their frames are stamped from the start of the recording. `live` sources continue until they
-are closed, and their frames are stamped with the time at which they were taken.
+The frames of a recorded source end; their stamps count from the start of the recording. The frames of a `live` source
+continue until the source is closed; a stamp is the time at which the frame was taken.
 """
 
 from roverlink.vision.frames.frame import RATE, Frame, FrameSource

@@ -1,4 +1,4 @@
-"""Frame, and the interface of all sources."""
+"""Class of a frame, and the interface of all sources of frames."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FASTEST = 1000.0  # a stream without a rate reports its clock rate instead, 900
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """Image of a camera."""
+    """Image of a camera, with its time and its number."""
 
     image: Image
     """BGR image (H, W, 3), 8 bits."""
@@ -27,12 +27,12 @@ class Frame:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height in pixels."""
+        """Width and height of the image in pixels."""
         return size_of(self.image)
 
 
 class FrameSource(Protocol):
-    """Frames, oldest first. A context manager: on exit it closes the camera and ends iterations."""
+    """Source that yields frames, oldest first. A context manager: on exit it closes the camera, and iterations end."""
 
     name: str
     """Name for messages."""
@@ -57,6 +57,6 @@ def size_of(image: Image) -> tuple[int, int]:
 
 
 def rate_of(capture: Any) -> float:
-    """Return the frames a second of a `VideoCapture`. Many cameras and streams report nothing, or nonsense."""
+    """Return the frames a second that a `VideoCapture` reports, or `RATE` if it reports no plausible number."""
     rate = float(capture.get(cv2.CAP_PROP_FPS))
     return rate if 0 < rate <= _FASTEST else RATE

@@ -1,7 +1,7 @@
-"""Live sources: cameras and streams.
+"""Live sources of frames: cameras and network streams.
 
-A thread reads every frame as it comes and stamps it, so that no frame ages in a queue; an iteration gets the newest. A
-source that stalls or ends is opened again, after pauses that double.
+A thread reads every frame and stamps it as soon as the frame arrives, so that no frame waits in a queue. An iteration
+gets the newest frame. If a source stalls or ends, it is opened again; the pause doubles after each attempt.
 """
 
 from __future__ import annotations
@@ -27,15 +27,16 @@ Say = Callable[[str], None]
 
 
 class LiveSource:
-    """Camera or stream that is read by a thread."""
+    """Camera or stream. A thread reads its frames."""
 
     live = True
     total: int | None = None
 
     def __init__(self, name: str, connect: Callable[[], Any], say: Say) -> None:
-        """Open the source; `connect` returns an open `VideoCapture` or None.
+        """Open the source; `connect` returns an open `VideoCapture`, or None if that is not possible.
 
-        Raises `SetupError` if it returns None or gives no frame.
+        `say` is called with messages for the user. Raises `SetupError` if `connect` returns None, or if the source
+        gives no frame.
         """
         self.name = name
         self._connect, self._say = connect, say
@@ -54,7 +55,7 @@ class LiveSource:
         self._thread.start()
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the newest frame repeatedly, each frame once."""
+        """Yield the newest frame, then wait for a newer one, and so on. No frame is yielded twice."""
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._newest is not None or self._closed.is_set())
@@ -81,7 +82,7 @@ class LiveSource:
             self._capture.release()
 
     def _take(self) -> bool:
-        """Read a frame and publish it; return false if that fails."""
+        """Read a frame and pass it to the iteration; return false if no frame can be read."""
         if self._capture is None or not self._capture.grab():
             return False
         stamp = _taken_at(self._capture)
@@ -98,7 +99,10 @@ class LiveSource:
         return True
 
     def _reopen(self, waited: float) -> None:
-        """Open the source again and again until it works or the source is closed."""
+        """Try to open the source until it works, or until the source is closed.
+
+        The source gave no frame for `waited` seconds.
+        """
         what = f"has stalled: no frame for {waited:.0f} s" if waited > STALLED_S / 2 else "has ended"
         self._say(f"{self.name} {what}; opening it again")
         lost, pause = time.monotonic(), FIRST_PAUSE_S
@@ -113,7 +117,7 @@ class LiveSource:
 
 
 def _taken_at(capture: Any) -> int:
-    """Return the time of the grabbed frame: the driver's stamp if there is one, otherwise now."""
+    """Return the time of a frame in nanoseconds since 1970: the driver's stamp, or else the current time."""
     now = time.time_ns()
     if capture.getBackendName() != "V4L2":
         return now
@@ -122,7 +126,7 @@ def _taken_at(capture: Any) -> int:
 
 
 def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSource:
-    """Open a camera by its number and request images of `size`. Raises `SetupError` if there is none."""
+    """Open the camera with this number and request images of `size`. Raises `SetupError` if there is no such camera."""
 
     def connect() -> Any:
         capture = cv2.VideoCapture(index)
@@ -137,7 +141,7 @@ def open_camera(index: int, size: tuple[int, int] | None, say: Say) -> LiveSourc
 
 
 def open_stream(urls: tuple[str, ...], say: Say) -> LiveSource:
-    """Open the first URL that works. Raises `SetupError` if none does."""
+    """Open the first URL that gives frames. Raises `SetupError` if none does."""
     limits = [
         *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(OPENING_S * 1e3)),
         *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(STALLED_S * 1e3)),

@@ -1,4 +1,4 @@
-"""Choice of the source that a text names."""
+"""Opening of the source of frames that a text names."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ _HOST = re.compile(r"(localhost|[\w-]+(\.[\w-]+)+|[\w-]+(?=:)|\[[0-9A-Fa-f:]+\])
 def open_source(
     text: str, *, size: tuple[int, int] | None = None, rate: float = RATE, say: Say = lambda _: None
 ) -> FrameSource:
-    """Open the source that a text names: a camera's number, a device, a file, a folder of images, or a URL.
+    """Open the source of frames that a text names: a camera's number, a device, a file, a folder of images, or a URL.
 
-    `size` (width, height) is requested from a camera. `rate` is the number of images a second in a folder. `say` gets
-    messages about a live source that stalls, ends or returns. Raises `SetupError` if the source cannot be opened.
+    `size` (width, height) is requested from a camera. `rate` is the number of images a second for a folder. `say` is
+    called with messages about a live source that stalls, ends or works again. Raises `SetupError` if the source cannot
+    be opened.
     """
     text = text.strip()
     path = Path(text).expanduser()
@@ -44,7 +45,7 @@ def open_source(
 
 
 def _urls(text: str) -> tuple[str, ...]:
-    """Return a URL, and another one at which its stream may be."""
+    """Return the URL in a text, and another URL at which the same program may offer its stream."""
     try:
         parts = urlsplit(text)
     except ValueError as error:

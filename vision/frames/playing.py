@@ -10,9 +10,9 @@ from roverlink.vision.frames.frame import Frame, FrameSource
 
 
 def play(source: FrameSource, *, loop: bool = False) -> Iterator[Frame]:
-    """Yield a recording's frames at the pace at which they were taken, stamped with the current time.
+    """Yield the frames of a recording at the pace at which they were taken. Their stamps become the current time.
 
-    A slow caller gets all frames, later. With `loop`, the recording is repeated without end.
+    If the caller is slow, it gets all frames, but late. With `loop`, the recording is repeated without end.
     """
     begin = time.time_ns()
     passed = 0

@@ -1,6 +1,7 @@
-"""Sources that end: video files and folders of images.
+"""Sources of frames that end: video files and folders of images.
 
-The orientation stored in a file is ignored, because the camera's parameters belong to the unrotated sensor.
+If a file says how to rotate its images, this is ignored, because the camera's parameters belong to the unrotated
+sensor.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ class _Recorded:
 
 
 class ImageFiles(_Recorded):
-    """An image file, or a folder of image files in natural order of their names (2 before 10)."""
+    """Image file, or folder of image files. Numbers in names are sorted by value: `2.png` comes before `10.png`."""
 
     def __init__(self, path: Path, rate: float) -> None:
-        """List the images; `rate` is the number of images a second. Raises `SetupError` for a folder without images."""
+        """List the images; `rate` is the number of images a second. Raises `SetupError` if the folder has no images."""
         found = [path] if path.is_file() else [one for one in path.iterdir() if one.suffix.lower() in IMAGES]
         if not found:
             raise SetupError(f"{path} contains no images (known: {' '.join(sorted(IMAGES))})")
@@ -38,7 +39,7 @@ class ImageFiles(_Recorded):
         super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the images. Raises `SetupError` for one that cannot be read."""
+        """Yield the images as frames. Raises `SetupError` if an image cannot be read."""
         for number, path in enumerate(self.paths):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
             if image is None:
@@ -53,7 +54,7 @@ class ImageFiles(_Recorded):
 
 
 class VideoFile(_Recorded):
-    """Video file."""
+    """Video file as a source of frames."""
 
     def __init__(self, path: Path) -> None:
         """Open the file. Raises `SetupError` if it is not a video."""
@@ -66,7 +67,7 @@ class VideoFile(_Recorded):
         super().__init__(str(path), rate_of(self._capture), total)
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the frames from the first. Raises `SetupError` if there are none."""
+        """Yield the frames, beginning with the first. Raises `SetupError` if the file has no frames."""
         self._capture.set(cv2.CAP_PROP_POS_FRAMES, 0)
         number = 0
         while True:
@@ -86,5 +87,5 @@ class VideoFile(_Recorded):
 
 
 def _natural(path: Path) -> list[tuple[str, int]]:
-    """Return a sort key by which `2.png` comes before `10.png`."""
+    """Return a key for sorting paths, by which `2.png` comes before `10.png`."""
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name)]

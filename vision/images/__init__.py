@@ -1,1 +1,1 @@
-"""Drawing on images, writing of videos, and rendering."""
+"""Drawing on images, writing of videos, and rendering of artificial images."""

@@ -27,7 +27,10 @@ _FONT = 0
 
 
 def draw(image: Image, camera: CameraParameters, sightings: Sequence[Sighting], place: FieldPose | None) -> Image:
-    """Return a copy of an image (H, W, 3) with outlines, axes, names and distances, and the camera's position."""
+    """Return a copy of an image (H, W, 3) with the outline, axes, name and distance of each landmark drawn into it.
+
+    If `place` is given, the camera's position on the field is written into the image too.
+    """
     drawn: Image = image.copy()
     rejected = place.rejected if place else ()
     for one in sightings:
@@ -54,7 +57,7 @@ def _outline(image: Image, one: Sighting, colour: Colour) -> None:
 
 
 def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
-    """Draw a landmark's axes at its origin, half as long as a marker's side."""
+    """Draw the axes of a landmark's frame at its origin; their length is half the side of a marker."""
     length = float(np.linalg.norm(one.seen.points[1] - one.seen.points[0])) / 2
     ends = camera.project(one.pose.apply(np.vstack([np.zeros(3), length * np.eye(3)])))
     if not np.isfinite(ends).all():
@@ -65,7 +68,10 @@ def _axes(image: Image, camera: CameraParameters, one: Sighting) -> None:
 
 
 def _write(image: Image, text: str, place: tuple[float, float]) -> None:
-    """Write light text in a dark box; `place` is the box's lower left corner, moved into the image if needed."""
+    """Write light text in a dark box.
+
+    `place` is the lower left corner of the box; the box is moved if it leaves the image.
+    """
     width = _width(image)
     (long, high), below = cv2.getTextSize(text, _FONT, 0.5 * width, width)
     rim = 2 * width
@@ -76,6 +82,6 @@ def _write(image: Image, text: str, place: tuple[float, float]) -> None:
 
 
 def _fixed(points: Floats) -> Floats:
-    """Convert pixels to the fixed-point integers that OpenCV expects with `_SHIFT`."""
+    """Convert pixel coordinates to integers, scaled by 2**`_SHIFT`, as OpenCV's drawing functions expect."""
     fixed: Floats = np.rint(points * (1 << _SHIFT)).astype(np.int32)
     return fixed

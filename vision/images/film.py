@@ -18,16 +18,17 @@ LONGEST_STILL_S = 2.0
 
 
 class Film:
-    """Video file of constant frame rate.
+    """Video file that is written, with a constant frame rate. A context manager: the complete file appears on exit.
 
-    A context manager: the complete file appears on exit.
-
-    Images are placed by their stamps: for a late image the previous one is repeated; of two images at the same time one
-    is left out.
+    The stamp of an image decides at which place of the video it stands. If an image comes late, the previous one is
+    repeated. If two images belong to the same place, one is left out.
     """
 
     def __init__(self, path: Path, rate: float) -> None:
-        """Check the path; `rate` is in images a second. Raises `SetupError` if the file cannot be written."""
+        """Check the path; `rate` is the number of images a second.
+
+        Raises `SetupError` if the file cannot be written.
+        """
         if path.suffix.lower() not in CODECS:
             raise SetupError(f"{path}: unknown video format; the name must end with {' or '.join(CODECS)}")
         if not path.resolve().parent.is_dir():
@@ -40,9 +41,9 @@ class Film:
         self._stamp = self._start = self._written = 0
 
     def add(self, image: Image, stamp: int) -> None:
-        """Add an image (H, W, 3), taken at `stamp` in nanoseconds.
+        """Add an image (H, W, 3) that was taken at `stamp`, in nanoseconds.
 
-        Raises `SetupError` if writing fails, or if the image's size differs from that of the first.
+        Raises `SetupError` if writing fails, or if the image and the first image differ in size.
         """
         if self._writer is None:
             self._open(image, stamp)

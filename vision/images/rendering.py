@@ -1,11 +1,12 @@
-"""Renderer of printed planes as a camera sees them, with a known truth.
+"""Renderer of images for tests: printed planes as a camera sees them, at exactly known poses.
 
-Each pixel is the mean of several rays. A ray goes from a point of the sensor, through the inverse of the lens
-distortion and the pinhole, to the plane, and returns the print's grey value there. The rays are blurred with the lens's
-point spread function before averaging; then noise is added and the result is rounded to 8 bits. Integer coordinates are
-pixel centres.
+Each pixel is the mean of several rays. A ray starts at a point of the sensor, passes the inverse of the lens distortion
+and the pinhole, and gets the grey value of the print where it meets the plane. The rays are blurred with the point
+spread function of the lens before their mean is computed. Then noise is added, and the result is rounded to 8 bits.
+Integer coordinates are the centres of pixels.
 
-This module uses nothing of the rest of the package, so that it does not repeat its errors.
+This module imports nothing from the rest of the package. An error there can therefore not hide itself in the test
+images.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ _OUTLINE = 16  # points per side of a print's outline, since the lens bends it
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """Pinhole camera with OpenCV's distortion k1 k2 p1 p2 k3.
+    """Pinhole camera with OpenCV's distortion coefficients k1 k2 p1 p2 k3.
 
-    `matrix` is 3x3 in pixels, `size` is (width, height).
+    `matrix` is the 3x3 camera matrix in pixels, `size` is (width, height) of the image.
     """
 
     matrix: Floats
@@ -45,7 +46,7 @@ class Lens:
     size: tuple[int, int]
 
     def distorted(self, rays: Floats) -> Floats:
-        """Return the pixels (..., 2) of rays (..., 2), which are points in the plane z = 1."""
+        """Return the pixels (..., 2) at which the camera sees rays (..., 2). A ray is a point in the plane z = 1."""
         x, y = rays[..., 0], rays[..., 1]
         k1, k2, p1, p2, k3 = self.distortion
         r2 = x * x + y * y
@@ -56,7 +57,7 @@ class Lens:
         return np.stack([fx * bent_x + cx, fy * bent_y + cy], axis=-1)
 
     def rays(self, pixels: Floats) -> Floats:
-        """Return the rays (..., 2) of pixels (..., 2), as points in the plane z = 1, by fixed-point iteration."""
+        """Return the rays (..., 2) that the camera sees at pixels (..., 2), by fixed-point iteration on `distorted`."""
         rays = (pixels - self.matrix[:2, 2]) / self.matrix.diagonal()[:2]
         focal = self.matrix.diagonal()[:2]
         for _ in range(50):
@@ -69,23 +70,26 @@ class Lens:
 
 @dataclass(frozen=True, slots=True)
 class Print:
-    """Image on a plane: the origin is its centre, x points right, y up on the page and z out of it."""
+    """Print on a plane, given by its image.
+
+    The origin of its frame is its centre; x points right, y up on the page, z out of it.
+    """
 
     image: Grey
     metres_per_pixel: float
 
     @property
     def half_size(self) -> tuple[float, float]:
-        """Half of the width and height in metres."""
+        """Half of the width and half of the height of the print in metres."""
         rows, columns = self.image.shape
         return columns / 2 * self.metres_per_pixel, rows / 2 * self.metres_per_pixel
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Pose of a plane: `rotation` (3x3) and `translation` (3, metres) from the plane to the camera.
+    """Pose of a plane: `rotation` (3x3) and `translation` (3, metres) from the plane's frame to the camera's.
 
-    The camera's frame is the optical one: x right, y down, z forward.
+    The camera's frame is the optical one: x right, y down and z forward.
     """
 
     rotation: Floats
@@ -95,9 +99,10 @@ class Pose:
 def marker_print(
     dictionary: int, number: int, side: float, *, quiet: int = 1, texels: int = 24, black: int = 25, white: int = 225
 ) -> Print:
-    """Return a marker of `side` metres between its outer edges, with a white border of `quiet` modules.
+    """Return the print of a marker whose outer edges are `side` metres apart, with a white border of `quiet` modules.
 
-    `texels` is the number of the print's pixels per module; best is about the number of rays that hit a module.
+    A module is one black or white cell of a marker. `texels` is the number of pixels of the print's image per module;
+    it should be about the number of rays that hit a module.
     """
     bits = cv2.aruco.getPredefinedDictionary(dictionary)
     modules = bits.markerSize + 2
@@ -107,12 +112,15 @@ def marker_print(
 
 
 def texels_for(side_px: float, modules: int = 7) -> int:
-    """Return the texels per module for a marker that is `side_px` pixels wide: somewhat fewer than rays."""
+    """Return the texels (pixels of the print's image) per module for a marker that is seen `side_px` pixels wide.
+
+    The number is somewhat less than the number of rays per module.
+    """
     return max(4, round(0.75 * RAYS * side_px / modules))
 
 
 def texture(size: tuple[int, int], rng: np.random.Generator) -> Floats:
-    """Return a scene without markers: noise at all scales, boxes, lines and chequered patterns with sharp corners."""
+    """Return a scene without markers, as a background: noise at all scales, boxes, lines and chequered patterns."""
     width, height = size
     scene = np.full((height, width), rng.uniform(80, 170))
     for cell in (160, 80, 40, 20, 10, 5, 2):
@@ -152,9 +160,9 @@ def render(
     psf_sigma: float = PSF_SIGMA,
     noise_sigma: float = NOISE_SIGMA,
 ) -> Grey:
-    """Render a frame: prints in front of a background (height, width) that is already blurred.
+    """Return an image of prints in front of a background (height, width). The background must be blurred already.
 
-    Later prints hide earlier ones.
+    A print hides the prints that stand before it in `planes`.
     """
     frame = background.astype(np.float32)
     for plane, pose in planes:
@@ -164,7 +172,7 @@ def render(
 
 
 def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
-    """Return pixels (N, 2) along the border of a print."""
+    """Return the pixels (N, 2) at which a camera sees points along the border of a print."""
     half_width, half_height = plane.half_size
     steps = np.linspace(-1, 1, _OUTLINE)
     ones = np.ones(_OUTLINE)
@@ -175,7 +183,7 @@ def outline(lens: Lens, plane: Print, pose: Pose) -> Floats:
 
 
 def project(lens: Lens, pose: Pose, points: Floats) -> Floats:
-    """Return the pixels (N, 2) of points (N, 3) in a plane's frame."""
+    """Return the pixels (N, 2) at which a camera sees points (N, 3); the points are given in the frame of a plane."""
     seen = points @ pose.rotation.T + pose.translation
     return lens.distorted(seen[:, :2] / seen[:, 2:])
 
@@ -200,7 +208,10 @@ def _paint(frame: NDArray[np.float32], lens: Lens, plane: Print, pose: Pose, psf
 def _painted(
     place: NDArray[np.float32], plane: Print, pose: Pose, rays: Floats, psf_sigma: float
 ) -> NDArray[np.float32]:
-    """Return a part (H, W) of the frame with the print in front; only `_MARGIN` pixels at its border are inexact."""
+    """Return a part (H, W) of the frame with a print drawn into it.
+
+    The outer `_MARGIN` pixels of the part are inexact.
+    """
     grey, cover = _sample(plane, pose, rays)
     if not cover.any():
         return place
@@ -214,14 +225,17 @@ def _painted(
 
 
 def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Floats:
-    """Return the rays (height * RAYS, width * RAYS, 2) of a region: exact at pixel corners, linear in between."""
+    """Return the rays (height * RAYS, width * RAYS, 2) of a part of the image.
+
+    They are exact at the corners of pixels and linearly interpolated between them.
+    """
     x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
     corners = lens.rays(np.stack([x, y], axis=-1))
     return _between(_between(corners, 0), 1)
 
 
 def _between(borders: Floats, axis: int) -> Floats:
-    """Interpolate values at pixel borders along an axis to the rays, `RAYS` per pixel."""
+    """Interpolate values, given at the borders of pixels along an axis, to `RAYS` positions in each pixel."""
     places = (np.arange((borders.shape[axis] - 1) * RAYS) + 0.5) / RAYS
     low = places.astype(np.intp)
     part = np.expand_dims(places - low, tuple(range(1, borders.ndim - axis)))
@@ -230,7 +244,7 @@ def _between(borders: Floats, axis: int) -> Floats:
 
 
 def _sample(plane: Print, pose: Pose, rays: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the grey values (H, W) that rays (H, W, 2) see on a plane, and the print's coverage (0 to 1)."""
+    """Return the grey values (H, W) that rays (H, W, 2) see on a print, and the share (0 to 1) of the print in each."""
     to_plane = np.linalg.inv(np.column_stack([pose.rotation[:, :2], pose.translation]))
     x, y, w = np.moveaxis(rays @ to_plane[:, :2].T + to_plane[:, 2], -1, 0)
     rows, columns = plane.image.shape

@@ -1,1 +1,1 @@
-"""Markers: definition, detection, and tracking."""
+"""ArUco markers: their definition, their detection in images, and their tracking from frame to frame."""

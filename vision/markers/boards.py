@@ -23,7 +23,7 @@ from roverlink.vision.yaml_file import Item, read_file
 
 
 def read_boards(path: Path) -> tuple[Board, ...]:
-    """Read a file of boards. Raises `SetupError`, with the place, for missing or impossible values."""
+    """Read a file of boards. Raises `SetupError`, with line and column, for missing or impossible values."""
     whole = read_file(path, "boards")
     top = whole.known_entries({"boards"})
     boards = top["boards"].entries("board") if "boards" in top else {}

@@ -1,8 +1,8 @@
-"""Marker detection: in the whole frame, in the whole frame at half resolution, or in a region.
+"""Detection of markers: in the whole frame, in the whole frame at half resolution, or in a part of the frame.
 
-Corners have the accuracy of OpenCV without refinement, about a pixel; `edges` improves them. A test checks that without
-refinement OpenCV 4.11 and 5.0 agree that integer coordinates are pixel centres. With APRILTAG refinement, 5.0 is half a
-pixel off.
+The corners have the accuracy of OpenCV's detector without refinement, which is about a pixel; the module `edges` makes
+them more accurate. Without refinement, OpenCV 4.11 and 5.0 agree that integer coordinates are the centres of pixels; a
+test checks this. With the refinement APRILTAG, the corners of 5.0 are shifted by half a pixel.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _STEP = 64
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detection:
-    """Number of a marker with its corners (4, 2) in pixels, in OpenCV's order."""
+    """Detected marker: its number, and its corners (4, 2) in pixels, in OpenCV's order."""
 
     number: int
     corners: Floats
@@ -42,7 +42,7 @@ class Detection:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """Part of an image in pixels; `right` and `bottom` are the first pixels outside."""
+    """Rectangular part of an image in pixels; `right` and `bottom` are the first column and row outside."""
 
     left: int
     top: int
@@ -51,23 +51,26 @@ class Region:
 
 
 def to_grey(image: Image) -> Image:
-    """Convert an image (H, W) or BGR (H, W, 3) to grey (H, W)."""
+    """Convert an image, grey (H, W) or BGR (H, W, 3), to a grey image (H, W)."""
     return np.ascontiguousarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
 
 
 class Detector:
-    """OpenCV's detector, with parameters for each kind of search."""
+    """OpenCV's detector of markers, with other parameters for each kind of search."""
 
     def __init__(self, markers: MarkerSet) -> None:
         self._markers = markers
         self._detectors: dict[tuple[tuple[int, int, int], int], Any] = {}
 
     def scan(self, image: Image) -> list[Detection]:
-        """Search a whole grey image (H, W)."""
+        """Return the markers in a whole grey image (H, W)."""
         return self._detect(image, _WINDOWS)
 
     def scan_half(self, image: Image) -> list[Detection]:
-        """Search a whole image at half resolution: a quarter of the time, but it misses markers below 25 pixels."""
+        """Return the markers in a whole grey image, searched at half resolution.
+
+        This takes a quarter of the time, but does not find markers that are less than 25 pixels wide.
+        """
         height, width = image.shape
         half = cv2.resize(
             image[: height // 2 * 2, : width // 2 * 2], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA
@@ -77,7 +80,7 @@ class Detector:
         return [Detection(one.number, one.corners * 2 + 0.5) for one in found]
 
     def look(self, image: Image, region: Region) -> list[Detection]:
-        """Search a region of an image."""
+        """Return the markers in a part of a grey image."""
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _WINDOW) or self._detect(part, _WINDOWS)

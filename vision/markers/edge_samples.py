@@ -1,6 +1,6 @@
-"""Selection of the pixels that the edge fit compares: those along the edges of each marker's pattern.
+"""Selection of the pixels near the edges of a marker's pattern. The edge fit compares these pixels with a model.
 
-Arrays are (K, ..., N) for K markers with up to N pixels each; shorter rows are padded.
+The shape (K, ..., N) means K markers with up to N pixels each; the rows of markers with fewer pixels are padded.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LIFTED = np.vstack([SQUARE, np.ones(4)])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Views:
-    """Markers before the fit."""
+    """Markers to fit, as arrays that are padded to the same length."""
 
     differences: Floats
     """Mixed differences (K, n, n) of the patterns."""
@@ -44,7 +44,7 @@ class Views:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
-    """Selected pixels of each marker."""
+    """Pixels that were selected for each marker."""
 
     grey: Floats
     """Grey values (K, N); 0 for padding."""
@@ -56,12 +56,12 @@ class Pixels:
     """Weights (K, N): 1, or 0 for padding."""
 
     def every(self, stride: int) -> Pixels:
-        """Return every `stride`-th pixel."""
+        """Return a selection with only every `stride`-th pixel."""
         return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
 def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
-    """Put patterns of different lengths into padded arrays."""
+    """Return the arrays for markers, given their patterns and their approximate corners as rays."""
     most = max(pattern.across_u.size for pattern in patterns)
     places = np.zeros((len(patterns), 2, most))
     across_u, real = np.zeros((2, len(patterns), most), dtype=bool)
@@ -81,7 +81,10 @@ def make_views(patterns: Sequence[Pattern], rays: Floats) -> Views:
 
 
 def homographies(points: Floats) -> Floats:
-    """Return the homographies (K, 3, 3) from the square to points (K, 2, 4); their last element is 1."""
+    """Return the homographies (K, 3, 3) that map the corners of `SQUARE` to points (K, 2, 4).
+
+    Their last element is 1.
+    """
     u, v = SQUARE
     rows = np.zeros((len(points), 2, 4, 8))
     rows[:, 0, :, :3] = rows[:, 1, :, 3:6] = LIFTED.T
@@ -93,7 +96,7 @@ def homographies(points: Floats) -> Floats:
 
 
 def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Return the images (K, 2, N) of points (K, 2, N) under homographies, and their derivative (K, 2, 2, N)."""
+    """Map points (K, 2, N) by homographies; return the mapped points and the derivative (K, 2, 2, N)."""
     lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
     images = lifted[:, :2] / lifted[:, 2:]
     slope = homography[:, :2, :2, None] - images[:, :, None] * homography[:, 2, None, :2, None]
@@ -118,10 +121,10 @@ def _turned(matrices: Floats, vectors: Floats) -> Floats:
 
 
 def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Views, homography: Floats) -> Pixels:
-    """Select the pixels along the patterns' edges.
+    """Select the pixels along the edges of each marker's pattern; `homography` says where the marker is expected.
 
-    Only the edge points are undistorted, since undistorting each pixel would be slow. The ray of a pixel follows from
-    its edge point by the derivative of the undistortion there.
+    Only points on the edges are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows
+    from the nearest point on an edge and the derivative of the undistortion at this point.
     """
     points, by_square = apply(homography, views.places / views.half - 1)
     rays = points * views.scale[:, None, None] + views.centre[:, :, None]
@@ -158,7 +161,7 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, views: Vie
 def _distinct(
     index: NDArray[np.intp], usable: NDArray[np.bool_], size: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return marker (ascending) and index of each usable pixel, without duplicates."""
+    """Return the marker and the index of each usable pixel, in the order of the markers and without duplicates."""
     each = index[0].size
     keys = (index + np.arange(len(index))[:, None, None] * size)[usable]
     _, first = np.unique(keys, return_index=True)

@@ -1,13 +1,14 @@
-"""Edge fit of markers: corners to hundredths of a pixel, with their covariance.
+"""Edge fit of markers: finds their corners with an accuracy of some hundredths of a pixel, and the corners' covariance.
 
-The number of a marker determines all its edges: the outer ones and those between its bits. Pixels near them are
-compared with a model of the `pattern` under a homography. Gauss-Newton steps change the homography, the width of the
-blur, and the brightness, which may vary linearly over the marker.
+The number of a marker determines where all its edges are: the outer ones, and those between black and white cells
+(modules). Pixels near the edges are compared with a model of the pattern, which a homography maps to the image.
+Gauss-Newton steps change the homography, the width of the blur, and the brightness, which may vary linearly over the
+marker.
 
-The pixels themselves are compared, without interpolation, so their noise is independent. Therefore the variance of the
-residuals and the normal matrix give the covariance of the corners.
+The pixels are compared without interpolation, so their noise is independent. Therefore the covariance of the corners
+follows from the variance of the residuals and the normal matrix.
 
-All markers of a frame are fitted together: arrays are (K, ..., N) for K markers with up to N pixels each.
+All markers of a frame are fitted together. The shape (K, ..., N) means K markers with up to N pixels each.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible, for t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """Marker to fit, with its approximate position."""
+    """Marker to fit, with its approximate corners."""
 
     pattern: Pattern
     corners: Floats
@@ -72,7 +73,7 @@ class Guess:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """Result for one marker."""
+    """Result of the fit for one marker."""
 
     rays: Floats
     """Corners (4, 2) as rays, in OpenCV's order."""
@@ -90,7 +91,7 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
-    """Unknowns of the fit, except the brightness."""
+    """Unknowns of the fit for K markers, except the brightness."""
 
     homography: Floats
     """Homography (K, 3, 3) from the square (-1, -1)...(1, 1), v down, to scaled rays; the last element is 1."""
@@ -100,7 +101,7 @@ class _State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """Fit of K patterns before a step, and the residuals after it."""
+    """Results of one step of the fit for K markers."""
 
     normal: Floats
     """(K, 15, 15)"""
@@ -119,7 +120,7 @@ class _Outcome:
         return variance
 
     def explained(self, pixels: Pixels) -> Floats:
-        """Return the explained share (K,) of the pixels' variance."""
+        """Return the share (K,) of the variance of the pixels that the model explains; 1 for a perfect marker."""
         mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
         spread = pixels.grey - mean[:, None] * pixels.real
         explained: Floats = 1 - _squares(self.residuals) / np.maximum(_squares(spread), 1e-9)
@@ -127,9 +128,9 @@ class _Outcome:
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
-    """Fit each marker near its guess in a grey image (H, W).
+    """Fit the markers in a grey image (H, W); each fit starts at the guess for the marker.
 
-    None if too little of the marker is visible, or if there is no marker.
+    The result for a marker is None if too little of the marker is visible, or if there is no marker.
     """
     if not guesses:
         return []
@@ -162,7 +163,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
 
 
 def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome]:
-    """Make one Gauss-Newton step without outliers."""
+    """Make one Gauss-Newton step for all markers, in which outliers have no weight."""
     design, square = _design(views, state, pixels)
     light = design[:, 9:]
     level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
@@ -183,7 +184,7 @@ def _step(views: Views, state: _State, pixels: Pixels) -> tuple[_State, _Outcome
 
 
 def _shift(before: _State, after: _State) -> Floats:
-    """Return the motion (K,) of the corners in scaled rays."""
+    """Return the largest motion (K,) of a marker's corners between two states, in scaled rays."""
     places = [lifted[:, :2] / lifted[:, 2:] for lifted in (before.homography @ LIFTED, after.homography @ LIFTED)]
     distance: Floats = np.hypot(*(places[1] - places[0]).transpose(1, 0, 2)).max(axis=1)
     return distance
@@ -195,14 +196,14 @@ def _squares(values: Floats) -> Floats:
 
 
 def _solve(normal: Floats, right: Floats) -> Floats:
-    """Return the solutions (K, n) of normal equations (K, n, n) with right sides (K, n, 1)."""
+    """Return the solutions (K, n) of K systems of normal equations: matrices (K, n, n), right sides (K, n, 1)."""
     diagonal = np.einsum("kii->ki", normal)
     diagonal += _RIDGE * (diagonal + 1)
     return np.linalg.solve(normal, right)[..., 0]
 
 
 def _weights(residuals: Floats, real: Floats) -> Floats:
-    """Return weights (K, N): 1 for pixels with a residual near the median, 0 for outliers and padding."""
+    """Return the weights (K, N) of pixels: 0 for outliers and padding, 1 for all others."""
     sizes = np.abs(residuals) - (1 - real)  # padding sorts first
     count = real.sum(axis=1).astype(np.intp)
     middle = np.sort(sizes, axis=1)[
@@ -213,10 +214,11 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
 
 
 def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats]:
-    """Return the derivatives (K, 15, N) by homography, log blur and brightness, and the pixels' places in the square.
+    """Return the derivatives (K, 15, N) of the model, and the positions (K, 2, N) of the pixels in the marker's square.
 
-    The first nine are for a contrast of 1. If the homography moves and a pixel stays, the pixel sees the pattern move
-    in the opposite direction.
+    The derivatives are by 8 elements of the homography, the logarithm of the blur, and 6 coefficients of the
+    brightness. The first nine are for a contrast of 1. If the homography moves while the pixel stays, the pixel sees
+    the pattern move in the opposite direction.
     """
     square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * views.half
@@ -239,7 +241,7 @@ def _design(views: Views, state: _State, pixels: Pixels) -> tuple[Floats, Floats
 
 
 def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
-    """Return the result of one marker; None if its covariance is not finite."""
+    """Return the result of the fit for marker `k`; None if its covariance is not finite."""
     try:
         covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
     except np.linalg.LinAlgError:
@@ -259,7 +261,10 @@ def _fit(views: Views, state: _State, outcome: _Outcome, k: int, variance: float
 
 
 def _corners(homography: Floats) -> tuple[Floats, Floats]:
-    """Return the corners (4, 2), and their derivative (8, 8) by the homography's first eight elements."""
+    """Return the corners (4, 2) of a marker in scaled rays, and their derivative (8, 8) by the homography.
+
+    Only the first eight elements of the homography vary.
+    """
     lifted = homography @ LIFTED
     corners = (lifted[:2] / lifted[2]).T
     place = (LIFTED / lifted[2]).T

@@ -1,7 +1,8 @@
-"""Choice between the two poses of a marker over time.
+"""Choice between the two possible poses of a flat marker, from several frames.
 
-A small or distant flat square looks nearly the same in two poses, so one frame may not decide between them. But only
-the true pose fits in every frame. Both are followed, each with its accumulated misfit, which decays slowly.
+A small or distant marker looks nearly the same in two poses, so one frame may not decide between them. But only the
+true pose fits in every frame. Both poses are followed from frame to frame. The misfit of each is summed, and old
+misfits lose their weight slowly.
 """
 
 from __future__ import annotations
@@ -21,14 +22,20 @@ LARGEST = 25.0
 
 
 class Flips:
-    """The two poses of one landmark, matched between frames by the smaller rotation."""
+    """The two possible poses of one landmark.
+
+    A pose belongs to that pose of the last frame that differs by the smaller rotation.
+    """
 
     def __init__(self) -> None:
         self._followed: list[tuple[Pose, float]] = []
         self._stamp = 0
 
     def decide(self, solutions: Sequence[Solution], stamp: int) -> int:
-        """Return the index of the true pose among at most two solutions, best first; `stamp` is in nanoseconds."""
+        """Return the index of the pose that is probably true, among at most two solutions, best fit first.
+
+        `stamp` is the time of the frame in nanoseconds.
+        """
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
         # Relative to the best solution, so that noise common to both cancels.
@@ -39,7 +46,7 @@ class Flips:
         return misfits.index(least)
 
     def _inherited(self, solutions: Sequence[Solution]) -> list[tuple[Pose, float]]:
-        """Return for each solution the pose that it continues, with the accumulated misfit."""
+        """Return, for each solution, the pose of the last frame that it continues, and the misfit of that pose."""
         if not self._followed:
             return [(one.pose, 0.0) for one in solutions]
         if len(self._followed) == 1 or len(solutions) == 1:

@@ -1,4 +1,4 @@
-"""Set of markers: dictionary, printed sizes, and boards."""
+"""Set of markers that a program searches for: their dictionary, their printed sizes, and their boards."""
 
 from __future__ import annotations
 
@@ -23,16 +23,19 @@ TargetId = int | str
 
 
 def square(side: float) -> Floats:
-    """Return the corners (4, 3) of a marker in its frame: x right, y up on the print, z out of it; upper left first."""
+    """Return the corners (4, 3) of a marker in its own frame, upper left first; `side` is in metres.
+
+    The frame has x right and y up on the print, z out of it, and its origin in the marker's centre.
+    """
     h = side / 2
     return np.array([[-h, h, 0], [h, h, 0], [h, -h, 0], [-h, -h, 0]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Board:
-    """Several markers that form one landmark.
+    """Board: several markers that form one landmark.
 
-    `corners` has the corners (4, 3) of each marker in the board's frame in metres, in the order of `square`. The
+    `corners` holds the corners (4, 3) of each marker, in the board's frame in metres, in the order of `square`. The
     markers may lie in different planes.
     """
 
@@ -50,12 +53,10 @@ class Board:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerSet:
-    """Markers to search for.
+    """Set of markers to search for. Raises `SetupError` for impossible values.
 
-    Raises `SetupError` for impossible values.
-
-    `side` is the distance in metres between the outer edges of a black square, and `sides` has exceptions by number.
-    Without `side`, only the numbers in `sides` and on boards are markers.
+    `side` is the distance in metres between the outer edges of a marker's black square. `sides` holds other distances
+    for single numbers. Without `side`, only the numbers in `sides` and on boards are searched for.
     """
 
     dictionary: str = DICTIONARY
@@ -89,24 +90,24 @@ class MarkerSet:
 
     @property
     def bits(self) -> Any:
-        """Dictionary as an OpenCV object."""
+        """The marker dictionary as an object of OpenCV."""
         return self._bits
 
     def __contains__(self, number: int) -> bool:
         return self.side is not None or number in self.sides or number in self._boards
 
     def target(self, number: int) -> TargetId:
-        """Return the landmark of a marker: the name of its board, or its own number."""
+        """Return the landmark to which a marker belongs: the name of its board, or else the marker's own number."""
         return self._boards[number].name if number in self._boards else number
 
     def is_target(self, target: TargetId) -> bool:
-        """Return true if this landmark exists: a board, or a marker that is on no board."""
+        """Return true if `target` is the name of a board, or the number of a marker that is on no board."""
         if isinstance(target, str):
             return any(board.name == target for board in self.boards)
         return target in range(len(self._bits.bytesList)) and target in self and target not in self._boards
 
     def points(self, number: int) -> Floats:
-        """Return the corners (4, 3) of a marker in its landmark's frame, in metres."""
+        """Return the corners (4, 3) of a marker in the frame of its landmark, in metres."""
         if number in self._boards:
             return self._boards[number].corners[number]
         side = self.sides.get(number, self.side)
@@ -115,7 +116,7 @@ class MarkerSet:
         return square(side)
 
     def pattern(self, number: int) -> Pattern:
-        """Return the pattern of a marker for the edge fit."""
+        """Return the pattern of a marker in the form that the edge fit needs."""
         if number not in self._patterns:
             modules = self._bits.markerSize + 2
             self._patterns[number] = make_pattern(np.asarray(self._bits.generateImageMarker(number, modules)) > 127)

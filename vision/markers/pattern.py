@@ -1,11 +1,12 @@
-"""Model of a marker's pattern as a camera sees it: all edges, blurred.
+"""Model of a marker's pattern as a camera sees it: the grey values near all edges, blurred.
 
-With (u, v) in modules from the upper left outer corner, the grey value is 1 + sum over the lattice's corners (i, j) of
-D[j, i] * P((u - i) / su, (v - j) / sv). D are the mixed differences of black (0) and white (1) modules, P is the
-bivariate normal distribution function, and su and sv are the blur measured across the lines of u and v. P is computed
-with Mehler's series in the correlation, which is 0 if the lattice's lines meet at right angles.
+A module is one black or white cell of the marker. The corners of the modules form a lattice. With (u, v) in modules
+from the upper left outer corner, the grey value is 1 + sum over the lattice points (i, j) of D[j, i] * P((u - i) / su,
+(v - j) / sv). D are the mixed differences of black (0) and white (1) modules. P is the bivariate normal distribution
+function. su and sv are the blur measured across the lines of u and v. P is computed with Mehler's series in the
+correlation, which is 0 if the lines of the lattice meet at right angles.
 
-Several markers are processed together, since numpy is slow on small arrays: K markers with N pixels each.
+Several markers are processed together, because numpy is slow on small arrays: K markers with N pixels each.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _BELL = (np.exp(-0.5 * _GRID**2) / math.sqrt(2 * math.pi)).astype(np.float32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pattern:
-    """Pattern of a marker's modules, prepared for the fit."""
+    """Pattern of a marker in the form that the edge fit needs."""
 
     modules: int
     """Number of modules per side, including the black border."""
@@ -46,7 +47,7 @@ class Pattern:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """Model values (K, N) of pixels: black 0, white 1, and the derivatives."""
+    """Grey values (K, N) that the model predicts for pixels (0 black, 1 white), and their derivatives."""
 
     grey: Floats
     by_u: Floats
@@ -57,7 +58,7 @@ class Look:
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
-    """Prepare a pattern of modules (n, n), border included, upper row first."""
+    """Return the pattern for a marker; `white` (n, n) marks its white modules, border included, upper row first."""
     around = np.pad(white.astype(float), 1, constant_values=1.0)
     along = np.array(ALONG)
     places, across_u = [], []
@@ -72,10 +73,11 @@ def make_pattern(white: NDArray[np.bool_]) -> Pattern:
 
 
 def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) -> Look:
-    """Compute the model at places (K, 2, N) in modules, whose derivative by the pixels is (K, 2, 2, N).
+    """Compute the grey values of the model at `places`, (K, 2, N) in modules, and their derivatives.
 
-    `differences` is (K, n, n); `blur` (K,) is the standard deviation in pixels. Values per lattice line use single
-    precision, which is faster and exact to some hundredths of a grey level.
+    `by_pixel` (K, 2, 2, N) is the derivative of the places by the pixels. `differences` (K, n, n) are those of the
+    patterns. `blur` (K,) is the standard deviation in pixels. The values per line of the lattice have single precision,
+    which is faster and exact to some hundredths of a grey level.
     """
     spread = np.sqrt(by_pixel[:, :, 0] ** 2 + by_pixel[:, :, 1] ** 2)
     correlation = (by_pixel[:, 0] * by_pixel[:, 1]).sum(axis=1) / (spread[:, 0] * spread[:, 1])
@@ -99,6 +101,6 @@ def look(differences: Floats, places: Floats, by_pixel: Floats, blur: Floats) ->
 
 
 def _sum(of_u: Singles, both: Singles) -> Floats:
-    """Return the sum over the lattice's lines of v."""
+    """Return the sum, over the lines of the lattice along v, of the products of both arguments."""
     total: Floats = np.einsum("kin,kin->kn", of_u, both[:, 1]).astype(np.float64)
     return total

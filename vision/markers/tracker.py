@@ -1,8 +1,9 @@
 """Tracking of markers from frame to frame.
 
-The whole frame is searched at half resolution every few frames, and rarely at full resolution. In between, each marker
-is fitted at its predicted position. If that fails, the region around it is searched, and then the whole frame. Every
-marker is fitted at full resolution, so its pose does not depend on how it was found.
+Every few frames, the whole frame is searched at half resolution, and rarely at full resolution. In all other frames,
+each marker is fitted at its predicted position. If that fails, the region around this position is searched, and then
+the whole frame. Every marker is fitted at full resolution, so the accuracy of its pose does not depend on how it was
+found.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ class Sighting:
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Marker of earlier frames."""
+    """Marker that was seen in earlier frames: its last corners and their velocity."""
 
     corners: Floats
     velocity: Floats
@@ -80,7 +81,7 @@ class _Track:
 
 
 class Tracker:
-    """Finds and tracks the markers of one camera. Not thread-safe."""
+    """Finds and tracks the markers in the frames of one camera. Not thread-safe."""
 
     def __init__(
         self,
@@ -90,23 +91,26 @@ class Tracker:
         scan_every: int = SCAN_EVERY,
         full_every: int = FULL_EVERY,
     ) -> None:
-        """Create a tracker; `scan_every` 1 searches every frame, `full_every` 1 always at full resolution."""
+        """Create a tracker that searches the whole frame every `scan_every` frames.
+
+        Every `full_every`-th of these searches uses full resolution; the others use half resolution.
+        """
         self._camera, self._markers = camera, markers
         self._detector = Detector(markers)
         self._scan_every, self._full_every = scan_every, full_every
         self.reset()
 
     def reset(self) -> None:
-        """Forget all tracks, for instance when time jumps back."""
+        """Forget all markers of earlier frames. Called when the time of the frames jumps back."""
         self._tracks: dict[int, _Track] = {}
         self._flips: dict[TargetId, Flips] = {}
         self._frames = self._scans = 0
         self._stamp = 0
 
     def track(self, image: Image, stamp: int) -> tuple[Sighting, ...]:
-        """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), taken at `stamp` in nanoseconds.
+        """Return the landmarks in an image, grey (H, W) or BGR (H, W, 3), that was taken at `stamp`, in nanoseconds.
 
-        Raises `SetupError` if the image's size is not that of the camera's calibration.
+        Raises `SetupError` if the image does not have the size of the images of the camera's calibration.
         """
         grey = self._grey(image)
         # A looped recording or a changed clock: predictions across the jump would be wrong.
@@ -145,7 +149,10 @@ class Tracker:
     # --- finding ---
 
     def _find(self, grey: Image, stamp: int) -> dict[int, Fit]:
-        """Fit all markers; search the whole frame when it is due, or when a marker is lost."""
+        """Return the fits of all markers.
+
+        Search the whole frame when it is time for a search, or when a marker is lost.
+        """
         due = self._frames % self._scan_every == 0
         self._frames += 1
         found = self._scan(grey) if due else {}
@@ -172,7 +179,7 @@ class Tracker:
         return found
 
     def _keep(self, found: dict[int, Detection], more: Iterable[Detection]) -> None:
-        """Add detections; of two with the same number keep the larger."""
+        """Add the detections `more` to `found`; of two detections with the same number, keep the larger one."""
         for one in more:
             old = found.get(one.number)
             if old is None or _extent(one) > _extent(old):
@@ -183,7 +190,10 @@ class Tracker:
     def _fit_all(
         self, grey: Image, found: Mapping[int, Detection], stamp: int, expected: Container[int] = ()
     ) -> dict[int, Fit]:
-        """Fit detections; the `expected` ones must stay near their predicted position."""
+        """Return the fits of detections.
+
+        A marker in `expected` counts only if its fit stays near its predicted position.
+        """
         fits = {}
         guesses = [self._guess(detection) for detection in found.values()]
         fitted = {
@@ -210,7 +220,7 @@ class Tracker:
         return targets
 
     def _seen(self, numbers: list[int], fits: Mapping[int, Fit]) -> Corners:
-        """Return the corners of a landmark with their covariance."""
+        """Return the corners of a landmark with their covariance; `numbers` are its visible markers."""
         points = [self._markers.points(number) for number in numbers]
         covariance = np.zeros((8 * len(numbers), 8 * len(numbers)))
         for place, number in enumerate(numbers):
@@ -218,7 +228,10 @@ class Tracker:
         return Corners(np.concatenate(points), np.concatenate([fits[number].rays for number in numbers]), covariance)
 
     def _starts(self, landmarks: Iterable[list[int]], fits: Mapping[int, Fit]) -> list[list[Pose]]:
-        """Return start poses of each landmark, given by the numbers of its markers: the poses of single markers."""
+        """Return the start poses for each landmark: the possible poses of its single markers.
+
+        A landmark is given by the numbers of its visible markers.
+        """
         if not fits:
             return []
         points = np.stack([self._markers.points(number) for number in fits])
@@ -250,14 +263,14 @@ def _extent(detection: Detection) -> float:
 
 
 def _followed(old: _Track | None, corners: Floats, stamp: int, blur: float) -> _Track:
-    """Return a marker's track at its new position."""
+    """Return the new state of a marker, with its velocity, after it was found at `corners`."""
     if old is None or stamp <= old.stamp:
         return _Track(corners, np.zeros((4, 2)), stamp, blur)
     return _Track(corners, (corners - old.corners) / ((stamp - old.stamp) / 1e9), stamp, blur)
 
 
 def _predicted(track: _Track, stamp: int) -> tuple[Floats, float]:
-    """Return the predicted corners of a marker, and the largest prediction error in pixels."""
+    """Return the corners of a marker predicted for `stamp`, and the largest error of the prediction in pixels."""
     seconds = (stamp - track.stamp) / 1e9
     return track.corners + track.velocity * seconds, float(np.abs(track.velocity).max()) * seconds / 2
 

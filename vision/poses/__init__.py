@@ -1,1 +1,1 @@
-"""Poses, and their computation from points."""
+"""Poses, and their computation from the corners of markers."""

@@ -1,6 +1,7 @@
-"""Perspective-n-point: the pose of a marker or board from its corners, both solutions with covariances.
+"""Perspective-n-point: computes the pose of a marker or board from its corners.
 
-Corners are given as rays, so no lens model is needed here.
+A flat marker has two possible poses; both are computed, with covariances. Corners are given as rays, so no model of the
+lens is needed here.
 """
 
 from __future__ import annotations
@@ -33,7 +34,10 @@ _NORMAL_QUANTILE = 3.09  # 99.9 % quantile of the normal distribution
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Corners:
-    """Corners of a landmark: points (N, 3) in its frame, and their rays (N, 2) with covariance (2N, 2N)."""
+    """Observed corners of a landmark: points (N, 3) in its frame, in metres, and their rays (N, 2).
+
+    `covariance` (2N, 2N) is the covariance of the rays.
+    """
 
     points: Floats
     rays: Floats
@@ -42,7 +46,7 @@ class Corners:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """Pose (landmark to camera) at a local optimum of the fit."""
+    """Possible pose of a landmark (landmark to camera): a local optimum of the fit."""
 
     pose: Pose
     covariance: Floats
@@ -54,9 +58,10 @@ class Solution:
 
 
 def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
-    """Return both poses of each of K markers, given their corners (K, 4, 3) and rays (K, 4, 2).
+    """Return both possible poses of each of K markers, given their corners (K, 4, 3) and rays (K, 4, 2).
 
-    The markers may lie anywhere in their landmarks' frames. Uses IPPE (Collins and Bartoli, 2014) from OpenCV.
+    The corners are in the landmark's frame, in which a marker may lie anywhere. Uses IPPE (Collins and Bartoli, 2014)
+    from OpenCV.
     """
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
     sides = np.sqrt((right * right).sum(axis=1))
@@ -78,9 +83,9 @@ def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
 
 
 def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
-    """Return rotation vectors (3,) and translations (3,) from a marker's own frame to the camera's.
+    """Return the rotation vectors (3,) and translations (3,) of a marker's possible poses (marker to camera).
 
-    The marker's own frame has its origin in the marker's centre, x to the right and y up.
+    The frame of the marker has its origin in the marker's centre, x to the right and y up.
     """
     _, turns, shifts, _ = cv2.solvePnPGeneric(
         square(side), rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
@@ -89,7 +94,7 @@ def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
 
 
 def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[list[Solution]]:
-    """Refine the starts of each landmark; return its distinct solutions, best first.
+    """Refine the start poses of each landmark; return the different solutions of each landmark, best first.
 
     Landmarks with the same number of corners are refined together, because numpy is slow on small arrays.
     """
@@ -107,7 +112,7 @@ def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[lis
 
 
 class _Start(NamedTuple):
-    """Start of the refinement of a landmark's pose."""
+    """Start pose of a landmark, with the corners to which it is fitted."""
 
     owner: int
     """Index of the landmark."""
@@ -117,7 +122,7 @@ class _Start(NamedTuple):
 
 
 def _whitening(corners: Corners) -> Floats | None:
-    """Return the matrix that makes the corners' errors independent with variance 1; None if there is none."""
+    """Return the matrix that makes the errors of corners independent with variance 1; None if none exists."""
     try:
         return np.linalg.inv(np.linalg.cholesky(corners.covariance))
     except np.linalg.LinAlgError:
@@ -125,7 +130,7 @@ def _whitening(corners: Corners) -> Floats | None:
 
 
 def _different(solutions: list[Solution]) -> list[Solution]:
-    """Return the solutions, best first, without duplicates of better ones."""
+    """Return the solutions, best first, without those whose pose equals the pose of a better one."""
     kept: list[Solution] = []
     for solution in sorted(solutions, key=lambda one: one.chi2):
         if all(solution.pose.angle_to(other.pose) > _SAME for other in kept):
@@ -134,7 +139,7 @@ def _different(solutions: list[Solution]) -> list[Solution]:
 
 
 class _Problem:
-    """Corners (P, N, ...) to which P poses are fitted."""
+    """Fit of P poses to corners; the arrays have the shape (P, N, ...) for N corners each."""
 
     def __init__(self, starts: Sequence[_Start]) -> None:
         self.owners = np.array([start.owner for start in starts])
@@ -143,7 +148,7 @@ class _Problem:
         self.whitening = np.stack([start.whitening for start in starts])
 
     def at(self, rotation: Floats, translation: Floats) -> _Places:
-        """Evaluate the fit of poses."""
+        """Return the residuals and derivatives for these P poses."""
         rays, derivative = predict_all(rotation, translation, self.points)
         missed = self.rays - rays
         count = len(missed)
@@ -154,7 +159,7 @@ class _Problem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """Fit of P poses."""
+    """P poses with their residuals and derivatives."""
 
     rotation: Floats
     """(P, 3, 3)"""
@@ -170,18 +175,21 @@ class _Places:
     """(P,)"""
 
     def normal(self) -> Floats:
-        """Return the normal matrices (P, 6, 6)."""
+        """Return the normal matrix (6, 6) of each pose, as an array (P, 6, 6)."""
         matrices: Floats = np.swapaxes(self.derivative, 1, 2) @ self.derivative
         return matrices
 
     def where(self, chosen: NDArray[np.bool_], other: _Places) -> _Places:
-        """Return the chosen elements of this fit, and the others of `other`."""
+        """Return new poses: those of this object where `chosen` is true, and those of `other` elsewhere."""
         pairs = ((getattr(self, part.name), getattr(other, part.name)) for part in fields(self))
         return _Places(*(np.where(chosen.reshape(-1, *[1] * (one.ndim - 1)), one, two) for one, two in pairs))
 
 
 def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
-    """Refine starts of landmarks with the same number of corners; None if the corners determine no pose."""
+    """Refine start poses whose landmarks have the same number of corners.
+
+    A result is None if the corners do not determine the pose.
+    """
     if not starts:
         return []
     problem = _Problem(starts)
@@ -212,7 +220,7 @@ def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
 
 
 def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _Places:
-    """Refine the poses that are `moving` by the Levenberg-Marquardt algorithm."""
+    """Refine those poses for which `moving` is true, by the Levenberg-Marquardt algorithm."""
     damping: Floats = np.full(len(moving), 1e-4)
     for _ in range(STEPS):
         normal = places.normal()
@@ -233,15 +241,15 @@ def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _P
 
 
 def _invertible(matrices: Floats) -> NDArray[np.bool_]:
-    """Return which matrices (P, n, n) are invertible; those with NaN are not."""
+    """Return a mask (P,) of the matrices (P, n, n) that are invertible. A matrix with NaN is not."""
     invertible: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) > 0)
     return invertible
 
 
 def with_model_error(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
-    """Enlarge the covariances if the best chi squared is larger than chance explains.
+    """Return the corners and solutions with larger covariances if the best chi squared is larger than chance explains.
 
-    In that case the camera's parameters, the marker's side or its flatness differ from the assumptions.
+    In that case the assumptions are not exact: the camera's parameters, the side of the marker, or its flatness.
     """
     freedom = corners.rays.size - 6
     chi2 = solutions[0].chi2
@@ -253,6 +261,9 @@ def with_model_error(corners: Corners, solutions: Sequence[Solution]) -> tuple[C
 
 
 def chi2_limit(freedom: int) -> float:
-    """Return the value that chi squared exceeds once in a thousand cases (Wilson and Hilferty, 1931)."""
+    """Return the value that chi squared exceeds once in a thousand cases (Wilson and Hilferty, 1931).
+
+    `freedom` is the number of degrees of freedom.
+    """
     part = 2 / (9 * freedom)
     return float(freedom * (1 - part + _NORMAL_QUANTILE * part**0.5) ** 3)

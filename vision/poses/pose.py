@@ -1,7 +1,7 @@
-"""Poses and their effect on points.
+"""Poses, and the positions at which a camera sees points.
 
-The error of a pose is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation is exp([r]x) R. Both
-are in the axes of the frame in which the pose is given, as in ROS 2's `PoseWithCovariance`.
+The error of a pose is (dx, dy, dz, rx, ry, rz): the true translation is t + d, the true rotation is exp([r]x) R. d and
+r are in the axes of the frame in which the pose is given, as in ROS 2's `PoseWithCovariance`.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ _CROSS[0, [5, 7]], _CROSS[1, [2, 6]], _CROSS[2, [1, 3]] = (-1, 1), (1, -1), (-1,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """Transform of points from one frame to another: `rotation` (3, 3) @ point + `translation` (3,) in metres."""
+    """Transform of points from one frame to another: `rotation` (3, 3) @ point + `translation` (3,), in metres."""
 
     rotation: Floats
     translation: Floats
 
     def apply(self, points: Floats) -> Floats:
-        """Return points (..., 3) in the other frame."""
+        """Transform points (..., 3) to the other frame."""
         moved: Floats = points @ self.rotation.T + self.translation
         return moved
 
@@ -36,19 +36,19 @@ class Pose:
         return Pose(self.rotation @ first.rotation, self.rotation @ first.translation + self.translation)
 
     def inverse(self) -> Pose:
-        """Return the inverse transform."""
+        """Return the transform in the opposite direction."""
         return Pose(self.rotation.T, -self.rotation.T @ self.translation)
 
     def moved(self, change: Floats) -> Pose:
-        """Return the pose after a change (6,) of x y z rotX rotY rotZ."""
+        """Return the pose that results from a change (6,): x y z in metres, rotX rotY rotZ in radians."""
         return Pose(rotation_of(change[3:]) @ self.rotation, self.translation + change[:3])
 
     def change_to(self, other: Pose) -> Floats:
-        """Return the change (6,) from this pose to the other: the inverse of `moved`."""
+        """Return the change (6,) that turns this pose into another one; `moved` applies it."""
         return np.concatenate([other.translation - self.translation, angles_of(other.rotation @ self.rotation.T)])
 
     def angle_to(self, other: Pose) -> float:
-        """Return the angle in radians between both rotations.
+        """Return the angle in radians between the rotations of this pose and another one.
 
         The Frobenius norm of the difference of two rotation matrices is sqrt(8) sin(angle / 2).
         """
@@ -68,7 +68,7 @@ def rotation_of(angles: Floats) -> Floats:
 
 
 def angles_of(rotation: Floats) -> Floats:
-    """Return the rotation vector of a rotation: the inverse of `rotation_of`.
+    """Return the rotation vector (3,) of a rotation (3, 3). This is the inverse of `rotation_of`.
 
     OpenCV's Rodrigues treats angles below 1e-5 as zero, so it is used only near 180 degrees.
     """
@@ -83,7 +83,7 @@ def angles_of(rotation: Floats) -> Floats:
 
 
 def quaternion_of(rotation: Floats) -> Floats:
-    """Return the unit quaternion x y z w of a rotation (3, 3), with w not negative."""
+    """Return the unit quaternion x y z w of a rotation (3, 3); w is never negative."""
     angles = angles_of(rotation)
     half = float(np.linalg.norm(angles)) / 2
     return np.append(
@@ -92,12 +92,15 @@ def quaternion_of(rotation: Floats) -> Floats:
 
 
 def predict(pose: Pose, points: Floats) -> tuple[Floats, Floats]:
-    """Return the rays (N, 2) of points (N, 3), and their derivative (N, 2, 6) by the pose; NaN behind the camera."""
+    """Return the rays (N, 2) of points (N, 3) that a pose transforms, and their derivative (N, 2, 6) by the pose.
+
+    The values of points behind the camera are NaN.
+    """
     return predict_all(pose.rotation, pose.translation, points)
 
 
 def predict_all(rotation: Floats, translation: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Compute as `predict` for many poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
+    """Return the same as `predict` for many poses: rotations (..., 3, 3), translations (..., 3), points (..., N, 3)."""
     turned = points @ np.swapaxes(rotation, -1, -2)
     seen = turned + translation[..., None, :]
     z = np.where(seen[..., 2] > 0, seen[..., 2], np.nan)[..., None]

@@ -1,7 +1,7 @@
-"""Poses in YAML files.
+"""Reading of poses in YAML files.
 
-A pose has a `position` in metres, and its rotation as `rpy` or as `orientation`. `rpy` are degrees about the fixed x, y
-and z axes, in this order (as in URDF); `orientation` is a quaternion x y z w.
+A pose has a `position` in metres, and a rotation as `rpy` or as `orientation`. `rpy` are angles in degrees about the
+fixed x, y and z axes, applied in this order (as in URDF). `orientation` is a quaternion x y z w.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ _UNIT = 0.01  # largest deviation of a quaternion's length from 1
 
 
 def pose(item: Item, entries: Mapping[str, Item]) -> Pose:
-    """Return the pose in an item's entries. Raises `SetupError` if there is none."""
+    """Return the pose that the keys in `entries` describe. Raises `SetupError` if they describe no pose.
+
+    `item` is the value that contains the keys.
+    """
     if "position" not in entries:
         raise item.error(f"{item.name} has no position")
     if ("rpy" in entries) == ("orientation" in entries):

@@ -1,4 +1,4 @@
-"""Printing of markers and boards to scale: as PDF with exact shapes, or as PNG with a given resolution."""
+"""Printing of markers and boards in exact size: as PDF, or as PNG with a given resolution."""
 
 from roverlink.vision.printing.pdf import to_pdf
 from roverlink.vision.printing.png import to_png

@@ -1,4 +1,4 @@
-"""Sheets as PDF (ISO 32000), written directly, since rectangles and text need only a few operators.
+"""Writing of sheets as PDF (ISO 32000). No library is used, because rectangles and text need only a few PDF operators.
 
 Equal sheets give equal bytes.
 """
@@ -17,7 +17,7 @@ _FIRST_PAGE = 4  # object number; 1 to 3 are the catalogue, the page list and th
 
 
 def to_pdf(sheets: Sequence[Sheet]) -> bytes:
-    """Return a PDF with one page for each sheet. Viewers print it to scale at 100 % (actual size)."""
+    """Return a PDF with one page for each sheet. At a scale of 100 % (actual size) it is printed in the exact size."""
     pages = " ".join(f"{_FIRST_PAGE + 2 * index} 0 R" for index in range(len(sheets)))
     objects = [
         # asks viewers not to shrink the page to the printable area
@@ -60,7 +60,7 @@ def _file(objects: Sequence[str]) -> bytes:
 
 
 def _number(metres: float) -> str:
-    """Return a length in points, to a tenth of a micrometre."""
+    """Return a length as text in points (1/72 inch), accurate to a tenth of a micrometre."""
     return f"{metres * _POINTS:.4f}".rstrip("0").rstrip(".")
 
 

@@ -1,4 +1,4 @@
-"""Sheets as PNG: edges are rounded to pixels, and the file states the size of a pixel."""
+"""Writing of sheets as PNG. Edges are rounded to whole pixels, and the file states the size of a pixel."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LARGEST = 30_000
 
 
 def to_png(sheet: Sheet, dpi: float) -> bytes:
-    """Return a PNG image of a sheet. Raises `SetupError` if it is too large."""
+    """Return a sheet as PNG with `dpi` pixels per inch. Raises `SetupError` if the image would be too large."""
     scale = dpi / _INCH
     width, height = round(sheet.width * scale), round(sheet.height * scale)
     if max(width, height) > _LARGEST:
@@ -38,7 +38,10 @@ def to_png(sheet: Sheet, dpi: float) -> bytes:
 
 
 def _with_resolution(png: bytes, pixels_a_metre: float) -> bytes:
-    """Add the chunk pHYs with the size of a pixel (PNG specification, 11.3.5.3), which OpenCV does not write."""
+    """Return a PNG with the chunk pHYs added, which states the size of a pixel (PNG specification, 11.3.5.3).
+
+    OpenCV does not write this chunk.
+    """
     data = b"pHYs" + struct.pack(">IIB", round(pixels_a_metre), round(pixels_a_metre), 1)
     chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
     return png[:_HEADER] + chunk + png[_HEADER:]

@@ -1,4 +1,7 @@
-"""Content of a sheet of paper: black rectangles and text, in metres from the upper left corner, y down."""
+"""Content of a sheet of paper: black rectangles and text.
+
+Positions are in metres from the upper left corner of the sheet; y points down.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Rectangle:
-    """Black rectangle."""
+    """Black rectangle on a sheet."""
 
     left: float
     top: float
@@ -16,13 +19,16 @@ class Rectangle:
     height: float
 
     def moved(self, right: float, down: float) -> Rectangle:
-        """Return the rectangle, shifted to the right and down by metres."""
+        """Return the rectangle, shifted to the right and down by these distances in metres."""
         return Rectangle(self.left + right, self.top + down, self.width, self.height)
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Text in capitals of a given height; `left` and `base` are the start of its base line."""
+    """Text on a sheet.
+
+    `height` is the height of its capital letters; `left` and `base` are the start of its base line.
+    """
 
     left: float
     base: float
@@ -32,7 +38,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """Page of paper."""
+    """Sheet of paper with its content."""
 
     width: float
     height: float
@@ -41,5 +47,5 @@ class Sheet:
 
 
 def moved(rectangles: Iterable[Rectangle], right: float, down: float) -> list[Rectangle]:
-    """Return the rectangles, shifted to the right and down by metres."""
+    """Return the rectangles, shifted to the right and down by these distances in metres."""
     return [one.moved(right, down) for one in rectangles]

@@ -1,4 +1,4 @@
-"""Layout of markers, boards and rulers on sheets of paper."""
+"""Layout of sheets: where markers, boards and rulers are on the paper."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _STEP = 0.01  # between ticks
 
 
 def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
-    """Return a sheet with a ChArUco board in the centre, and rulers. Raises `SetupError` if it does not fit."""
+    """Return a sheet with a ChArUco board in the centre, and rulers. Raises `SetupError` if the board does not fit."""
     width, height = board.size
     page_width, page_height = _page(paper, width, height, f"a board of {board.columns}x{board.rows} squares")
     left, top = (page_width - width) / 2, (page_height - height) / 2
@@ -50,9 +50,10 @@ def board_sheet(board: CharucoBoard, paper: str) -> Sheet:
 
 
 def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> list[Sheet]:
-    """Return sheets with markers, each with a white border of one module and its number, and with rulers.
+    """Return sheets with markers and rulers. Each marker has a white border, and its number below it.
 
-    Raises `SetupError` for a marker that is larger than the sheet.
+    The border is as wide as one module, which is one black or white cell of the marker. Raises `SetupError` if a marker
+    is larger than the sheet.
     """
     sides = {number: float(markers.points(number)[1, 0] - markers.points(number)[0, 0]) for number in numbers}
     modules = markers.bits.markerSize + 2
@@ -76,7 +77,10 @@ def marker_sheets(markers: MarkerSet, numbers: Sequence[int], paper: str) -> lis
 
 
 def _page(paper: str, width: float, height: float, what: str) -> tuple[float, float]:
-    """Return the size of the paper in portrait, or in landscape if the content fits only there."""
+    """Return width and height of the paper: upright, or turned if the content fits only then.
+
+    Raises `SetupError` if the content is too large; `what` names the content.
+    """
     rim = 2 * (_MARGIN + _STRIP)
     upright = PAPERS[paper]
     for page in (upright, upright[::-1]):
@@ -92,7 +96,7 @@ def _page(paper: str, width: float, height: float, what: str) -> tuple[float, fl
 
 
 def _board(board: CharucoBoard) -> Iterator[Rectangle]:
-    """Yield the black parts of a board; its squares without a marker are black."""
+    """Yield the black parts of a ChArUco board; a square of the board without a marker is black."""
     opencv = board.opencv
     white = set()
     for number, corners in zip(np.ravel(opencv.getIds()).tolist(), opencv.getObjPoints()):
@@ -108,12 +112,15 @@ def _board(board: CharucoBoard) -> Iterator[Rectangle]:
 
 
 def _bits(dictionary: Any, number: int) -> NDArray[np.bool_]:
-    """Return a mask (n, n) of a marker's black modules, including its border."""
+    """Return a mask (n, n) of a marker's black modules (cells), including those of the black border."""
     return np.asarray(dictionary.generateImageMarker(number, dictionary.markerSize + 2)) < 128
 
 
 def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:
-    """Yield a marker's black modules; neighbours in a row are merged."""
+    """Yield rectangles for the black modules (cells) of a marker.
+
+    Neighbouring black modules in a row become one rectangle.
+    """
     module = side / len(black)
     for row, modules in enumerate(black):
         column = 0
@@ -125,7 +132,7 @@ def _marker(black: NDArray[np.bool_], side: float) -> Iterator[Rectangle]:
 
 
 def _rulers(height: float, words: str) -> tuple[list[Rectangle], tuple[Label, ...]]:
-    """Return a ruler along the lower edge and one along the left edge, and the text next to the lower one."""
+    """Return a ruler along the lower edge and one along the left edge, and the text beside the lower ruler."""
     lower = height - _MARGIN - _LINE
     across = [Rectangle(_MARGIN, lower, RULER, _LINE)]
     down = [Rectangle(_MARGIN, lower - RULER, _LINE, RULER)]

@@ -1,1 +1,1 @@
-"""ROS 2 output of the camera programs."""
+"""Conversion of the results of the camera programs to ROS 2 messages, and their publishing."""

@@ -4,12 +4,13 @@
 |-------------------------|-----------------------------------------|-------------------------------------------------|
 | /tf                     | tf2_msgs/TFMessage                      | transform of each landmark                      |
 | aruco/<name>/pose       | geometry_msgs/PoseWithCovarianceStamped | pose of one landmark, with covariance           |
-| aruco/detections        | vision_msgs/Detection3DArray            | all landmarks of a frame, both poses of each    |
+| aruco/detections        | vision_msgs/Detection3DArray            | landmarks of a frame, each with all its poses   |
 | aruco/camera_info       | sensor_msgs/CameraInfo                  | the camera's parameters                         |
 | aruco/image/compressed  | sensor_msgs/CompressedImage             | the frame with the landmarks drawn into it      |
 | aruco/camera_pose       | geometry_msgs/PoseWithCovarianceStamped | pose of the camera on the field                 |
 
-A message is made only if its topic has a subscriber, because some take long to make.
+A flat marker has two possible poses. A message is made only if its topic has a subscriber, because making some of the
+messages takes long.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ _LATEST = Qos(depth=5)  # the depth of ROS 2's sensor data profile
 
 
 class Publishing:
-    """Publishers of one camera."""
+    """Publishers for the results of one camera."""
 
     def __init__(
         self,
@@ -46,9 +47,9 @@ class Publishing:
         topic: Callable[[str], str],
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Open the topics; `topic` returns a topic's full name.
+        """Create the publishers; `topic` returns the fully qualified name of a topic.
 
-        `say` is called if a topic cannot be published, for instance if rclpy lacks the message type.
+        `say` is called with a message if a topic cannot be published, for instance if rclpy lacks the message type.
         """
         self._middleware, self._camera, self._names, self._topic, self._say = middleware, camera, names, topic, say
         self._transforms = self._open("/tf", tf2_msgs.TFMessage, _TRANSFORMS)
@@ -59,7 +60,7 @@ class Publishing:
         self._poses: dict[str, _Output] = {}
 
     def publish(self, view: View) -> None:
-        """Publish the results of a frame. Without landmarks nothing is sent on /tf."""
+        """Publish the results of a frame on all topics. If the frame has no landmarks, nothing is published on /tf."""
         names, stamp, sightings = self._names, view.frame.stamp, view.sightings
         if sightings:
             self._transforms.put(lambda: sighting_messages.transforms_of(sightings, names))
@@ -89,12 +90,12 @@ class Publishing:
 
 
 class _Output:
-    """Topic, or a placeholder for one that cannot be published."""
+    """Topic with its publisher, or without one if the topic cannot be published."""
 
     def __init__(self, publisher: Publisher | None) -> None:
         self._publisher = publisher
 
     def put(self, make: Callable[[], Message]) -> None:
-        """Publish a message if the topic has a subscriber."""
+        """Call `make` and publish the message that it returns, but only if the topic has a subscriber."""
         if self._publisher is not None and self._publisher.has_subscribers():
             self._publisher.publish([cdr.encode(make())])

@@ -1,4 +1,4 @@
-"""Publishing of the rover's position, on the topic that a bridge sends to the basestation."""
+"""Publishing of the rover's position on the topic from which a bridge sends it to the basestation."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def position_publisher(
     topic: Callable[[str], str],
     warn: Callable[[str], object] = lambda _: None,
 ) -> Callable[[Floats], None]:
-    """Return a function that publishes a position (3,) as the message of the row `ROW`.
+    """Return a function that publishes a position (3,) as the message of the row with the name `ROW`.
 
-    If the table has no such row, or its message lacks one of `AXES`, ``warn`` is called and the function does nothing,
-    because tracking is useful without a peer too.
+    If the table has no such row, or if its message has no field for one of `AXES`, ``warn`` is called with a message,
+    and the returned function does nothing. This is no error, because tracking is useful without a peer too.
     """
     rows = (*registry.handlers, *registry.extra_topics)
     handler = next((row for row in rows if row.route.name == ROW and not row.route.inbound), None)

@@ -1,6 +1,6 @@
-"""Conversion of sightings to ROS 2 messages.
+"""Conversion of sightings (landmarks in a frame, with their poses) to ROS 2 messages.
 
-A marker's frame has x to the right on the print, y up and z out of it; the camera's frame is the optical one (REP 103).
+A marker's frame has x to the right on the print, y up and z out of it. The camera's frame is the optical one (REP 103).
 Covariances are about the axes of the frame in which the pose is given, as in `geometry_msgs/PoseWithCovariance`.
 """
 
@@ -30,24 +30,24 @@ _QUALITY = 80  # of JPEG
 
 @dataclass(frozen=True, slots=True)
 class FrameNames:
-    """Names of the coordinate frames."""
+    """Names of the coordinate frames in the messages."""
 
     camera: str = "camera_frame"
     marker: str = "aruco_"
     """Prefix of a marker's number or a board's name."""
 
     def of(self, target: TargetId) -> str:
-        """Return the name of a landmark's frame."""
+        """Return the name of the coordinate frame of a landmark."""
         return f"{self.marker}{target}"
 
 
 def header_of(stamp: int, frame: str) -> Header:
-    """Return a header; `stamp` is in nanoseconds since 1970."""
+    """Return a message header; `stamp` is in nanoseconds since 1970, `frame` names a coordinate frame."""
     return Header(Time(stamp // 10**9, stamp % 10**9), frame)
 
 
 def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.TFMessage:
-    """Return the landmarks' poses in the camera's frame, for tf2."""
+    """Return a message for tf2 with the poses of landmarks in the camera's frame."""
     return tf2_msgs.TFMessage(
         [
             geometry_msgs.TransformStamped(
@@ -61,19 +61,22 @@ def transforms_of(sightings: Sequence[Sighting], names: FrameNames) -> tf2_msgs.
 
 
 def marker_pose_of(one: Sighting, names: FrameNames) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Return a landmark's pose in the camera's frame."""
+    """Return a message with the pose of a landmark in the camera's frame."""
     pose = _with_covariance(one.pose, one.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(one.stamp, names.camera), pose)
 
 
 def camera_pose_of(place: FieldPose, stamp: int) -> geometry_msgs.PoseWithCovarianceStamped:
-    """Return the camera's pose on the field."""
+    """Return a message with the pose of the camera on the field; `stamp` is in nanoseconds since 1970."""
     pose = _with_covariance(place.pose, place.covariance)
     return geometry_msgs.PoseWithCovarianceStamped(header_of(stamp, place.frame), pose)
 
 
 def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) -> vision_msgs.Detection3DArray:
-    """Return the landmarks of a frame with both poses of each; the first result is the chosen pose."""
+    """Return a message with the landmarks of a frame, each with all its possible poses.
+
+    The first pose of a landmark is the chosen one.
+    """
     header = header_of(stamp, names.camera)
     return vision_msgs.Detection3DArray(header, [_detection(one, header, names) for one in sightings])
 
@@ -81,7 +84,7 @@ def detections_of(sightings: Sequence[Sighting], stamp: int, names: FrameNames) 
 def camera_info_of(
     camera: CameraParameters, size: tuple[int, int], stamp: int, names: FrameNames
 ) -> sensor_msgs.CameraInfo:
-    """Return the camera's parameters, for unrectified images of `size` (width, height)."""
+    """Return a message with the camera's parameters, for images of `size` (width, height) that are not rectified."""
     width, height = size
     return sensor_msgs.CameraInfo(
         header=header_of(stamp, names.camera),
@@ -96,7 +99,7 @@ def camera_info_of(
 
 
 def compressed_of(image: Image, stamp: int, names: FrameNames) -> sensor_msgs.CompressedImage:
-    """Return an image (H, W, 3) as JPEG. Raises `SetupError` if JPEG cannot hold it."""
+    """Return a message with an image (H, W, 3) as JPEG. Raises `SetupError` if the image is too large for JPEG."""
     done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
     if not done:
         raise SetupError(f"cannot write an image of {image.shape[1]}x{image.shape[0]} pixels as JPEG")
@@ -124,7 +127,7 @@ def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.
 
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
-    """Return the probability of a solution among all, from the chi squared of this frame alone."""
+    """Return the probability that one of several solutions is true, computed from chi squared of this frame only."""
     least = min(one.chi2 for one in solutions)
     weights = [math.exp((least - one.chi2) / 2) for one in solutions]
     return math.exp((least - solution.chi2) / 2) / sum(weights)

@@ -11,7 +11,7 @@
 namespace roverlink
 {
 
-/// Return true if the type URL of an Any names the message type.
+/// Return true if the type URL of an Any names the message type of the template argument.
 template<typename Payload>
 bool holds(const google::protobuf::Any & payload)
 {
@@ -21,7 +21,7 @@ bool holds(const google::protobuf::Any & payload)
   return slash != std::string::npos && url.substr(slash + 1) == Payload::descriptor()->full_name();
 }
 
-/// Parse the message in an Any. Throws ConversionError if its bytes are not such a message.
+/// Parse the message in an Any. Throws ConversionError if the bytes in the Any are not a message of the type.
 template<typename Payload>
 Payload unpacked(const google::protobuf::Any & payload, const char * place)
 {
@@ -32,10 +32,10 @@ Payload unpacked(const google::protobuf::Any & payload, const char * place)
   return held;
 }
 
-/// Pack a message into an Any; equal messages give equal bytes.
+/// Return an Any that holds a message. Equal messages give equal bytes.
 google::protobuf::Any packed(const google::protobuf::Message & message);
 
-/// Check that an Any is empty. Throws ConversionError for a message for which the ROS 2 message has no field.
+/// Throw ConversionError if an Any holds a message, because the ROS 2 message has no field for it.
 void check_empty(const google::protobuf::Any & payload, const char * place);
 
 }  // namespace roverlink

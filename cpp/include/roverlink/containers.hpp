@@ -25,7 +25,9 @@ std::vector<const typename Map::value_type *> sorted(const Map & map)
   return entries;
 }
 
-/// Add a key to a map and return its new value. Throws ConversionError for a repeated key: a map would lose a value.
+/// Add a key to a map and return a reference to the value of the key.
+///
+/// Throws ConversionError if the map has the key already, because one of the two values would be lost.
 template<typename Map, typename Key>
 typename Map::mapped_type & added(Map & map, const Key & key, const char * field)
 {
@@ -37,7 +39,7 @@ typename Map::mapped_type & added(Map & map, const Key & key, const char * field
 
 /// Convert each value of a repeated field and store it in an array.
 ///
-/// Throws ConversionError unless there are exactly as many values as the array has.
+/// Throws ConversionError if the number of values is not the length of the array.
 template<typename Element, std::size_t LENGTH, typename Source, typename Make>
 void fill(std::array<Element, LENGTH> & target, const Source & source, const char * field, Make make)
 {

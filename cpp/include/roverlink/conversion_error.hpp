@@ -7,7 +7,9 @@
 namespace roverlink
 {
 
-/// A value that does not fit the type it is converted to. Conversions never clamp a value and never drop one silently.
+/// Error: a value does not fit the type to which it is converted.
+///
+/// Conversions never change such a value to the nearest one that fits, and never leave it out silently.
 class ConversionError : public std::runtime_error
 {
 public:
@@ -17,7 +19,7 @@ public:
   {
   }
 
-  /// Return the same error with the name of the row before the field.
+  /// Return the same error with the name of the row before the path of the field.
   ConversionError in_row(const std::string & row) const
   {
     return ConversionError(row + "." + what());

@@ -13,7 +13,7 @@
 namespace roverlink
 {
 
-/// Number of an enum value. It converts to any enum that it is assigned to.
+/// Number of an enum value. If it is assigned to a variable of an enum type, it is converted to that type.
 class Enumerator
 {
 public:
@@ -23,7 +23,7 @@ public:
   {
   }
 
-  /// Throws ConversionError if the number is no int32, or if the enum is closed and does not declare the number.
+  /// Throws ConversionError if the number does not fit int32, or if the enum is closed and does not declare the number.
   template<typename Enum>
   operator Enum() const
   {
@@ -38,10 +38,10 @@ private:
   const char * field_;
 };
 
-/// Make the error for a number that selects no member of a oneof.
+/// Return the error for a number in a ROS 2 message that stands for no member of the oneof.
 ConversionError no_member(Wide number, const char * field);
 
-/// Make the error for a value that the table of an enum does not list.
+/// Return the error for an enum value that mapping.yaml does not list.
 ConversionError no_counterpart(const char * field, const std::string & value);
 
 template<typename Number>

@@ -10,7 +10,7 @@
 namespace roverlink
 {
 
-/// Quality of service of a topic, with the names of ROS 2.
+/// Quality of service of a topic. The texts are the names of ROS 2's policies.
 struct Qos
 {
   const char * reliability = "reliable";
@@ -19,7 +19,7 @@ struct Qos
   std::size_t depth = 10;
 };
 
-/// A row of mapping.yaml, or an extra topic of a row.
+/// Route of messages: a row of mapping.yaml, or an extra topic of a row.
 struct Route
 {
   /// Field number in the envelope's oneof.
@@ -33,11 +33,11 @@ struct Route
   Qos qos = {};
 };
 
-/// A function that publishes a message.
+/// Function that publishes a message on one topic.
 template<typename Message>
 using Publish = std::function<void(const Message &)>;
 
-/// Converts the payload of one inbound row and publishes the message. Generated classes derive from this one.
+/// Base class of generated handlers. A handler converts the payload of one row from a peer, and publishes the message.
 template<typename Envelope>
 class Handler
 {
@@ -46,9 +46,10 @@ public:
 
   virtual const Route & route() const = 0;
 
-  /// Convert and publish the payload of an envelope. `received` is the time of reception, for messages with a header.
+  /// Convert the payload of an envelope to a ROS 2 message, and publish the message.
   ///
-  /// Throws ConversionError, with row and field, for a value that the message cannot hold.
+  /// `received` is the time at which the envelope was received; it is used if the message has a header. Throws
+  /// ConversionError that names row and field if the message cannot hold a value.
   void handle(const Envelope & envelope, const Stamp & received = Stamp()) const
   {
     try {

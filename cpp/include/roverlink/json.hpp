@@ -18,24 +18,24 @@ namespace roverlink
 // protobuf accepts text that the Python bridge refuses: integers that no double holds exactly, which it rounds, and,
 // depending on its version, text that is not quite JSON, such as [1,] and 'a' and {a: 1}.
 //
-// All functions throw ConversionError for values that the other side cannot hold.
+// All functions throw ConversionError for a value that the type of the result cannot hold.
 
-/// Write a Struct as a JSON object.
+/// Return a Struct as the text of a JSON object.
 std::string json_struct_to_ros(const google::protobuf::Struct & payload, const char * field);
 
-/// Read a JSON object.
+/// Parse the text of a JSON object to a Struct.
 google::protobuf::Struct json_struct_from_ros(const std::string & text, const char * field);
 
-/// Write a Value as JSON. Throws ConversionError for a Value without a kind, and for NaN and infinity.
+/// Return a Value as JSON text. Throws ConversionError for NaN, for infinity, and for a Value whose oneof is not set.
 std::string json_value_to_ros(const google::protobuf::Value & payload, const char * field);
 
-/// Read any JSON value.
+/// Parse the text of any JSON value to a Value.
 google::protobuf::Value json_value_from_ros(const std::string & text, const char * field);
 
-/// Write a ListValue as a JSON array.
+/// Return a ListValue as the text of a JSON array.
 std::string json_list_to_ros(const google::protobuf::ListValue & payload, const char * field);
 
-/// Read a JSON array.
+/// Parse the text of a JSON array to a ListValue.
 google::protobuf::ListValue json_list_from_ros(const std::string & text, const char * field);
 
 }  // namespace roverlink

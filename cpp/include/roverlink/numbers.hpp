@@ -13,7 +13,7 @@ namespace roverlink
 
 constexpr double PI = 3.141592653589793;
 
-/// An integer that holds every value of every integer field, and the products and sums that scaling makes of them.
+/// Integer type for scaling integer fields. It holds every value of a field, and all products and sums of the scaling.
 __extension__ typedef __int128 Wide;
 
 /// Convert a number, an enum value or a bool to a Wide.
@@ -23,10 +23,10 @@ constexpr Wide wide(Number value)
   return static_cast<Wide>(value);
 }
 
-/// Write a Wide in decimal digits.
+/// Return a Wide as a text of decimal digits.
 std::string digits(Wide value);
 
-/// Convert an integer to a smaller type. Throws ConversionError if it does not fit.
+/// Convert an integer to a smaller type. Throws ConversionError if the integer does not fit the type.
 template<typename To, typename From>
 To narrow(From value, const char * field)
 {
@@ -38,22 +38,22 @@ To narrow(From value, const char * field)
   return static_cast<To>(number);
 }
 
-/// Round to the nearest integer; a half is rounded to the even integer, as Python's round() does.
+/// Round a number to the nearest integer. A number halfway between two is rounded to the even one, as in Python.
 ///
-/// Throws ConversionError for NaN, infinity and numbers from 2^100 on.
+/// Throws ConversionError for NaN, infinity, and numbers whose absolute value is 2^100 or more.
 Wide whole(double value, const char * field);
 
-/// Round to the nearest integer of a type. Throws ConversionError if it does not fit.
+/// Round a number to the nearest integer, as a type. Throws ConversionError if the integer does not fit the type.
 template<typename To>
 To rounded(double value, const char * field)
 {
   return narrow<To>(whole(value, field), field);
 }
 
-/// Round to a float of 32 bits. Throws ConversionError for a finite number that would become infinite.
+/// Round a double to a float of 32 bits. Throws ConversionError if a finite number would become infinite.
 float single(double value, const char * field);
 
-/// Divide and round down. `divisor` is positive.
+/// Return the quotient of two integers, rounded down. `divisor` must be positive.
 constexpr Wide floored(Wide value, Wide divisor)
 {
   return value / divisor - (value % divisor < 0 ? 1 : 0);

@@ -1,7 +1,7 @@
 #ifndef ROVERLINK__RCLCPP_HPP_
 #define ROVERLINK__RCLCPP_HPP_
 
-// Needs rclcpp, which the library does not link: include this header in a node only.
+// This header needs rclcpp, to which the library is not linked. Include it only in programs that are ROS 2 nodes.
 
 #include <memory>
 #include <string>
@@ -14,7 +14,7 @@
 namespace roverlink
 {
 
-/// Convert a quality of service to that of rclcpp.
+/// Convert a quality of service of this library to one of rclcpp.
 inline rclcpp::QoS rclcpp_qos(const Qos & qos)
 {
   rclcpp::QoS made{rclcpp::KeepLast(qos.depth)};
@@ -30,7 +30,7 @@ inline rclcpp::QoS rclcpp_qos(const Qos & qos)
   return made;
 }
 
-/// Make a registry whose handlers publish on the topics of a Table.
+/// Return a registry with a handler for each class in `Inbound`; each handler publishes on its own topic of the node.
 template<typename Registry, typename Inbound>
 Registry advertise_all(rclcpp::Node & node)
 {
@@ -41,10 +41,10 @@ Registry advertise_all(rclcpp::Node & node)
   });
 }
 
-/// Subscribe to every topic of a Table; the subscriptions end with the returned list.
+/// Subscribe to the topics of all classes in `Outbound`. The subscriptions end when the returned list is destroyed.
 ///
-/// `send` takes the Route and the envelope of each message. A message with a value that the payload cannot hold is not
-/// sent; the node logs a warning.
+/// For each message, `send` is called with the Route and the envelope. If the payload cannot hold a value of the
+/// message, `send` is not called, and the node logs a warning.
 template<typename Outbound, typename Send>
 std::vector<rclcpp::SubscriptionBase::SharedPtr> subscribe_all(rclcpp::Node & node, Send send)
 {

@@ -14,7 +14,7 @@
 namespace roverlink
 {
 
-/// A topic, for code that is compiled once for each of them.
+/// Topic as a type: the generated class, the ROS 2 message and the route. Templates are instantiated for each topic.
 template<typename Class>
 struct Topic
 {
@@ -24,13 +24,13 @@ struct Topic
   const Route & route = Class::ROUTE;
 };
 
-/// A list of generated classes.
+/// List of generated classes, as a type. Each class belongs to one topic.
 template<typename... Classes>
 struct Table
 {
   static constexpr std::size_t SIZE = sizeof...(Classes);
 
-  /// Call a function with the Topic of each class, in the order of mapping.yaml.
+  /// Call `visit` with the Topic of each class, in the order of mapping.yaml.
   template<typename Visit>
   static void for_each([[maybe_unused]] Visit visit)
   {
@@ -38,12 +38,16 @@ struct Table
   }
 };
 
-/// Handlers by the field number of their payload. `number` is the envelope's function `<oneof>_case`.
+/// Map from field numbers in the envelope to handlers.
+///
+/// `number` is the function `<oneof>_case` of the envelope's class, which returns the field number of the payload.
 template<typename Envelope, auto number>
 class Registry
 {
 public:
-  /// Make a registry with every handler of a Table. `advertise` takes a Topic and returns its Publish function.
+  /// Return a registry with a handler for each class in the Table `Inbound`.
+  ///
+  /// `advertise` is called with each Topic, and returns the Publish function of the topic.
   template<typename Inbound, typename Advertise>
   static Registry of(Advertise advertise)
   {
@@ -52,17 +56,17 @@ public:
     return registry;
   }
 
-  /// Add a handler. Several handlers can take the same payload, one for each of its topics.
+  /// Add a handler of the generated class. Several handlers can take the same payload, each for another topic.
   template<typename Class>
   void add(Publish<typename Class::Message> publish)
   {
     handlers_[Class::ROUTE.number].push_back(std::make_unique<Class>(std::move(publish)));
   }
 
-  /// Pass an envelope to every handler of its payload and return how many there are.
+  /// Pass an envelope to every handler of the envelope's payload, and return the number of these handlers.
   ///
-  /// Throws ConversionError, with row and field, for a value that a message cannot hold. The other topics of the payload
-  /// are published before that.
+  /// Throws ConversionError that names row and field if the message of a handler cannot hold a value. Before this is
+  /// thrown, all other handlers publish their messages.
   std::size_t dispatch(const Envelope & envelope, const Stamp & received = Stamp()) const
   {
     const auto found = handlers_.find(static_cast<int>(std::invoke(number, envelope)));

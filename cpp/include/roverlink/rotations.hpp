@@ -4,7 +4,7 @@
 namespace roverlink
 {
 
-/// Rotations about the fixed axes x, y and z in this order, in radians (REP 103).
+/// Angles of rotations about the fixed axes x, y and z, applied in this order, in radians (REP 103).
 struct Angles
 {
   double roll;
@@ -12,7 +12,8 @@ struct Angles
   double yaw;
 };
 
-/// A rotation. It converts from and to every struct with these members, such as geometry_msgs::msg::Quaternion.
+/// Rotation as a quaternion. It converts from and to any struct with the same members, such as
+/// geometry_msgs::msg::Quaternion.
 struct Quaternion
 {
   double x;
@@ -49,13 +50,13 @@ struct Quaternion
   }
 };
 
-/// Convert angles to a quaternion of length 1. Throws ConversionError for an infinite angle.
+/// Convert angles to a quaternion of length 1. Throws ConversionError if an angle is infinite.
 Quaternion quaternion(const Angles & angles, const char * field);
 
 /// Convert a quaternion to angles.
 ///
-/// At a pitch of 90 degrees up or down, only the sum or difference of roll and yaw is defined: all of it is returned as
-/// yaw. The quaternion can have any length; for length 0, all angles are 0.
+/// At a pitch of 90 degrees up or down, only the sum or the difference of roll and yaw is defined. Then roll is 0, and
+/// the whole rotation is in yaw. The quaternion need not have the length 1. If its length is 0, all angles are 0.
 Angles angles(const Quaternion & rotation);
 
 }  // namespace roverlink

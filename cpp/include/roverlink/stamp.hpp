@@ -8,9 +8,9 @@
 namespace roverlink
 {
 
-/// Seconds, and the nanoseconds to add to them: a time since 1970, or a duration.
+/// Time since 1970, or duration: seconds, and nanoseconds that are added to the seconds.
 ///
-/// It converts from and to every struct with these two members, so this library needs no builtin_interfaces.
+/// It converts from and to any struct with the same two members, so this library does not need builtin_interfaces.
 struct Stamp
 {
   std::int32_t sec = 0;
@@ -41,10 +41,10 @@ struct Stamp
   }
 };
 
-/// Split nanoseconds into seconds and nanoseconds. Throws ConversionError if the seconds do not fit an int32.
+/// Convert a number of nanoseconds to a Stamp. Throws ConversionError if the seconds do not fit int32.
 Stamp stamp_of(Wide nanoseconds, const char * field);
 
-/// Join seconds and nanoseconds into nanoseconds.
+/// Convert a Stamp to a number of nanoseconds.
 inline Wide nanoseconds(const Stamp & stamp)
 {
   return wide(stamp.sec) * 1'000'000'000 + wide(stamp.nanosec);

@@ -11,9 +11,9 @@
 namespace roverlink
 {
 
-/// Check a text that both sides must be able to hold: UTF-8 without a NUL character, which a ROS string cannot hold.
+/// Return a text unchanged if both protobuf and ROS 2 can hold it. Otherwise throw ConversionError.
 ///
-/// `bound` is the largest number of bytes. Throws ConversionError for any other text.
+/// The text must be UTF-8, have no NUL character, and have at most `bound` bytes.
 std::string text(
   std::string_view value, const char * field, std::size_t bound = std::numeric_limits<std::size_t>::max());
 

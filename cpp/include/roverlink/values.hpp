@@ -1,7 +1,7 @@
 #ifndef ROVERLINK__VALUES_HPP_
 #define ROVERLINK__VALUES_HPP_
 
-// The conversions of single values, which almost every generated source needs.
+// All headers with conversions of single values. Almost every generated source file includes this header.
 
 #include <roverlink/containers.hpp>
 #include <roverlink/conversion_error.hpp>

@@ -10,7 +10,7 @@ _COMMANDS = ("track", "calibrate", "board")
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the subcommands."""
+    """Add ``aruco`` with its subcommands to the command line."""
     parser = command(
         commands,
         "aruco",

@@ -1,4 +1,4 @@
-"""``roverlink aruco board``: boards and markers to print."""
+"""``roverlink aruco board``: write files from which boards and markers can be printed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _RANGE = re.compile(r"(\d{1,4})(?:-(\d{1,4}))?")
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "board",
@@ -56,7 +56,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the sheets."""
+    """Write the sheets with the board or the markers to files."""
     out: Path = arguments.out or Path("markers.pdf" if arguments.markers else "charuco_board.pdf")
     if out.suffix.lower() not in _FORMATS:
         raise SetupError(f"{out}: unknown format; the name must end with {' or '.join(_FORMATS)}")
@@ -86,7 +86,7 @@ def _sheets(arguments: argparse.Namespace) -> list[Sheet]:
 
 
 def _numbers(text: str) -> list[int]:
-    """Parse ``0-5,20`` into numbers, in their order."""
+    """Parse a list of marker numbers such as ``0-5,20``. The order of the list is kept."""
     numbers: list[int] = []
     for part in text.split(","):
         found = _RANGE.fullmatch(part.strip())

@@ -13,7 +13,7 @@ _MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "calibrate",
@@ -62,7 +62,7 @@ def add(commands: Subparsers) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate. Exit code 1 if the views do not determine the camera."""
+    """Calibrate the camera. The exit code is 1 if the views do not determine its parameters."""
     from roverlink.aruco.calibration import calibrate  # only here, so that the help needs no OpenCV
 
     return calibrate(arguments)

@@ -1,4 +1,4 @@
-"""``roverlink aruco track``: poses of ArUco markers, and of the camera relative to landmarks."""
+"""``roverlink aruco track``: compute the poses of ArUco markers, and the camera's pose relative to landmarks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_MIDDLEWARE = "none"
 
 
 def add(commands: Subparsers) -> None:
-    """Declare the command."""
+    """Add the command and its options to the command line."""
     parser = command(
         commands,
         "track",
@@ -91,7 +91,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Track until the source ends or a signal comes; both give exit code 0."""
+    """Track markers until the source of frames ends or a signal comes; the exit code is 0 in both cases."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     if names := [name for name in ros.parameters if name != "use_sim_time"]:
         raise SetupError(f"{NODE} has no parameter {names[0]!r}; it is set by options (see --help)")
@@ -106,7 +106,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _side(text: str) -> tuple[int | None, float]:
-    """Parse ``0.15`` for all markers, ``7=0.1`` for one."""
+    """Parse the side of all markers (``0.15``) or of one marker (``7=0.1``), in metres.
+
+    Returns the number of the marker (None for all) and the side.
+    """
     number, separator, side = text.rpartition("=")
     try:
         return (int(number) if separator else None), metres(side)

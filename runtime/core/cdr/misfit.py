@@ -43,7 +43,7 @@ def _value_misfit(field_type: FieldType, value: Any, path: str) -> ConversionErr
 
 
 def type_name(field_type: FieldType) -> str:
-    """Return a field's type as a .msg file spells it: ``float32``, ``uint8[<=4]``, ``comms/msg/BoundingBox``."""
+    """Return a field's type as it is written in a .msg file: ``float32``, ``uint8[<=4]``, ``comms/msg/BoundingBox``."""
     if isinstance(field_type, Primitive):
         return field_type.name
     if isinstance(field_type, Text):

@@ -1,1 +1,1 @@
-"""Web page for calibrating a camera."""
+"""Web page on which a user calibrates a camera."""

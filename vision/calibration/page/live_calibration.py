@@ -1,7 +1,7 @@
-"""Calibration while the camera runs: frames come from one thread, clicks from others.
+"""Calibration while the camera runs: one thread brings frames, other threads bring the user's clicks.
 
-The newest image and state are kept for any number of browsers. The calibration runs on its own thread, so that the
-image continues to move.
+The newest image and the state of the page are kept for any number of browsers. The calibration is computed on a thread
+of its own, so that the image on the page continues to move.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _COMPLETE = "Coverage is complete: calibrate now. More views do no harm."
 
 
 class LiveCalibration:
-    """Collects views from frames and carries out the user's clicks: the `PageBackend` of a `PageServer`."""
+    """Collects views from frames and carries out the user's clicks. It is the `PageBackend` of a `PageServer`."""
 
     def __init__(
         self,
@@ -43,9 +43,11 @@ class LiveCalibration:
         report: Callable[[Calibration], str],
         save: Callable[[Calibration], str],
     ) -> None:
-        """Connect the parts: `source` names the camera, `report` returns HTML, `save` writes a calibration.
+        """Prepare the calibration of a camera.
 
-        `save` returns a sentence with the files. `calibrate` and `save` raise `RoverlinkError` if they fail.
+        `source` is the name of the camera. `calibrate` computes a calibration from views. `report` returns the report
+        of a calibration as HTML. `save` writes a calibration and returns a sentence that names the files. `calibrate`
+        and `save` raise `RoverlinkError` if they fail.
         """
         self._source, self._collection = source, collection
         self._calibrate, self._report, self._save = calibrate, report, save
@@ -65,9 +67,11 @@ class LiveCalibration:
     # --- frames -----------------------------------------------------------------------------------------------------
 
     def add_frame(self, image: Image, stamp_ns: int, name: str, *, chosen: bool = False) -> Offer:
-        """Examine a frame (H, W, 3); take it if it is useful, requested by a click, or `chosen` by the user.
+        """Examine a frame (H, W, 3).
 
-        `name` is the name of its view.
+        Take the view in it if it is useful, requested by a click, or `chosen` by the user.
+
+        `name` becomes the name of the view.
         """
         with self._lock:
             if asked := self._asked.is_set():
@@ -85,7 +89,7 @@ class LiveCalibration:
         return offer
 
     def ended(self) -> None:
-        """Report that no more frames come."""
+        """Tell the page that no more frames come. Called when the source has ended."""
         with self._lock:
             self._more, self._note = False, f"{self._source} has ended; no more frames."
             self._publish_state()
@@ -93,26 +97,32 @@ class LiveCalibration:
     # --- the page: see `PageBackend` ----------------------------------------------------------------------------------
 
     def state(self, after: int) -> dict[str, Any]:
-        """Return the state that the page shows; wait some seconds for one newer than `after`."""
+        """Return the state that the page shows. Wait some seconds for a state whose number is greater than `after`."""
         version, state = self._states.get(after, _TIMEOUT_S) or self._states.now()
         return {"version": version, **state}
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
-        """Return the newest image with its corners marked; None if none newer than `after` comes in time."""
+        """Return number and JPEG of the newest image, with its corners marked.
+
+        Waits some seconds for a number greater than `after`; returns None if no such image comes.
+        """
         newest = self._pictures.get(after, _TIMEOUT_S)
         return newest and (newest[0], _jpeg(*newest[1], _SHOWN))
 
     def thumbnail(self, view: int) -> bytes | None:
-        """Return a view's thumbnail."""
+        """Return the thumbnail of the view with this number on the page, as JPEG; None if there is no such view."""
         return next((one.thumbnail for one in self._taken if one.number == view), None)
 
     def report(self) -> str | None:
-        """Return the report of the last calibration."""
+        """Return the report of the last calibration as HTML; None before the first calibration."""
         calibration = self._calibration
         return None if calibration is None else self._report(calibration)
 
     def act(self, action: str, view: int | None) -> None:
-        """Carry out a click. Raises `RoverlinkError` if it is not possible."""
+        """Carry out a click on the page; `PageBackend.act` lists the actions.
+
+        Raises `RoverlinkError` if it is not possible.
+        """
         if action == "take":
             self._asked.set()
             return
@@ -147,7 +157,7 @@ class LiveCalibration:
         self.finished.set()
 
     def _publish_state(self) -> None:
-        """Publish the new state to the browsers."""
+        """Compute the state again and send it to the browsers. Called after every change."""
         offered = {
             "take": self._more,
             "calibrate": bool(self._taken) and not self._calibrating,

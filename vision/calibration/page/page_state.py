@@ -1,4 +1,4 @@
-"""State of the page as JSON. Texts are made here; the page only arranges them."""
+"""State of the calibration page as JSON. All texts are made here; the page itself only arranges them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.vision.calibration.views import View
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
-    """Taken view with its number on the page and its thumbnail as JPEG."""
+    """View that was taken, with its number on the page and its thumbnail as JPEG."""
 
     number: int
     view: View
@@ -23,7 +23,7 @@ class Taken:
 
 
 def collected(collection: Collection, taken: Sequence[Taken], calibration: Calibration | None) -> dict[str, Any]:
-    """Return views, coverage, missing views and the result."""
+    """Return the JSON values for the taken views, the coverage, the missing views and the result of the calibration."""
     fitted_views = {id(fitted.view): fitted for fitted in calibration.views} if calibration else {}
     return {
         "coverage": _coverage(collection),
@@ -34,7 +34,7 @@ def collected(collection: Collection, taken: Sequence[Taken], calibration: Calib
 
 
 def advice(needs: Sequence[Need]) -> str:
-    """Return an instruction for the user: about the first need, or to take more views if there is none."""
+    """Return an instruction for the user: how to meet the first need, or to take more views if there is no need."""
     if not needs:
         return "Next: take a few more views from other directions."
     first = needs[0]
@@ -51,7 +51,7 @@ def _coverage(collection: Collection) -> dict[str, Any]:
 
 
 def _goals(collection: Collection) -> Iterator[dict[str, Any]]:
-    """Yield the goals, in groups."""
+    """Yield the goals that the page shows, as JSON values: number of views, parts of the image, distances, tilts."""
     needs = collection.coverage.needs()
     have, regions = len(collection.views), [need for need in needs if need.kind == "region"]
     met = sum(need.met for need in regions)

@@ -1,10 +1,10 @@
-"""HTTP server of the calibration page: shows the state of a `PageBackend` and passes clicks to it.
+"""HTTP server of the calibration page: shows the state of a `PageBackend`, and passes the user's clicks to it.
 
-It keeps no state and no queue. Each request has its own thread, so a slow browser delays only itself.
+The server keeps no state and no queue. Each request has its own thread, so a slow browser delays only itself.
 
-Requests are checked before they are answered. A page of another site must not be able to click here or show the camera,
-even if its host name resolves to this computer (DNS rebinding). Therefore the Host header must be an address or a name
-of this computer, and a POST needs the page's own Origin.
+Requests are checked before they are answered. A page of another site must not be able to trigger actions here or to
+show the camera's image, even if the name of that site resolves to this computer (DNS rebinding). Therefore the Host
+header must be an address or a name of this computer, and a POST must have the Origin header of this page.
 """
 
 from __future__ import annotations
@@ -43,27 +43,31 @@ _VIEW = re.compile(r"/views/(\d{1,9})(/drop)?")
 
 
 class PageBackend(Protocol):
-    """State and actions of the page. All methods may be called from any thread."""
+    """State and actions of the page, as the server needs them. All methods may be called from any thread."""
 
     def state(self, after: int) -> dict[str, Any]:
-        """Return the page's state with its `version`; wait for a newer one than `after`.
+        """Return the state of the page with its number `version`; wait some seconds for a number greater than `after`.
 
-        If nothing changes for some seconds, the same state is returned again.
+        If nothing changes in this time, the same state is returned again. The server calls this for each request of the
+        state.
         """
 
     def picture(self, after: int) -> tuple[int, bytes] | None:
-        """Return number and JPEG of an image newer than `after`; None if none comes for some seconds."""
+        """Return number and JPEG of the newest image; wait some seconds for a number greater than `after`.
+
+        Returns None if no such image comes.
+        """
 
     def thumbnail(self, view: int) -> bytes | None:
-        """Return a view's thumbnail as JPEG; None if the view does not exist."""
+        """Return the thumbnail of a view as JPEG, given the view's number; None if the view does not exist."""
 
     def report(self) -> str | None:
         """Return the calibration's report as HTML; None before the first calibration."""
 
     def act(self, action: str, view: int | None) -> None:
-        """Carry out `take`, `drop` (of a view), `calibrate` or `save`.
+        """Carry out a click of the user: `take` a view, `drop` the view with the number `view`, `calibrate`, or `save`.
 
-        Raises `RoverlinkError` if it is not possible.
+        Raises `RoverlinkError` if the action is not possible.
         """
 
 
@@ -75,10 +79,13 @@ class _Answer(NamedTuple):
 
 
 class PageServer(HttpServer):
-    """Server of the page. A context manager."""
+    """HTTP server of the calibration page. A context manager."""
 
     def __init__(self, address: str, port: int, backend: PageBackend) -> None:
-        """Bind the port; 0 takes a free one. Raises `SetupError` if it is not available."""
+        """Bind the port; for port 0, the system selects a free port.
+
+        Raises `SetupError` if the port is not available.
+        """
 
         class Handler(_Handler):
             page = backend
@@ -89,7 +96,10 @@ class PageServer(HttpServer):
 
 
 class _Server(ThreadingHTTPServer):
-    """Server with a limited number of connections; further ones are closed."""
+    """HTTP server with a limited number of connections.
+
+    When the limit is reached, new connections are closed at once.
+    """
 
     request_queue_size = _CONNECTIONS
 
@@ -187,13 +197,13 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(answer.body)
 
     def log_message(self, *_: object) -> None:
-        """Log nothing: the page sends several requests a second."""
+        """Log nothing. The base class would log every request, and the page sends several a second."""
 
 
 def _is_ours(host: str | None) -> bool:
-    """Return true if the Host header is an IP address or a name of this computer.
+    """Return true if a Host header is an IP address or a name of this computer.
 
-    Only a name can be pointed to this computer by another site.
+    Another site can make its own name resolve to this computer. The browser then sends that name, which is refused.
     """
     own = _NAME.lower()
     name = re.sub(r":\d+$", "", (host or "").lower())
