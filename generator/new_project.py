@@ -1,4 +1,4 @@
-"""New project in a folder without a table: one board, one message, and the files that check them in CI."""
+"""New project in a folder without a table: one board, one message, and a workflow that checks the project in CI."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TEMPLATES = {
     ".pre-commit-config.yaml": "pre-commit-config.yaml.j2",
     ".gitignore": "gitignore.j2",
 }
-"""Files that belong to the user, and their templates."""
+"""Path of each file that belongs to the user, and the template of the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,15 +32,14 @@ class NewProject:
     changes: tuple[Change, ...]
     """Files to write."""
     kept: tuple[str, ...]
-    """Files that exist already and are kept."""
+    """Paths of files that exist already and are not overwritten."""
 
 
 def new_project(folder: Path, package: str) -> NewProject:
-    """Return the files of a project with one board and one message, for a folder without a table.
+    """Return the files of a project with one board and one message, for a folder without a table. Nothing is written.
 
-    Nothing is written.
-
-    ``package`` is the name of the ROS 2 package. Raises `DiagnosticsError` if files are in the way.
+    ``package`` is the name of the ROS 2 package. Raises `DiagnosticsError` if the project would overwrite the user's
+    files.
     """
     if findings := list(_foreign_protos(folder)):
         raise DiagnosticsError(findings)
@@ -70,7 +69,7 @@ def _put(target: Path, data: bytes) -> None:
 
 
 def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
-    """Report .proto files for which the new project would have no row."""
+    """Yield a diagnostic for each .proto file in the folder, because the new project's table has no row for it."""
     for path in sorted((folder / _PROTOS).rglob("*.proto")):
         name = path.relative_to(folder).as_posix()
         if name not in _TEMPLATES:
@@ -81,7 +80,7 @@ def _foreign_protos(folder: Path) -> Iterable[Diagnostic]:
 
 
 def refuse_overwriting(changes: Iterable[Change], besides: Collection[str] = ()) -> None:
-    """Refuse to overwrite files that were not generated, except `besides`. Raises `DiagnosticsError`."""
+    """Raise `DiagnosticsError` if a change would overwrite a file that roverlink did not generate, except `besides`."""
     theirs = [
         change.path
         for change in changes

@@ -1,7 +1,7 @@
-"""Parameters that the node always has, whatever is in the table.
+"""ROS parameters that the node has in every project, apart from those of the table.
 
-The runtime declares them in a YAML file, which is read here as data, because generator and runtime do not import each
-other.
+The runtime declares them in a YAML file. This module reads the file as data, because generator and runtime do not
+import each other.
 """
 
 from __future__ import annotations

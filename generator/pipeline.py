@@ -1,4 +1,4 @@
-"""Phases of the compiler in order: read, locate, compile, lint, resolve, emit."""
+"""The compiler as a whole: runs its steps in order, which read, locate, compile, lint, resolve and emit."""
 
 from __future__ import annotations
 
@@ -30,20 +30,18 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """Result of compiling a table."""
+    """Result of compiling a table: the IR, the generated files, and the warnings."""
 
     bridge: ir.Bridge
     files: dict[str, str]
-    """Text of the generated files by path, relative to the table."""
+    """Text of each generated file, by its path relative to the table."""
     folders: tuple[str, ...]
-    """Folders of generated files. A generated file in them that is not in `files` comes from an earlier run."""
+    """Folders of generated files. A generated file in one of them that is not in `files` comes from an earlier run."""
     warnings: tuple[Diagnostic, ...]
 
 
 def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
-    """Compile a table, also to further targets and with further template folders.
-
-    Nothing is written.
+    """Compile a table. ``targets`` and ``templates`` are added to those that the table lists. Nothing is written.
 
     Raises `DiagnosticsError` with all mistakes that can be found in one run.
     """
@@ -52,38 +50,37 @@ def compile_table(table_path: Path, targets: Iterable[str] = (), templates: Iter
 
 
 def compile_text(table_path: Path, text: str) -> tuple[Compiled, list[Change]]:
-    """Compile a table that is not on disk yet.
+    """Compile a table from a text that is not on disk yet. Returns the result, and the changes of files on disk.
 
-    The returned changes include the table itself.
-
-    Raises `DiagnosticsError` as `compile_table`.
+    The changes include the table. Raises `DiagnosticsError` like `compile_table`.
     """
     compiled = _compiled(table_path, text)
     return compiled, compare(table_path.resolve().parent, {**compiled.files, table_path.name: text}, compiled.folders)
 
 
 def retire(table_path: Path, number: int) -> tuple[Compiled, list[Change]]:
-    """Compile a table without the row of a number.
+    """Compile a table after its row with a number was moved to `retired`. Nothing is written.
 
-    The returned changes include the table itself.
-
-    Raises `DiagnosticsError` if no row has the number, and as `compile_table`.
+    Returns the result, and the changes of files, including the table. Raises `DiagnosticsError` if no row has the
+    number; also everything that `compile_table` raises.
     """
     return _edited(table_path, lambda text, file: with_retired(text, number, file))
 
 
 def add(table_path: Path, row: Mapping[str, str | int]) -> tuple[Compiled, list[Change]]:
-    """Compile a table with one more row.
+    """Compile a table after a row was added. Nothing is written.
 
-    The returned changes include the table itself.
-
-    Raises `DiagnosticsError` if the rows are not a block list, and as `compile_table`.
+    Returns the result, and the changes of files, including the table. Raises `DiagnosticsError` if the table's rows are
+    not written as a block list, one row in each line; also everything that `compile_table` raises.
     """
     return _edited(table_path, lambda text, file: with_row(text, row, file))
 
 
 def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled, list[Change]]:
-    """Compile a table after an edit of its text, and return the changes."""
+    """Compile a table after a change of its text. Returns the result, and the changes of files, including the table.
+
+    ``edit`` gets the text and the file name of the table, and returns the new text.
+    """
     file = table_path.name
     text = read_text(table_path, file)
     reader.parse(text, file, [])  # raises if the text is not a table; the edit needs one
@@ -95,7 +92,10 @@ def _edited(table_path: Path, edit: Callable[[str, str], str]) -> tuple[Compiled
 
 
 def recompile(table_path: Path, published: lock.Ledger) -> Compiled:
-    """Compile a table with another ledger than the one on disk; raises as `compile_table`."""
+    """Compile a table with the ledger ``published`` in place of mapping.lock.
+
+    Raises `DiagnosticsError` like `compile_table`.
+    """
     return _compiled(table_path, read_text(table_path, table_path.name), published)
 
 
@@ -134,9 +134,9 @@ def _compiled(
 
 
 def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
-    """Run a phase.
+    """Run a step of the compiler and return its result.
 
-    If it raises, add its diagnostics to the findings and return None, so that other phases still run.
+    If the step raises `DiagnosticsError`, add its diagnostics to the findings and return None, so that other steps run.
     """
     try:
         return phase()
@@ -166,9 +166,9 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
-    """Compile the envelope, the payloads and the messages listed for an Any with protoc.
+    """Compile the envelope, the payloads, and the messages that the table lists for an Any, with protoc.
 
-    Raises `DiagnosticsError` if protoc reports errors.
+    ``listed`` has the files of the messages for an Any. Raises `DiagnosticsError` if protoc reports errors.
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
@@ -182,7 +182,10 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:
-    """Return the envelope without colliding members; the rules report collisions better than protoc does."""
+    """Return the envelope without members whose number or name collides with another member.
+
+    protoc would report the collisions, too, but the messages of our rules are better.
+    """
     numbers: set[int] = set()
     names: set[str] = set()
     classes: set[str] = set()

@@ -1,4 +1,4 @@
-"""Catalogue of all rules: those of the lint, and those of phases that refuse their input."""
+"""List of all rules: those of the lint, and those of other steps, which report input that they cannot use."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ DECLARED_IN: Mapping[str, ModuleType] = {
     "STA": input_rules,
     "STD": standard_rules,
 }
-"""Modules that declare the rules of a phase, by the prefix of the rules' ids.
+"""Modules that declare the rules of the other steps, by the prefix of the rules' ids.
 
 Each rule of the lint has its own module in `lint/rules/`: ENV in `envelope`, TAB, NAM and ROS in `table`, WIR in `wire`
 or `reuse`, HIS and PIN102 in `reuse`, FIX in `size`. ENV109 is in `reuse`, because it compares a message with all
@@ -45,7 +45,7 @@ others.
 
 @cache
 def rules() -> Mapping[str, Rule]:
-    """Return every rule that can raise a diagnostic, by its id."""
+    """Return every rule of the generator, by the rule's id."""
     modules_of_phases = dict.fromkeys(DECLARED_IN.values())
     found = [value for module in modules_of_phases for value in vars(module).values() if isinstance(value, Rule)]
     found += [module.RULE for module in modules().values()]

@@ -1,4 +1,4 @@
-"""Folder of caches, which make later runs faster and may be deleted at any time."""
+"""Folder for caches in the user's home. Caches make later runs faster, and may be deleted at any time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def cache_folder() -> Path:
-    """Return the folder for caches."""
+    """Return the path of the folder for roverlink's caches."""
     # XDG Base Directory specification: "All paths set in these environment variables must be absolute. If an
     # implementation encounters a relative path ... it should consider the path invalid and ignore it."
     given = Path(os.environ.get("XDG_CACHE_HOME", ""))

@@ -1,4 +1,4 @@
-"""The content of the ledger."""
+"""The ledger as data: every published number, and the wire schema at the last generate."""
 
 from __future__ import annotations
 
@@ -20,16 +20,19 @@ class Entry:
     name: str
     proto: str
     topic: str
-    """The topic of the row; empty if the payload has no row now."""
+    """The topic of the payload's row; empty if the payload has no row any more."""
     retired: bool
     contested: bool
-    """True if the entry is only on one side of a merge conflict, so only one branch has published it."""
+    """True if only one side of a merge conflict in mapping.lock contains the entry, so only one branch published it."""
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
 class Burned:
-    """A number of a message or enum with several meanings in the past, accepted by ``lint --history --accept``."""
+    """A number that had several meanings in history and must never be used again.
+
+    The user accepted this with ``--accept``.
+    """
 
     owner: str
     """Full name of the message or enum."""
@@ -37,38 +40,38 @@ class Burned:
     uses: tuple[tuple[str, str], ...]
     """Type and name of each meaning; the type of an enum value is empty."""
     now: tuple[str, str] | None
-    """The meaning when the number was accepted, which it may keep; None if nothing used it then."""
+    """The meaning that the number had when the user accepted it, and may keep; None if nothing used the number then."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
-    """Every published number, in order. A number may have been published for several payloads."""
+    """Content of mapping.lock. A number may have several entries, if it was published for several payloads."""
 
     entries: tuple[Entry, ...] = ()
     schema: Schema = field(default_factory=lambda: Schema((), {}, {}))
-    """The messages and enums of all payloads at the last generate. Files, JSON names and options are unknown."""
+    """The messages and enums of all payloads at the last generate. Files, JSON names and options are not stored."""
     gone_fields: Mapping[str, tuple[ProtoField, ...]] = field(default_factory=dict)
-    """Fields that a later generate did not find, by message."""
+    """Fields that were published and do not exist any more, by the message's full name."""
     gone_values: Mapping[str, tuple[ProtoEnumValue, ...]] = field(default_factory=dict)
-    """Values that a later generate did not find, by enum."""
+    """Enum values that were published and do not exist any more, by the enum's full name."""
     burned: tuple[Burned, ...] = ()
-    """The burned numbers, sorted by owner and number."""
+    """The numbers that had several meanings and must never be used again, sorted by message or enum, then number."""
 
     def fields(self, message: str) -> tuple[ProtoField, ...]:
-        """Return every published field of a message; the fields that are gone come last."""
+        """Return every field of a message that was ever published; fields that do not exist any more come last."""
         declared = self.schema.messages.get(message)
         return (*(declared.fields if declared else ()), *self.gone_fields.get(message, ()))
 
     def values(self, enum: str) -> tuple[ProtoEnumValue, ...]:
-        """Return every published value of an enum; the values that are gone come last."""
+        """Return every value of an enum that was ever published; values that do not exist any more come last."""
         declared = self.schema.enums.get(enum)
         return (*(declared.values if declared else ()), *self.gone_values.get(enum, ()))
 
     def burned_in(self, owner: str) -> dict[int, Burned]:
-        """Return the burned numbers of a message or enum."""
+        """Return the numbers of a message or enum that had several meanings and must never be used again."""
         return {burned.number: burned for burned in self.burned if burned.owner == owner}
 
 
 def checksum(text: str) -> str:
-    """Return the checksum in the last line, for the text before it."""
+    """Return the checksum for the last line of mapping.lock, given the text before it."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""The reader of mapping.lock."""
+"""Reader of mapping.lock. It returns the ledger."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _OTHER_LINE = re.compile(r"(#.*|version: 1|numbers:|schema:|burned:)?")
 
 
 def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
-    """Read the ledger from disk, as far as possible; it is empty if there is no file yet.
+    """Read the ledger from disk, as far as possible. The ledger is empty if the file does not exist yet.
 
     Reports a file that cannot be read, a line that is not an entry, a wrong checksum, and a file that git's last commit
     contains but the disk does not.
@@ -64,7 +64,7 @@ def read(path: Path, findings: list[Diagnostic], name: str = NAME) -> Ledger:
 
 @dataclass(slots=True)
 class _Type:
-    """A message or an enum that is being read."""
+    """A message or an enum of the ledger, while its lines are being read."""
 
     of_message: bool
     span: Span
@@ -74,7 +74,7 @@ class _Type:
     places: dict[str, Span] = field(default_factory=dict)
 
     def add(self, match: re.Match[str], span: Span) -> None:
-        """Add a line that stands below the type."""
+        """Add a line of the section of this message or enum: a field, a value or a reservation."""
         if match.re is not _RESERVED:
             self.numbers.append((match, span))
         elif match["name"]:
@@ -86,9 +86,9 @@ class _Type:
             self.places[f"reserved {first} to {self.reserved[-1][1]}"] = span
 
     def fields(self, gone: bool, messages: Set[str], enums: Set[str]) -> Iterator[ProtoField]:
-        """Yield the fields that are gone, or the current ones.
+        """Yield the fields of the message: the current ones, or with ``gone`` those that do not exist any more.
 
-        The names of messages and enums tell the kind of a type.
+        A field's type is a message or an enum if its name is in ``messages`` or ``enums``.
         """
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
@@ -106,14 +106,14 @@ class _Type:
                 )
 
     def values(self, gone: bool) -> Iterator[ProtoEnumValue]:
-        """Yield the values that are gone, or the current ones."""
+        """Yield the values of the enum: the current ones, or with ``gone`` those that do not exist any more."""
         for match, span in self.numbers:
             if (match["gone"] is not None) is gone:
                 yield ProtoEnumValue(span=span, name=match["name"], number=int(match["number"]))
 
 
 class _Reader:
-    """Reads line by line. Accepts the lines of both sides of a merge conflict."""
+    """Reader of the ledger, line by line. After a merge conflict, it accepts the lines of both sides."""
 
     def __init__(self) -> None:
         self._entries: dict[tuple[int, str, str], Entry] = {}
@@ -124,12 +124,12 @@ class _Reader:
         self._in_conflict = False
         self._one_sided: set[tuple[int, str]] = set()
         self.merged = False
-        """True after a merge conflict."""
+        """True if the file contains a merge conflict. Then its checksum is not checked."""
         self.checksum = ""
         self.broken: list[Diagnostic] = []
 
     def ledger(self) -> Ledger:
-        """Return the ledger."""
+        """Return the ledger that the lines read so far describe."""
         entries = sorted(self._entries.values(), key=lambda entry: (entry.number, entry.span))
         burned = tuple(burned for _, burned in sorted(self._burned.items()))
         messages = {name: self._message(name, type) for name, type in self._messages.items()}
@@ -154,7 +154,7 @@ class _Reader:
         )
 
     def line(self, line: str, span: Span) -> None:
-        """Read one line of any section. A conflict may span several sections."""
+        """Read one line of the file. A merge conflict may begin in one section and end in another."""
         if line.startswith(_CONFLICT_MARKERS):
             self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
         elif match := _ENTRY.fullmatch(line):
@@ -186,7 +186,10 @@ class _Reader:
         self._entries.setdefault((entry.number, entry.name, entry.proto), entry)
 
     def _add_fact(self, line: str, span: Span) -> bool:
-        """Read a line below a message or an enum; return False if it is not a line of that kind."""
+        """Read a line of the section of a message or an enum.
+
+        Returns False if the line is not a line of such a section.
+        """
         type = self._type
         pattern = (_FIELD if type.of_message else _VALUE) if type else None
         match = (_RESERVED.fullmatch(line) or pattern.fullmatch(line)) if pattern else None
@@ -197,7 +200,7 @@ class _Reader:
         return True
 
     def _is_published(self, type: _Type, line: str) -> bool:
-        """Return True if both branches of a conflict have the line, or if there is no conflict.
+        """Return True if there is no merge conflict here, or if both of its sides contain the line.
 
         A line on one side only was published by one branch. The merged .proto files decide if it is still valid.
         """

@@ -1,4 +1,4 @@
-"""Rules about the ledger's file."""
+"""Rules about the file of the ledger, mapping.lock."""
 
 from __future__ import annotations
 

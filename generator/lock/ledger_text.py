@@ -1,4 +1,4 @@
-"""The writer of mapping.lock."""
+"""Writer of mapping.lock."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _HEADER = """\
 
 
 def render(bridge: ir.Bridge, published: Ledger) -> str:
-    """Return the ledger's text for a table without errors; ``published`` is the ledger before."""
+    """Return the text of mapping.lock for a table without errors; ``published`` is the ledger of the last run."""
     messages = {message.name: _message_lines(message) for message in bridge.wire_messages}
     enums = {enum.name: _enum_lines(enum) for enum in bridge.wire_enums}
     lines = [_HEADER.format(table=bridge.table), "version: 1", "", "numbers:", *_number_lines(bridge, published)]
@@ -57,7 +57,10 @@ def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
 def _gone(
     published: Sequence[ProtoField | ProtoEnumValue], gone: Sequence[ProtoField | ProtoEnumValue], now: Sequence[str]
 ) -> Iterator[str]:
-    """Yield the lines of numbers that are unused now, or that have another meaning now."""
+    """Yield a line for each published number that is unused now, or has another meaning than before.
+
+    ``gone`` are the published fields or values that did not exist at the last run. ``now`` are today's lines.
+    """
     used = {line.split()[0] for line in now}
     for one in published:
         line = _fact_line(one.on_the_wire())
@@ -88,6 +91,6 @@ def _enum_lines(enum: ir.WireEnum) -> list[str]:
 
 
 def schema_lines(messages: Iterable[ir.WireMessage], enums: Iterable[ir.WireEnum]) -> list[str]:
-    """Return the lines of a wire schema."""
+    """Return the lines that mapping.lock contains for a wire schema of messages and enums."""
     lines = [line for message in messages for line in (f"message {message.name}", *_message_lines(message))]
     return lines + [line for enum in enums for line in (f"enum {enum.name}", *_enum_lines(enum))]

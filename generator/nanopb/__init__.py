@@ -1,11 +1,12 @@
-"""nanopb on microcontrollers: its options, and the largest encoding of each message.
+"""nanopb on microcontrollers: its options, and the largest encoding of each message in bytes.
 
 nanopb (https://jpa.kapsi.fi/nanopb) compiles .proto files to C structures with fixed buffers. The sizes of these
 buffers stand in a ``.options`` file beside the .proto file, or inside it in options with the number 1010. The sizes
 computed here equal ``<Message>_size`` of nanopb's generator (0.4.9.1), the size of the buffer that a board sends from;
 a test compares them. They are upper bounds, not the tightest ones, and do not count extensions.
 
-Names and values of options come from the installed nanopb package. Bounds in the table do not need it.
+The names and values of nanopb's options are read from the installed nanopb package. Size limits in the table do not
+need this package.
 
 - `table_bounds` returns the bounds of the table, and `as_lines` converts them to options.
 - `read_bounds` reads the options of a schema with their places. It needs an installed nanopb.

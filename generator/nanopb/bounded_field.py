@@ -1,4 +1,4 @@
-"""The largest size of a field, or the reason why it has none."""
+"""The largest encoding of a field in nanopb, or the reason why the field has none."""
 
 from __future__ import annotations
 
@@ -26,37 +26,43 @@ _BITS = {"uint32": 32, "sint32": 32, "uint64": 64, "sint64": 64}
 
 @dataclass(frozen=True, slots=True)
 class BoundedField:
-    """A field that nanopb generates, with its options."""
+    """A field that nanopb generates, with the options of nanopb that apply to it."""
 
     field: ProtoField
     given: FieldBounds
     in_union: bool
-    """True if the field shares a C union with the other members of its oneof."""
+    """True if nanopb stores the field in a C union with the other members of its oneof."""
 
     @property
     def type(self) -> str:
-        """The field's type for nanopb."""
+        """The type that nanopb uses for the field: that of an option, or the declared type."""
         return self.given.type_override or self.field.type
 
     @property
     def inner(self) -> str:
-        """Full name of the field's message; empty for other types."""
+        """Full name of the message that is the field's type; empty if the type is no message."""
         return self.field.type_name if self.type == "message" else ""
 
     @property
     def repeated(self) -> bool:
-        """True if the field is repeated for nanopb."""
+        """True if nanopb treats the field as repeated: by an option, or by its declaration."""
         return (self.given.label_override or self.field.label) == "repeated"
 
     @property
     def capacity(self) -> int | None:
-        """The size of the C array for a string or for `bytes`; a string's zero byte counts."""
+        """The number of elements of the C array for a string or `bytes`; None without a bound.
+
+        The zero byte at the end of a string is counted.
+        """
         if self.field.type == "string" and self.given.max_length is not None:
             return self.given.max_length + 1
         return self.given.max_size
 
     def size(self, schema: Schema, known: Mapping[str, int]) -> int:
-        """Return the field's largest encoding in bytes, with its tag; ``known`` has the sizes of messages."""
+        """Return the largest encoding of the field in bytes, with its tag.
+
+        ``known`` has the sizes of the messages that the field may contain, by full name.
+        """
         one = varint_size(self.field.number << 3) + self._value_size(schema, known)
         if not self.repeated or self.in_union:
             return one
@@ -77,12 +83,10 @@ class BoundedField:
         return varint_size(length) + length - (1 if self.type == "string" else 0)
 
     def gap(self, schema: Schema, bounds: Bounds) -> str:
-        """Return the reason why the field has no largest size; empty if it has one.
+        """Return the reason why the field has no largest encoding; empty if it has one.
 
-        The field's own message is not checked.
-
-        For some reasons nanopb rejects the file. For most, it leaves the field to callback functions of the user, whose
-        output has an unknown size.
+        The message inside a field is not checked. For some reasons, nanopb rejects the file. For most, nanopb leaves
+        the field to callback functions of the user, whose output has an unknown size.
         """
         return next(self._gaps(schema, bounds), "")
 
@@ -119,5 +123,5 @@ def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:
 
 
 def varint_size(number: int) -> int:
-    """Return the bytes of a number as a varint, with seven bits in each byte."""
+    """Return the number of bytes that a number needs as a varint, which has seven bits in each byte."""
     return max(1, -(-number.bit_length() // 7))

@@ -1,7 +1,7 @@
-"""The largest encoding of a message, as nanopb's generator reckons it.
+"""The largest encoding of a message in bytes, as nanopb's generator computes it.
 
-A message has a size if every field has a bound of its own, and every message inside has a size. So sizes are worked out
-from the innermost messages on; a message that this never reaches has none, and those that contain themselves do not.
+A message has a size if every field has a bound of its own, and every message inside has a size. So the innermost
+messages come first. A message that contains itself never gets a size, and neither does a message around it.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from roverlink.generator.table import Table
 
 @dataclass(frozen=True, slots=True)
 class Unbounded:
-    """The reason why a message has no largest size."""
+    """The reason why a message has no largest encoding."""
 
     path: str
-    """The path to the first field without a bound, with dots; empty for the message itself."""
+    """The path to the first field without a bound, with dots; empty if the message itself has no size."""
     reason: str
     span: Span
-    """Place of that field; the map's place for a field of a map's entry."""
+    """Place of the field without a bound. For a field of a map's entry, this is the map's place."""
 
 
 def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> dict[str, ir.WireSize]:
-    """Return the largest encodings of each row, by name, with the bounds of the table.
+    """Return the largest encodings of each row's payload and datagram, by the row's name.
 
-    Bounds in .options files are ignored: only an installed nanopb can read them, and a table has to generate the same
-    files on every machine.
+    Only the bounds of the table, ``given``, are used. Bounds in .options files are ignored: only an installed nanopb
+    can read them, and a table has to generate the same files on every machine.
     """
     bounds = Bounds(fields={(one.message, one.field): FieldBounds(**as_options(one)) for one in given})
     sizes = {}
@@ -50,7 +50,7 @@ def row_sizes(table: Table, schema: Schema, given: Iterable[ir.FieldBound]) -> d
 
 
 def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounded:
-    """Return the largest encoding of a message in bytes, as nanopb's ``<Message>_size``.
+    """Return the largest encoding of a message in bytes, like nanopb's ``<Message>_size``; without one, the reason.
 
     ``message`` is a full name, and ``bounds`` belong to this schema. Like nanopb, this does not count extensions.
     """
@@ -59,9 +59,9 @@ def largest_size(schema: Schema, bounds: Bounds, message: str) -> int | Unbounde
 
 
 def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, payload: int) -> int:
-    """Return the largest encoding of an envelope in bytes.
+    """Return the largest encoding of an envelope in bytes, for one payload.
 
-    It has a payload of ``payload`` bytes with this number, and all fields beside the oneof.
+    The payload has ``payload`` bytes and the field number ``number``. All fields outside of the oneof are counted.
     """
     message = schema.messages.get(envelope)
     alone = {field.name for field in message.fields if not field.oneof} if message else set()
@@ -70,7 +70,7 @@ def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, pa
 
 
 def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str, int]]:
-    """Return the largest encoding of each bounded field in bytes, the largest first.
+    """Return the name and the largest encoding in bytes of each field that has a bound, the largest first.
 
     All members of a oneof are listed, although only the largest one counts for the message.
     """
@@ -84,7 +84,7 @@ def field_sizes(schema: Schema, bounds: Bounds, message: str) -> list[tuple[str,
 
 
 def _sizes(schema: Schema, bounds: Bounds) -> Mapping[str, int]:
-    """Return the size of every message that has a bound."""
+    """Return the largest encoding of every message that has a bound, by full name."""
     if not bounds.sizes:
         bounds.sizes.append(_from_the_innermost(schema, bounds))
     return bounds.sizes[0]
@@ -104,7 +104,10 @@ def _from_the_innermost(schema: Schema, bounds: Bounds) -> dict[str, int]:
 
 
 def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: Mapping[str, int]) -> int:
-    """Return the largest size of a message whose fields all have a bound."""
+    """Return the largest encoding of a message in bytes. All fields must have a bound.
+
+    ``known`` has the sizes of the messages inside.
+    """
     total = 0
     largest: dict[str, int] = {}
     for field in fields_of(message, bounds):
@@ -117,7 +120,7 @@ def _message_size(message: ProtoMessage, schema: Schema, bounds: Bounds, known: 
 
 
 def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
-    """Return, for every message whose own fields are bounded, the messages in its fields."""
+    """Return each message whose own fields all have a bound, with the messages in its fields."""
     found: dict[str, set[str]] = {}
     for message in schema.messages.values():
         fields = list(fields_of(message, bounds))
@@ -128,7 +131,7 @@ def _inner_messages(schema: Schema, bounds: Bounds) -> dict[str, set[str]]:
 
 
 def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> Unbounded:
-    """Return the path from a message without a size to the field that causes it."""
+    """Return the reason why a message has no size: the first field without a bound, perhaps in a nested message."""
     span = schema.messages[message].span
     if bounds.of_message(message).skipped:
         return Unbounded("", f"nanopb leaves {message} out", span)
@@ -147,9 +150,9 @@ def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message
 
 
 def _gap_of(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message: str) -> tuple[BoundedField, str]:
-    """Return the first field without a largest size, with the reason.
+    """Return the first field of a message without a largest encoding, and the reason.
 
-    The reason is empty if the field's message has no largest size.
+    The reason is empty if the field itself has a bound, but the message in the field has none.
     """
     for field in fields_of(schema.messages[message], bounds):
         reason = field.gap(schema, bounds)

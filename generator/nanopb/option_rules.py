@@ -1,4 +1,4 @@
-"""Rules about nanopb's options, and about bounds in the table."""
+"""Rules about nanopb's options, and about size limits in the table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two notations of nanopb's options: protobuf's text format in .options files, its wire format in .proto files."""
+"""Readers of nanopb's options in their two notations: the text in .options files, and the bytes in descriptors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roverlink.generator.diagnostics import nearest
 from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
 
 Values = Mapping[str, Any]  # nanopb.proto declares the type of each option
-"""The options that are set, by name. An enum's value is its name."""
+"""The options that are set, by nanopb's name. The value of an enum option is the name of the enum value."""
 
 _POSITION = re.compile(r"\d+:\d+ : (?:'.*': )?(?=\w)", re.DOTALL)
 _UNKNOWN = re.compile(r'Message type "[^"]+" has no field named "(?P<name>[^"]*)"')
@@ -28,11 +28,11 @@ class OptionsError(ValueError):
         super().__init__(message)
         self.help = help
         self.column = column
-        """Position in the text, from 1; 0 if it is unknown."""
+        """Column of the mistake in the text, counted from 1; 0 if it is unknown."""
 
 
 def parse_options(text: str) -> Values:
-    """Parse the options behind the pattern in a line of a .options file. Raises `OptionsError`."""
+    """Parse the options in a line of a .options file, without the pattern. Raises `OptionsError` if they are wrong."""
     options = vocabulary().options()
     try:
         text_format.Merge(text, options)
@@ -55,16 +55,16 @@ def _readable(error: text_format.ParseError, options: Message) -> OptionsError:
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """nanopb's options in the serialized options of a declaration."""
+    """nanopb's options of a declaration in a .proto file, read from the declaration's serialized options."""
 
     values: Values
     deprecated: bool = False
     faults: tuple[str, ...] = ()
-    """The options that cannot be read; they are missing from ``values``."""
+    """A text for each option that cannot be read. These options are missing in ``values``."""
 
 
 def decode_options(host: str, serialized: bytes) -> Decoded:
-    """Decode the serialized options of one of `vocabulary.HOSTS`."""
+    """Decode the serialized options of a declaration; ``host`` is its kind, one of `vocabulary.HOSTS`."""
     words = vocabulary()
     try:
         carrier: Any = words.hosts[host].FromString(serialized)  # the class is made at run time
@@ -79,7 +79,7 @@ def decode_options(host: str, serialized: bytes) -> Decoded:
 
 
 def _unknown(carrier: Message, options: Message) -> Iterator[str]:
-    """Yield a text for each option or value that the installed nanopb does not know."""
+    """Yield a text for each option, or value of an option, that the installed nanopb does not know."""
     if any(number == EXTENSION for number, _ in _unknown_fields(carrier)):
         yield "nanopb's options are not a message"
     for number, value in _unknown_fields(options):
@@ -88,14 +88,20 @@ def _unknown(carrier: Message, options: Message) -> Iterator[str]:
 
 
 def _unknown_fields(message: Message) -> Iterator[tuple[int, object]]:
-    """Yield numbers and values of fields that the message's type lacks, or declares with another type."""
+    """Yield number and value of each unknown field of a message.
+
+    A field is unknown if the message's type does not declare it, or declares it with another wire type.
+    """
     fields = UnknownFieldSet(message)
     for index in range(len(fields)):
         yield fields[index].field_number, fields[index].data
 
 
 def _negative(values: Values) -> list[str]:
-    """Return the names of options with a negative value. All numbers of nanopb are sizes or counts."""
+    """Return the names of options with a negative value.
+
+    This is always wrong, because nanopb's numbers are sizes or counts.
+    """
     return [name for name, value in values.items() if isinstance(value, int) and value < 0]
 
 

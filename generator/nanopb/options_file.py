@@ -1,6 +1,7 @@
-"""The .options file beside a .proto file: each line has a pattern, and the options of all matching names.
+"""Reader of the .options file beside a .proto file.
 
-``//`` and ``#`` start a comment anywhere in a line. ``/* ... */`` is a comment within one line.
+Each line has a pattern, and the options for all names that match the pattern. ``//`` and ``#`` start a comment anywhere
+in a line. ``/* ... */`` is a comment within one line.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ _LINE_COMMENT = re.compile(r"(//|#).*")
 
 @dataclass(frozen=True, slots=True)
 class OptionsLine:
-    """A line: the options of all names that match a pattern."""
+    """A line of a .options file: a pattern, and options for all names that match it."""
 
     pattern: str
     matches: Callable[[str], object]
-    """A function that returns a true value if a full name matches."""
+    """Function that returns a true value if a full name matches the pattern."""
     values: Values
     span: Span
 
@@ -36,7 +37,7 @@ def options_file_of(proto: str) -> str:
 
 
 def read_options_file(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> list[OptionsLine]:
-    """Read the lines; none if there is no such file."""
+    """Read the lines of a .options file; empty if the file does not exist."""
     place = shown(shown_root, name)
     try:
         text = (root / name).read_text(encoding="utf-8")
@@ -70,6 +71,6 @@ def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
 
 
 def _place(error: OptionsError, raw: str, options: str, otherwise: Span) -> Span:
-    """Return the place of an error in a line; ``otherwise`` if comments make the column unknown."""
+    """Return the place of a mistake in a line; ``otherwise`` if the column is unknown because of comments."""
     start = raw.rfind(options)
     return Span(otherwise.file, otherwise.line, start + error.column) if error.column and start >= 0 else otherwise

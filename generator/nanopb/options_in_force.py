@@ -24,7 +24,7 @@ from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
 from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoField, ProtoMessage, Schema
 
 _Options = Mapping[str, tuple[Any, Span]]  # nanopb.proto declares the type of each option
-"""The options that apply to a declaration, by name, each with its place."""
+"""The options that apply to a declaration, by name: each value, with the place that set it."""
 
 
 def read_bounds(
@@ -34,7 +34,7 @@ def read_bounds(
     findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
 ) -> Bounds | None:
-    """Read the options of nanopb that apply to the messages and fields of a schema.
+    """Return nanopb's options for the messages and fields of a schema.
 
     ``root`` is the folder of the .proto files, ``shown_root`` its name in diagnostics, and ``of_table`` the lines that
     the table adds, by file. Reports options that cannot be read, and lines of a .options file that match nothing. If
@@ -69,7 +69,7 @@ def read_bounds(
 
 
 def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:
-    """Return the first place with options of nanopb; None if only the table has bounds."""
+    """Return the first place that sets an option of nanopb, apart from the table; None if there is none."""
     for file in schema.files:
         if (root / options_file_of(file)).exists():
             return Span(shown(shown_root, options_file_of(file)))
@@ -80,7 +80,7 @@ def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | Non
 
 
 class _FileReader:
-    """Reads the options of one file and of all its declarations."""
+    """Reader of nanopb's options for one .proto file and all its declarations."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class _FileReader:
         findings: list[Diagnostic],
         decodes: bool,
     ) -> None:
-        """Read the file's own options. With ``decodes`` false, options inside .proto files are ignored."""
+        """Read the options of the file itself. If ``decodes`` is false, options inside .proto files are ignored."""
         self._lines, self._findings, self._decodes = lines, findings, decodes
         self._used: set[int] = set()
         package, span = schema.packages[file], Span(shown_file)
@@ -101,21 +101,27 @@ class _FileReader:
         self._prefix, self._flat = _mangling(package, self._of_file)
 
     def unused(self) -> list[OptionsLine]:
-        """Return the lines that matched nothing."""
+        """Return the lines of the .options file whose pattern has matched no name yet."""
         return [line for index, line in enumerate(self._lines) if index not in self._used]
 
     def read_enum(self, enum: ProtoEnum) -> None:
-        """Mark the lines that match an enum as used. No option of an enum changes a size."""
+        """Mark the lines that match an enum as used. Their options are not needed, because they change no size."""
         decoded = self._decoded("Enum", enum.options, enum.span)
         self._in_force(self._of_file, self._name(enum.full_name), decoded, enum.span)
 
     def read_extension(self, extension: ProtoExtension) -> None:
-        """Mark the lines that match an extension as used. Sizes do not count extensions."""
+        """Mark the lines that match an extension as used.
+
+        Their options are not needed: sizes do not count extensions.
+        """
         scope = f"{extension.scope}." if extension.scope else self._package
         self._field(self._of_file, self._name(f"{scope}{extension.field.name}"), extension.field)
 
     def _name(self, full_name: str) -> str:
-        """Return the name that patterns match. It depends on nanopb's option ``mangle_names``."""
+        """Return the name of a declaration to which nanopb compares patterns.
+
+        It depends on nanopb's option ``mangle_names``.
+        """
         inner = full_name.removeprefix(self._package)
         return inner.rpartition(".")[2] if self._flat else self._prefix + inner
 
@@ -125,7 +131,7 @@ class _FileReader:
         messages: dict[str, MessageBounds],
         fields: dict[tuple[str, str], FieldBounds],
     ) -> None:
-        """Add the options that apply to a message and its fields."""
+        """Add the options that apply to a message and to its fields, to ``messages`` and ``fields``."""
         name = self._name(message.full_name)
         inside = self._decoded("Message", message.options, message.span)
         options = self._in_force(self._of_file, name, inside, message.span)
@@ -164,7 +170,7 @@ class _FileReader:
 
 
 def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
-    """Return the prefix that replaces the package in names, and True if only the last part of a name counts."""
+    """Return the prefix that replaces the package in names, and if patterns only match the last part of a name."""
     mangling = _value(of_file, "mangle_names")
     used = "" if mangling == "M_STRIP_PACKAGE" else _value(of_file, "package") or package
     if mangling == "M_PACKAGE_INITIALS":
@@ -173,7 +179,7 @@ def _mangling(package: str, of_file: _Options) -> tuple[str, bool]:
 
 
 def _further_parts(message: ProtoMessage) -> Iterator[str]:
-    """Yield the other parts that nanopb sees in a message, besides fields and declared oneofs."""
+    """Yield the names of further parts of a message that a pattern can match, besides fields and declared oneofs."""
     if message.extendable:
         yield "extensions"  # the C member that holds the extensions of other files
     for field in message.fields:
@@ -182,12 +188,15 @@ def _further_parts(message: ProtoMessage) -> Iterator[str]:
 
 
 def _value(options: _Options, name: str) -> Any:
-    """Return an option's value; None if it is not set."""
+    """Return the value of an option; None if the option is not set."""
     return options[name][0] if name in options else None
 
 
 def _field_bounds(options: _Options, left_out: bool) -> FieldBounds:
-    """Return the bounds of a field. ``left_out`` is true if nanopb leaves it out for a reason other than its type."""
+    """Return the options of a field as a `FieldBounds`.
+
+    ``left_out`` is true if nanopb leaves the field out for another reason than its option ``type``.
+    """
     values = {name: value for name, (value, _) in options.items()}
     bits = values.get("int_size", "").removeprefix("IS_")
     return FieldBounds(

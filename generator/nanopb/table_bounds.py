@@ -1,4 +1,4 @@
-"""The bounds in the table: the largest length of a string, and the largest count of a repeated field."""
+"""Size limits in the table: the largest length of a string or `bytes`, and the largest count of a repeated field."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ _HAVE_A_LENGTH = ("string", "bytes")
 
 @dataclass(frozen=True, slots=True)
 class TableBound:
-    """A bound, with its place in the table."""
+    """A size limit of a field, with its place in the table."""
 
     bound: ir.FieldBound
     span: Span
 
 
 def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagnostic]) -> list[TableBound]:
-    """Return the bounds of all rows, and report those that do not fit their field.
+    """Return the size limits of all rows. A limit that does not fit its field is reported.
 
-    ``root`` is the folder of the .proto files. A file with a .options file beside it must have its bounds there.
+    ``root`` is the folder of the .proto files. If a .options file is beside the .proto file, the limit must be there,
+    and a limit in the table is reported.
     """
     found: dict[tuple[str, str], TableBound] = {}
     for row in (row for row in table.rows if row.proto in schema.messages):
@@ -49,9 +50,9 @@ def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagno
 
 
 def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBound:
-    """Return the bound of the field at a path.
+    """Return the size limit for the field at a path in a row's payload.
 
-    Raises `LookupError`, with a message and a help text, if it does not fit.
+    Raises `LookupError`, with a message and a help text, if the limit does not fit the field.
     """
     message, field = _field(row, path.split("."), schema)
     if bound.length is not None and field.type not in _HAVE_A_LENGTH:
@@ -82,7 +83,10 @@ def _named(message: ProtoMessage, name: str) -> ProtoField:
 
 
 def _report_files(bounds: list[TableBound], root: Path, shown_root: str, findings: list[Diagnostic]) -> None:
-    """Report bounds for a file that has a .options file: nanopb reads only one .options file for each .proto file."""
+    """Report each size limit for a field whose .proto file has a .options file beside it.
+
+    nanopb reads only one .options file for each .proto file.
+    """
     for one in bounds:
         beside = options_file_of(one.bound.file)
         if (root / beside).is_file():
@@ -92,13 +96,13 @@ def _report_files(bounds: list[TableBound], root: Path, shown_root: str, finding
 
 
 def as_options(bound: ir.FieldBound) -> Values:
-    """Return a bound as options of nanopb."""
+    """Return the options of nanopb that set a size limit of the table."""
     options = {"max_size" if bound.is_bytes else "max_length": bound.length, "max_count": bound.count}
     return {name: value for name, value in options.items() if value is not None}
 
 
 def as_lines(bounds: list[TableBound]) -> Mapping[str, list[OptionsLine]]:
-    """Return the bounds as lines of each .proto file's .options file."""
+    """Return the size limits as lines of .options files, by .proto file."""
     lines: dict[str, list[OptionsLine]] = {}
     for one in bounds:
         name = f"{one.bound.message}.{one.bound.field}"

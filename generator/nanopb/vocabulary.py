@@ -1,4 +1,4 @@
-"""The vocabulary of nanopb's options: names, types and values, from nanopb.proto in the installed package."""
+"""Names, types and values of nanopb's options, read from nanopb.proto in the installed nanopb package."""
 
 from __future__ import annotations
 
@@ -17,28 +17,31 @@ from google.protobuf.unknown_fields import UnknownFieldSet
 from roverlink.generator.protos.protoc import compile_descriptors
 
 EXTENSION = 1010
-"""The field number of nanopb's options in `FileOptions`, `MessageOptions`, `EnumOptions` and `FieldOptions`."""
+"""The field number of nanopb's extension to `FileOptions`, `MessageOptions`, `EnumOptions` and `FieldOptions`."""
 
 HOSTS = ("File", "Message", "Enum", "Field")
-"""The declarations that may have options, as descriptor.proto names them."""
+"""The kinds of declarations that may have options, as in the name ``FileOptions`` of descriptor.proto."""
 
 _FILE = Path("generator", "proto", "nanopb.proto")  # relative to the package
 
 
 class Vocabulary(NamedTuple):
-    """Message types for reading options. Their descriptor pool is separate: a project may have another nanopb.proto."""
+    """Protobuf classes with which options are read.
+
+    They have their own pool: a project may have another nanopb.proto.
+    """
 
     options: type[Message]
-    """The message of nanopb's options, which a line of a .options file sets."""
+    """The class `NanoPBOptions`, with nanopb's options. A line of a .options file sets its fields."""
     hosts: Mapping[str, type[Message]]
-    """The messages of all options of a declaration, by `HOSTS`."""
+    """The class with all options of a declaration, such as `FieldOptions`, by the kind of declaration in `HOSTS`."""
     extensions: Mapping[str, object]
-    """The extension that holds nanopb's options, by `HOSTS`."""
+    """The extension that contains nanopb's options in such a class, by the kind of declaration in `HOSTS`."""
 
 
 @cache
 def vocabulary() -> Vocabulary:
-    """Load the vocabulary. Raises `ModuleNotFoundError` if nanopb is not installed."""
+    """Return the classes for reading options. Raises `ModuleNotFoundError` if nanopb is not installed."""
     package = find_spec("nanopb")
     folders = (package.submodule_search_locations if package else None) or ()
     root = next((Path(folder) / _FILE.parent for folder in folders if (Path(folder) / _FILE).is_file()), None)
@@ -57,7 +60,7 @@ def vocabulary() -> Vocabulary:
 
 
 def has_options(serialized: bytes) -> bool:
-    """Return True if serialized options contain options of nanopb, or are broken."""
+    """Return True if a declaration's serialized options contain options of nanopb, or cannot be read."""
     try:
         fields = UnknownFieldSet(Empty.FromString(serialized))
     except DecodeError:

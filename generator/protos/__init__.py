@@ -1,1 +1,1 @@
-"""The model of .proto files, and the two readers that fill it: protoc's descriptors and the tolerant parser."""
+"""Messages, fields and enums of .proto files as data, and two readers for them: protoc and a tolerant parser."""

@@ -1,4 +1,4 @@
-"""Protoc's descriptors, read into the schema."""
+"""Conversion of protoc's descriptors to the schema."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _ENUM_VALUE = 2
 
 
 def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
-    """Return the schema of a descriptor set; ``shown_root`` is the folder's name in diagnostics."""
+    """Return the schema for protoc's descriptor set; ``shown_root`` is the folder of the protos in diagnostics."""
     readers = [_FileReader(file, shown_root) for file in compiled.file]
     return Schema(
         files=tuple(file.name for file in compiled.file),
@@ -49,7 +49,7 @@ def schema_of(compiled: FileDescriptorSet, shown_root: str) -> Schema:
 
 
 class _FileReader:
-    """Reads the descriptors of one file, with places and comments."""
+    """Converter of the descriptors of one file, with places and comments."""
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._file = file
@@ -67,9 +67,10 @@ class _FileReader:
     def _message(
         self, message: DescriptorProto, prefix: str, path: Path, inherited: Features, place: Span | None = None
     ) -> None:
-        """Read a message.
+        """Convert a message and all types inside it.
 
-        ``place`` is the map field's place if the message is a map's entry, which has no place of its own.
+        ``place`` is the map field's place if the message is a map's entry, which has no place of its own. ``path`` is
+        the message's path in protobuf's `SourceCodeInfo`.
         """
         full_name, features = prefix + message.name, overridden(inherited, message.options.features)
         declared = self._itself(message, full_name, path, features, place)
@@ -85,7 +86,7 @@ class _FileReader:
     def _itself(
         self, message: DescriptorProto, full_name: str, path: Path, features: Features, place: Span | None
     ) -> ProtoMessage:
-        """Return a message with its fields, but without nested types."""
+        """Return a message with its fields, but without the types that are declared inside it."""
         real_oneofs = {field.oneof_index for field in message.field if _in_oneof(field)}
         return ProtoMessage(
             span=place or self._places.span(path),
@@ -169,7 +170,7 @@ class _FileReader:
 
 
 def _in_oneof(field: FieldDescriptorProto) -> bool:
-    """Return True if the field is in a declared oneof.
+    """Return True if the field is in a oneof that the .proto file declares.
 
     protoc makes a synthetic oneof for each `optional` field of proto3 (descriptor.proto, `proto3_optional`).
     """
@@ -184,9 +185,9 @@ def _facets_of_field(field: FieldDescriptorProto, message: DescriptorProto, feat
 
 
 def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> bool:
-    """Return True if the field's messages may have the group encoding.
+    """Return True if a feature may change the field's encoding to that of groups.
 
-    Maps, and the fields of their entries, never have it.
+    Maps, and the fields of their entries, never have this encoding.
     """
     of_map = any(
         nested.options.map_entry and field.type_name.endswith(f".{message.name}.{nested.name}")
@@ -196,5 +197,5 @@ def _may_be_delimited(field: FieldDescriptorProto, message: DescriptorProto) -> 
 
 
 def _facets(**given: str | bool) -> dict[str, str]:
-    """Return the settings that are not empty, as text."""
+    """Return the settings that are not empty, each as text."""
     return {name: "true" if value is True else str(value) for name, value in given.items() if value}

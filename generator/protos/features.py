@@ -13,7 +13,7 @@ from google.protobuf.descriptor_pb2 import Edition, FeatureSet, FieldDescriptorP
 from roverlink.generator.protos.schema import Syntax
 
 Features = Mapping[str, str]
-"""The value of each feature, by its name."""
+"""The value of each feature of an edition, by the feature's name."""
 
 _EDITIONS: Features = {"field_presence": "EXPLICIT", "message_encoding": "LENGTH_PREFIXED"}
 _PROTO3: Features = {**_EDITIONS, "field_presence": "IMPLICIT"}
@@ -25,12 +25,12 @@ _LABEL_OF_PRESENCE = {"EXPLICIT": "optional", "LEGACY_REQUIRED": "required"}
 
 
 def features_of_file(file: FileDescriptorProto) -> Features:
-    """Return the features of a file."""
+    """Return the features that a file gives to its declarations, including the defaults of its edition."""
     return overridden(_PROTO3 if file.syntax == "proto3" else _EDITIONS, file.options.features)
 
 
 def syntax_of_file(file: FileDescriptorProto) -> Syntax:
-    """Return the syntax of a file, with the defaults of its edition."""
+    """Return the syntax that a file declares; for an edition, with the features of the file."""
     if file.syntax != "editions":
         return Syntax(file.syntax or "proto2")
     features = features_of_file(file)
@@ -39,7 +39,7 @@ def syntax_of_file(file: FileDescriptorProto) -> Syntax:
 
 
 def overridden(inherited: Features, own: FeatureSet) -> Features:
-    """Return the inherited features, replaced by those that a declaration sets itself."""
+    """Return the features of a declaration: the inherited ones, replaced by those that it sets itself."""
     given = {
         field.name: field.enum_type.values_by_number[value].name for field, value in own.ListFields() if field.enum_type
     }
@@ -47,7 +47,7 @@ def overridden(inherited: Features, own: FeatureSet) -> Features:
 
 
 def label_of(field: FieldDescriptorProto, features: Features) -> str:
-    """Return ``repeated``, ``required``, ``optional`` (presence is tracked), or nothing (no presence)."""
+    """Return the label of a field: ``repeated``, ``required``, ``optional`` (absent differs from zero), or empty."""
     if label := _LABELS.get(field.label):
         return label
     always = field.proto3_optional or field.HasField("oneof_index")

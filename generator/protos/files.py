@@ -1,4 +1,4 @@
-"""An index of declarations: the files that declare each message, found without protoc.
+"""The .proto files of a project, and an index of the messages that they declare, made without protoc.
 
 Only the files that the table needs, and their imports, are compiled. So a file that does not compile does no harm if
 nothing needs it.
@@ -22,15 +22,15 @@ _LARGEST = 4 * 1024 * 1024  # bytes; the largest .proto files that people write 
 
 @dataclass(frozen=True, slots=True)
 class DeclarationIndex:
-    """The files that declare each message. Paths are relative to the root."""
+    """The files that declare each message, by the message's full name. Paths are relative to the root of the protos."""
 
     files: dict[str, list[str]]
     excluded: dict[str, list[str]]
-    """The same for files under `proto.exclude`."""
+    """The files under `proto.exclude` that declare each message, by the message's full name."""
 
 
 def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> DeclarationIndex:
-    """Return the index of the messages that files declare; ``exclude`` are the files that are never compiled."""
+    """Return the index of the messages in some files; ``exclude`` are the paths of files that are never compiled."""
     left_out = {str(PurePosixPath(path)) for path in exclude}
     index = DeclarationIndex({}, {})
     for path, file in files.items():
@@ -79,7 +79,7 @@ def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
 
 
 def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict[str, File]:
-    """Parse the .proto files below a folder; report the files that cannot be read.
+    """Parse the .proto files below a folder, and return their content by path. Files that cannot be read are reported.
 
     ``shown_root`` is the folder's name in diagnostics.
     """
@@ -89,12 +89,12 @@ def read_protos(root: Path, shown_root: str, findings: list[Diagnostic]) -> dict
 
 @lru_cache(maxsize=1024)
 def declarations(text: str) -> File:
-    """Parse the text of a file. Results are cached, as a run reads some files several times."""
+    """Parse the text of a .proto file. Results are cached, because one run reads some files several times."""
     return parse(text)
 
 
 def read_proto(root: Path, name: str, shown_root: str, findings: list[Diagnostic]) -> str | None:
-    """Return the text of a .proto file; None, with a diagnostic, if it cannot be read."""
+    """Return the text of a .proto file. If it cannot be read, report that and return None."""
     path, span = root / name, Span(shown(shown_root, name))
     data = b""
     try:

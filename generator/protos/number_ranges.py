@@ -1,4 +1,4 @@
-"""Ranges of field numbers or enum numbers. Both ends are included."""
+"""Ranges of field numbers or enum numbers. Both ends belong to the range."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def covers(ranges: Iterable[Range], number: int) -> bool:
 
 
 def missing(wanted: Range, ranges: Iterable[Range]) -> Iterator[Range]:
-    """Yield the parts of a range that no other range covers."""
+    """Yield the parts of a range that none of the other ranges covers."""
     start, end = wanted
     for first, last in sorted(ranges):
         if last < start:

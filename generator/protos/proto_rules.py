@@ -1,4 +1,4 @@
-"""The rules of the phases that find and compile the .proto files."""
+"""Rules for the steps that find and compile the .proto files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A runner of protoc (from grpcio-tools), which turns protoc's errors into diagnostics."""
+"""Runs of protoc (from grpcio-tools), and the conversion of its error messages to diagnostics."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
 
 @dataclass(frozen=True, slots=True)
 class Compilation:
-    """The result of protoc for the files that the table needs, and for their imports."""
+    """The schema and the Python modules that protoc made from the files of the table, and from their imports."""
 
     schema: Schema
     modules: Mapping[str, str]
-    """The text of each generated module (pb2 and its stub), by path."""
+    """The text of each Python module (pb2) and stub that protoc generated, by the path of the module."""
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
-    """Compile files and their imports.
+    """Compile files and their imports with protoc, to a schema and to Python modules.
 
     ``overlay`` holds the text of files that replace those on disk. ``shown_root`` is the root's name in diagnostics.
     Raises `DiagnosticsError` with protoc's own messages.
@@ -64,7 +64,10 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
 
 
 def _with_imports(files: Iterable[str], folders: Sequence[Path]) -> list[str]:
-    """Return the files and all their imports, except protobuf's own files and files that do not exist."""
+    """Return the files and all files that they import, also indirectly.
+
+    Protobuf's own files are left out, and files that do not exist.
+    """
     waiting = list(files)
     known = dict.fromkeys(waiting)
     for file in waiting:  # the list grows during the loop
@@ -85,7 +88,10 @@ def _found(file: str, folders: Sequence[Path]) -> Path | None:
 
 
 def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
-    """Compile the files of a tree that compile. Returns their schema, and a diagnostic for each error in the others."""
+    """Compile all files of a tree.
+
+    Returns the schema of the files without errors, and one diagnostic for each error in the other files.
+    """
     findings: list[Diagnostic] = []
     left = list(files)
     while left:
@@ -103,7 +109,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
 
 
 def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
-    """Compile files and their imports to descriptors. Raises `DiagnosticsError` with protoc's messages."""
+    """Compile files and their imports with protoc, to descriptors. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         result = Path(folder, "set")
         _protoc([root], files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
@@ -129,7 +135,7 @@ _NOT_FOUND = "File not found."
 
 
 class _Error(NamedTuple):
-    """A line of protoc's output."""
+    """An error message of protoc: one line of its output."""
 
     file: str
     line: int
@@ -138,7 +144,10 @@ class _Error(NamedTuple):
 
 
 def _protoc_findings(output: str, folders: Sequence[Path], shown_root: str) -> list[Diagnostic]:
-    """Return protoc's errors, without those that only follow from another one."""
+    """Return a diagnostic for each error in protoc's output.
+
+    Errors that only follow from another error are left out.
+    """
     errors = list(_errors(output, folders))
     broken = {error.file for error in errors if error.text != _NOT_FOUND}
     imported = {match["file"] for error in errors if (match := _BROKEN_IMPORT.fullmatch(error.text))}
@@ -183,7 +192,7 @@ def _errors(output: str, folders: Sequence[Path]) -> Iterator[_Error]:
 
 
 def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
-    """Return the short names of the types in files that do not compile."""
+    """Return the names, without package, of the messages and enums that some files declare."""
     names: set[str] = set()
     for path in (folder / file for file in files for folder in folders):
         if path.is_file():
@@ -193,7 +202,11 @@ def _declared_in(files: Iterable[str], folders: Sequence[Path]) -> set[str]:
 
 
 def _is_consequence(error: _Error, broken: Set[str], imported: Set[str], missing_names: Set[str]) -> bool:
-    """Return True if another error causes this one."""
+    """Return True if an error of protoc only follows from another error.
+
+    ``broken`` are the files with errors of their own, ``imported`` the files that could not be imported, and
+    ``missing_names`` the types that the former declare.
+    """
     if error.text == _NOT_FOUND:
         return error.file in imported  # the import statement is a better place for the error
     if match := _BROKEN_IMPORT.fullmatch(error.text):

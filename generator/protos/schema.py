@@ -1,4 +1,4 @@
-"""The schema: the messages, fields and enums of .proto files, with comments and places."""
+"""The schema: the messages, fields and enums of .proto files as data, with comments and places."""
 
 from __future__ import annotations
 
@@ -12,75 +12,81 @@ from roverlink.generator import ir
 from roverlink.generator.diagnostics import Span
 
 Ranges = tuple[tuple[int, int], ...]
-"""Ranges of numbers. Both ends are included."""
+"""Ranges of numbers. Both ends belong to a range."""
 
 
 class Fact(NamedTuple):
-    """The meaning of a number: the declaration of a field or an enum value without its place.
+    """The meaning of a number: the declaration of a field or an enum value, without its place in the file.
 
-    Equal facts mean the same.
+    Two declarations with equal facts give the same meaning to the number.
     """
 
     number: int
     name: str
     type: str
-    """The same as `ProtoField.wire_type`; empty for an enum value."""
+    """The type as a .proto file writes it, like `ProtoField.wire_type`; empty for an enum value."""
     label: str = ""
     oneof: str = ""
     claimed: bool = False
-    """True if the declaration is commented out."""
+    """True if the declaration stands in a comment."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:
-    """A declaration in a .proto file. A reader leaves the default for everything that it cannot know."""
+    """Base class of the declarations in a .proto file. An attribute that a reader cannot know keeps its default."""
 
     span: Span
     places: Mapping[str, Span] = field(default_factory=dict, repr=False, hash=False)
-    """The places of its parts: ``name``, ``number``, ``type``, ``label``; ``reserved 3 to 5`` for a reserved range."""
+    """The place of each part of the declaration, by the name of the part.
+
+    Names are ``name``, ``number``, ``type`` and ``label``, and ``reserved 3 to 5`` for a reserved range.
+    """
     comment: str = field(default="", repr=False)
     options: bytes = field(default=b"", repr=False)
-    """The serialized options, with custom options."""
+    """The options of the declaration as serialized protobuf message, with custom options."""
 
     def at(self, part: str) -> Span:
-        """Return the place of a part, or of the whole declaration if the part's place is unknown."""
+        """Return the place of a part of the declaration; if it is unknown, the place of the whole declaration."""
         return self.places.get(part, self.span)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoField(Declared):
-    """A field of a message, in a oneof or not."""
+    """A field of a message. It may be a member of a oneof."""
 
     number: int
     name: str
     type: str
-    """The scalar's name, or ``message``, ``enum``, ``group``."""
+    """The name of the scalar type, or ``message``, ``enum`` or ``group``."""
     type_name: str = ""
     """Full name of the message or enum; empty for a scalar."""
     label: str = ""
-    """``repeated``, ``required``, or ``optional`` (absent differs from zero). Empty otherwise."""
+    """``repeated``, ``required``, or ``optional`` (absent differs from zero); empty for other fields."""
     declared_optional: bool = False
     """True if a proto3 file declares the field ``optional``."""
     oneof: str = ""
     """The oneof that contains the field; empty for none."""
     json_name: str = ""
-    """The name in JSON; empty if it is unknown."""
+    """The field's name in JSON; empty if it is unknown."""
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """Other settings that change decoding: ``default``; ``delimited`` for the encoding of groups."""
+    """Other settings of the field that change how it is decoded, by name.
+
+    ``default`` is the declared default, and ``delimited`` means that a message is encoded like a group.
+    """
 
     @property
     def repeated(self) -> bool:
-        """True for a field with any number of values, which includes maps."""
+        """True if the field can have any number of values. Maps are included."""
         return self.label == "repeated"
 
     @property
     def optional(self) -> bool:
-        """True if absent differs from zero; for a message field, only if it is declared ``optional``."""
+        """True if absent differs from zero. A message field counts only if it is declared ``optional``."""
         holds_message = self.type in ("message", "group")
         return self.declared_optional or (self.label == "optional" and not holds_message and not self.oneof)
 
     def on_the_wire(self) -> ir.WireField:
-        """Return the part of the declaration that matters on the wire, as it stands in the ledger.
+        """Return the parts of the declaration that change the encoding, as mapping.lock stores them.
 
         Message fields and members of a oneof always have presence, so their label is left out.
         """
@@ -90,12 +96,12 @@ class ProtoField(Declared):
 
     @property
     def fact(self) -> Fact:
-        """The meaning that the field gives to its number."""
+        """The declaration without its place: the meaning that it gives to the field's number."""
         return Fact(self.number, self.name, self.wire_type, self.label, self.oneof)
 
     @property
     def wire_type(self) -> str:
-        """The type as a .proto file writes it."""
+        """The field's type as a .proto file writes it: a scalar's name, or the full name of a message or enum."""
         return self.type_name or self.type
 
 
@@ -107,15 +113,18 @@ class ProtoMessage(Declared):
     file: str = ""
     fields: tuple[ProtoField, ...]
     oneofs: tuple[str, ...] = ()
-    """The declared oneofs, in their order. A synthetic oneof of `optional` is not among them."""
+    """Names of the oneofs that the file declares, in their order. protoc's synthetic oneofs are left out."""
     map_entry: bool = False
     extension_ranges: Ranges = ()
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     facets: Mapping[str, str] = field(default_factory=dict, hash=False)
-    """Options that change the encoding: ``message_set_wire_format``."""
+    """Options of the message that change the encoding, by name: ``message_set_wire_format``."""
     claims: tuple[ProtoField, ...] = ()
-    """Fields that are commented out: their numbers were in use, or will be. Only the tolerant parser finds them."""
+    """Fields that stand in comments.
+
+    Their numbers were in use or will be. Only the tolerant parser finds such fields.
+    """
 
     @property
     def name(self) -> str:
@@ -124,11 +133,11 @@ class ProtoMessage(Declared):
 
     @property
     def extendable(self) -> bool:
-        """True if other files may add extensions."""
+        """True if other files may add extensions to the message."""
         return bool(self.extension_ranges)
 
     def on_the_wire(self) -> ir.WireMessage:
-        """Return the part of the declaration that matters on the wire."""
+        """Return the parts of the declaration that change the encoding, as mapping.lock stores them."""
         fields = sorted(self.fields, key=lambda field: field.number)
         return ir.WireMessage(
             self.full_name,
@@ -142,18 +151,18 @@ class ProtoMessage(Declared):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoEnumValue(Declared):
-    """A declared value of an enum."""
+    """A value that an enum declares."""
 
     name: str
     number: int
 
     @property
     def fact(self) -> Fact:
-        """The meaning that the value gives to its number."""
+        """The declaration without its place: the meaning that it gives to the value's number."""
         return Fact(self.number, self.name, "")
 
     def on_the_wire(self) -> ir.WireValue:
-        """Return number, name and comment."""
+        """Return the value as the IR stores it: number, name and comment."""
         return ir.WireValue(self.number, self.name, commented(self))
 
 
@@ -167,7 +176,7 @@ class ProtoEnum(Declared):
     reserved: Ranges = ()
     reserved_names: tuple[str, ...] = ()
     claims: tuple[ProtoEnumValue, ...] = ()
-    """Values that are commented out. Only the tolerant parser finds them."""
+    """Values that stand in comments. Only the tolerant parser finds such values."""
 
     @property
     def name(self) -> str:
@@ -175,7 +184,7 @@ class ProtoEnum(Declared):
         return self.full_name.rpartition(".")[2]
 
     def on_the_wire(self) -> ir.WireEnum:
-        """Return the part of the declaration that matters on the wire."""
+        """Return the parts of the declaration that change the encoding, as mapping.lock stores them."""
         return ir.WireEnum(
             self.full_name,
             tuple(v.on_the_wire() for v in sorted(self.values, key=lambda v: (v.number, v.name))),
@@ -190,9 +199,9 @@ class ProtoExtension:
     """An extension: a field that a file adds to a message."""
 
     extendee: str
-    """Full name of the extended message."""
+    """Full name of the message to which the extension is added."""
     scope: str
-    """Full name of the message that contains the declaration; empty for none."""
+    """Full name of the message inside which the extension is declared; empty if there is none."""
     field: ProtoField
     file: str = ""
     """The file that declares the extension."""
@@ -200,47 +209,47 @@ class ProtoExtension:
 
 @dataclass(frozen=True, slots=True)
 class Syntax:
-    """The syntax of a file; an edition includes the file's features."""
+    """The syntax of a file: proto2, proto3 or an edition. For an edition, it includes features that the file sets."""
 
     name: str
     """The syntax's name: proto2, proto3, or an edition such as 2023; empty if unknown."""
     presence: str = ""
-    """The feature `field_presence` of an edition."""
+    """For an edition, the feature `field_presence`; empty otherwise."""
     encoding: str = ""
-    """The feature `message_encoding` of an edition."""
+    """For an edition, the feature `message_encoding`; empty otherwise."""
 
     @property
     def is_edition(self) -> bool:
-        """True for an edition, which has features."""
+        """True for an edition. Only editions have features."""
         return self.name.isdigit()
 
     @property
     def statement(self) -> str:
-        """The statement that declares the syntax in a file."""
+        """The statement with which a file declares the syntax."""
         return f'edition = "{self.name}";' if self.is_edition else f'syntax = "{self.name}";'
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """The declarations of some files and of all their imports."""
+    """The declarations of some .proto files, and of all files that these import."""
 
     files: tuple[str, ...]
-    """The files, each one after its imports."""
+    """Paths of the files; each file stands after the files that it imports."""
     messages: Mapping[str, ProtoMessage]
     enums: Mapping[str, ProtoEnum]
     extensions: tuple[ProtoExtension, ...] = ()
     file_options: Mapping[str, bytes] = field(default_factory=dict)
     """The serialized options of each file."""
     packages: Mapping[str, str] = field(default_factory=dict)
-    """The package of each file; empty for one without."""
+    """The package of each file; empty if the file declares none."""
     syntaxes: Mapping[str, Syntax] = field(default_factory=dict)
     descriptors: FileDescriptorSet = field(default_factory=FileDescriptorSet, repr=False, compare=False)
-    """The descriptors behind the schema, for other programs; empty for the ledger's schema."""
+    """The descriptors from which the schema was made, for other programs; empty for the ledger's schema."""
     uncompiled: tuple[str, ...] = ()
-    """The files that belong to the schema, but do not compile."""
+    """Paths of the files that should be in the schema, but do not compile."""
 
     def descriptors_without_comments(self) -> bytes:
-        """Return the serialized descriptors, without comments and places."""
+        """Return the descriptors as bytes, without comments and places."""
         bare = FileDescriptorSet()
         for file in self.descriptors.file:
             copy = bare.file.add()
@@ -249,11 +258,14 @@ class Schema:
         return bare.SerializeToString(deterministic=True)
 
     def syntax_of(self, file: str) -> Syntax:
-        """Return the syntax of a file; an empty one if it is unknown."""
+        """Return the syntax that a file declares; an empty `Syntax` if the file is unknown."""
         return self.syntaxes.get(file, Syntax(""))
 
     def reachable(self, *roots: str) -> tuple[set[str], set[str]]:
-        """Return the names of messages and enums that ``roots`` contain at any depth, with the roots themselves."""
+        """Return the full names of all messages and of all enums that ``roots`` contain at any depth.
+
+        The roots are included.
+        """
         messages: set[str] = set()
         enums: set[str] = set()
         waiting = [*roots]
@@ -271,7 +283,7 @@ _MARK = "Deprecated."
 
 
 def commented(declared: Declared) -> str:
-    """Return the comment of a declaration, with the mark ``Deprecated.`` if it is deprecated."""
+    """Return the comment of a declaration. If the declaration is deprecated, ``Deprecated.`` is added."""
     if not declared.options or not _is_deprecated(declared):
         return declared.comment
     return f"{declared.comment}\n\n{_MARK}" if declared.comment else _MARK

@@ -1,4 +1,4 @@
-"""Places and comments of declarations, from the `SourceCodeInfo` that protoc writes beside its descriptors.
+"""Places and comments of declarations, from the `SourceCodeInfo` in protoc's descriptors.
 
 A location's path consists of field numbers of descriptor.proto and indices (`SourceCodeInfo.Location`): ``4, 0, 2, 1``
 is the second field (2, 1) of the first message (4, 0).
@@ -29,7 +29,7 @@ _MESSAGE_RESERVED, _ENUM_RESERVED = 9, 4
 
 
 class Places:
-    """The places of one file."""
+    """The places and comments of the declarations in one file."""
 
     def __init__(self, file: FileDescriptorProto, shown_root: str) -> None:
         self._shown = shown(shown_root, file.name)
@@ -38,33 +38,33 @@ class Places:
         self._locations = {tuple(location.path): location for location in locations}
 
     def span(self, path: Path) -> Span:
-        """Return the place of a declaration; the file if the place is unknown."""
+        """Return the place of the declaration at a path; the whole file if the place is unknown."""
         location = self._locations.get(path)
         return Span(self._shown, location.span[0] + 1, location.span[1] + 1) if location else Span(self._shown)
 
     def comment(self, path: Path) -> str:
-        """Return the comment before a declaration, or else the one behind it."""
+        """Return the comment before the declaration at a path, or else the comment behind it."""
         location = self._locations.get(path)
         return (_clean(location.leading_comments) or _clean(location.trailing_comments)) if location else ""
 
     def of_field(self, path: Path) -> dict[str, Span]:
-        """Return the places of a field's parts."""
+        """Return the places of a field's parts, by name: ``name``, ``number``, ``type``..."""
         return self._parts(path, _FIELD_PARTS)
 
     def of_message(self, path: Path, message: DescriptorProto) -> dict[str, Span]:
-        """Return the places of a message's name and reserved ranges."""
+        """Return the places of a message's name and of its reserved ranges, by name."""
         ranges = [(reserved.start, reserved.end - 1) for reserved in message.reserved_range]
         return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _MESSAGE_RESERVED), ranges)
 
     def of_enum(self, path: Path, enum: EnumDescriptorProto) -> dict[str, Span]:
-        """Return the places of an enum's name and reserved ranges."""
+        """Return the places of an enum's name and of its reserved ranges, by name."""
         ranges = [
             (reserved.start, reserved.end) for reserved in enum.reserved_range
         ]  # EnumReservedRange includes its end
         return self._parts(path, _TYPE_PARTS) | self._reserved((*path, _ENUM_RESERVED), ranges)
 
     def of_value(self, path: Path) -> dict[str, Span]:
-        """Return the places of an enum value's parts."""
+        """Return the places of an enum value's parts, by name."""
         return self._parts(path, _VALUE_PARTS)
 
     def _parts(self, path: Path, parts: Mapping[str, Path]) -> dict[str, Span]:

@@ -1,1 +1,1 @@
-"""Resolution of the table and the proto schema to the IR."""
+"""Conversion of the table and the schema of the protos to the IR."""

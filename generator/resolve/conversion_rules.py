@@ -1,4 +1,4 @@
-"""Rules of the conversion from proto messages to ROS messages."""
+"""Rules about the conversion of proto messages to generated ROS messages."""
 
 from __future__ import annotations
 

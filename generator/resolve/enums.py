@@ -1,4 +1,4 @@
-"""Conversion of enums to ROS: an integer field, and constants."""
+"""Conversion of proto enums to ROS: each becomes an integer field, and constants of the message with the field."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ _SIGNED_INTEGERS = (("int8", -(2**7), 2**7), ("int16", -(2**15), 2**15), ("int32
 
 
 def integer_type(enum: ProtoEnum) -> str:
-    """Return the smallest ROS integer type for all declared values; it is signed only if a value is negative."""
+    """Return the smallest ROS integer type that holds all values of an enum.
+
+    The type is signed only if a value is negative.
+    """
     numbers = [value.number for value in enum.values]
     for name, low, end in _SIGNED_INTEGERS if min(numbers) < 0 else _INTEGERS:
         if low <= min(numbers) and max(numbers) < end:
@@ -25,7 +28,10 @@ def integer_type(enum: ProtoEnum) -> str:
 
 
 def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]) -> Iterator[ir.RosConstant]:
-    """Yield an enum's values as constants of a ROS message."""
+    """Yield a constant of a ROS message for each value of an enum; the constants' names begin with ``prefix``.
+
+    A value that cannot become a constant is reported.
+    """
     type = integer_type(enum)
     seen: dict[str, ProtoEnumValue] = {}
     for value in enum.values:
@@ -54,7 +60,7 @@ def constants_of(
     span: Span,
     report: Callable[[Diagnostic], None],
 ) -> Iterator[ir.RosConstant]:
-    """Yield the constants of a ROS message: the values of its enums and of its oneofs.
+    """Yield the constants of a ROS message: those for its enums, and ``others``, which are for its oneofs.
 
     If two constants share a name, those of an enum get the enum's name as a prefix. `span` is the place of the message.
     """

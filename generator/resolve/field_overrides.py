@@ -1,7 +1,7 @@
-"""Settings of single fields in the rows: `presence` and `any`.
+"""Overrides for single fields of proto messages, which the rows contain under `presence` and `any`.
 
 A path leads through nested messages, lists and maps to a field of a message. A proto message becomes one ROS message,
-so a setting applies wherever the message is used.
+so an override applies wherever the message is used.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from roverlink.generator.table import Row, Table
 T = TypeVar("T")
 
 Key = tuple[str, str]
-"""Full name of a message, and the name of its field."""
+"""Full name of a message, and the name of one of its fields."""
 
 
 class FieldSettings:
-    """Settings of fields, by message and field."""
+    """Overrides for fields from all rows, by the full name of the message and the name of the field."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._report = schema, report
@@ -39,7 +39,10 @@ class FieldSettings:
     def _collected(
         self, group: str, rows: Iterator[tuple[Row, Mapping[str, T]]], obstacle: Callable[[ProtoField, T], str]
     ) -> dict[Key, T]:
-        """Collect a group of settings from all rows; each path must lead to a field to which the setting applies."""
+        """Return the overrides under one key of all rows, such as `presence`; mistakes are reported.
+
+        ``obstacle`` returns the reason why an override does not apply to a field, or an empty text.
+        """
         settings: dict[Key, T] = {}
         said: dict[Key, Row] = {}
         for row, paths in rows:
@@ -64,7 +67,7 @@ class FieldSettings:
         return settings
 
     def _field(self, row: Row, group: str, path: str) -> tuple[Key, ProtoField] | None:
-        """Return the field that a path leads to; report the path and return None if there is none."""
+        """Return the field to which a path in a row leads. If there is none, report the path and return None."""
         for whole in itertools.accumulate(path.split("."), "{}.{}".format):
             if whole in row.ignore:
                 fault = f"{path} is listed under `{group}`, but {whole} is ignored"
@@ -83,7 +86,7 @@ class FieldSettings:
         return (message.full_name, name), field
 
     def _held(self, message: ProtoMessage | None, name: str) -> ProtoMessage | None:
-        """Return the message type of a field; for a map, the message type of its values."""
+        """Return the message inside the field ``name`` of a message; for a map, the message inside its values."""
         field = _field_of(message, name)
         held = self._schema.messages.get(field.type_name) if field else None
         return self._held(held, "value") if held and held.map_entry else held
@@ -105,7 +108,7 @@ class FieldSettings:
         return ""
 
     def _no_any(self, field: ProtoField, _: object) -> str:
-        """Return the reason why a field contains no Any; empty if it contains one."""
+        """Return the reason why the table cannot list messages for an Any in the field; empty if it can."""
         held = self._schema.messages.get(field.type_name)
         if held is not None and held.map_entry:
             field = held.fields[1]
@@ -113,7 +116,7 @@ class FieldSettings:
 
 
 def without_effect_on_standard(key: str, row: Row) -> tuple[str, str]:
-    """Return message and help for a key that changes own messages, in a row with a standard message."""
+    """Return message and help for a key that has no effect because the row has a standard message."""
     message = f"`{key}` has no effect, because {row.ros} is a standard message"
     return message, "remove it, or give the row a message of your own package"
 

@@ -1,4 +1,4 @@
-"""Conversion of one proto message to one ROS message, field by field."""
+"""Conversion of one proto message to one generated ROS message, field by field."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from roverlink.generator.resolve.row_overrides import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
-"""Methods of Python protobuf messages that generated code calls; a field of the same name would hide the method."""
+"""Methods of Python's protobuf messages that generated code calls. A field with such a name would hide the method."""
 _RENAME = "rename it in the .proto; the name is not sent, so the encoding does not change"
 
 
 class MessageBuilder:
-    """Builder of the fields, constants and conversions of one ROS message."""
+    """Builder of one generated ROS message: its fields, its constants, and the conversions of its fields."""
 
     def __init__(self, messages: MessageMaker, message: ProtoMessage, shape: Shape) -> None:
         self._messages, self._message, self._shape = messages, message, shape
@@ -40,7 +40,7 @@ class MessageBuilder:
         self.conversions: list[ir.FieldConversion] = []
 
     def message(self) -> ir.RosMessage:
-        """Return the ROS message."""
+        """Return the ROS message from the fields that were added."""
         declared, ros = self._types.enums.values(), self._shape.ros
         return ir.RosMessage(
             ros,
@@ -51,7 +51,10 @@ class MessageBuilder:
         )
 
     def add_fields(self, message: ProtoMessage, path: tuple[str, ...]) -> None:
-        """Convert the fields of a proto message; ``path`` leads to it from the payload."""
+        """Add ROS fields for all fields of a proto message, and convert them.
+
+        ``path`` leads from the payload to the proto message; it is empty for the payload itself.
+        """
         for field in message.fields:
             full_path = (*path, field.name)
             dotted = ".".join(full_path)
@@ -73,11 +76,14 @@ class MessageBuilder:
                 self._convert(message, field, full_path)
 
     def _is_flattened(self, dotted: str) -> bool:
-        """Return True if the table names fields inside this field."""
+        """Return True if the row's `fields` or `ignore` contain paths into this field.
+
+        Then the message in the field is not converted as a whole.
+        """
         return any(path.startswith(f"{dotted}.") for path in (*self._shape.fields, *self._shape.ignore))
 
     def _flatten(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> None:
-        """Convert the fields of a nested message to fields of this message."""
+        """Add ROS fields for the fields of a nested message, in place of one ROS field for the nested message."""
         dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
         if self._keeps_presence(message, field):
             fault = f"{dotted} is optional; if its fields are moved out, its presence is lost"
@@ -89,7 +95,7 @@ class MessageBuilder:
             self.add_fields(nested, path)
 
     def _report_paths_into(self, dotted: str, field: ProtoField) -> None:
-        """Report paths in the table that lead into a field without fields."""
+        """Report paths of the row that lead into a field which is not a single message."""
         for group, paths in (("fields", self._shape.fields), ("ignore", self._shape.ignore)):
             for path in paths:
                 if path.startswith(f"{dotted}."):
@@ -113,7 +119,7 @@ class MessageBuilder:
                     self._report(UNKNOWN_FIELD.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
-        """Return another setting that contradicts a path, in words; empty if there is none."""
+        """Return a text about another path of the row that contradicts a path; empty if there is none."""
         fields, ignore = self._shape.fields, self._shape.ignore
         if group == "ignore" and path in fields:
             return f"{path} is renamed to {fields[path]}, and also ignored"
@@ -138,14 +144,17 @@ class MessageBuilder:
         self._add(conversion, field)
 
     def _keeps_presence(self, message: ProtoMessage, field: ProtoField) -> bool:
-        """Return True if a ROS field tells that this field is set."""
+        """Return True if the ROS message gets a field that tells if the proto field is set."""
         if field.label != "optional" or field.oneof or field.type_name in (*well_known.TEXTS, well_known.EMPTY):
             return False
         said = self._messages.settings.presence.get((message.full_name, field.name))
         return said if said is not None else field.optional or field.type_name in well_known.WRAPPERS
 
     def _discriminator(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-        """Return the ROS field that tells which member of the field's oneof is set; add it for the first member."""
+        """Return the name of the ROS field that tells which member of the oneof is set.
+
+        The first member of the oneof adds this ROS field to the message.
+        """
         full_path = (*path, field.oneof)
         if full_path not in self._which:
             dotted = ".".join(full_path)
@@ -160,7 +169,7 @@ class MessageBuilder:
         return self._which[full_path]
 
     def _placed(self, field: ProtoField, path: tuple[str, ...]) -> bool:
-        """Return True if a member of a oneof gets a ROS field."""
+        """Return True if the ROS message gets a field for a member of a oneof."""
         dotted = ".".join((*path, field.name))
         return dotted not in self._shape.ignore and (not path or dotted in self._shape.fields)
 

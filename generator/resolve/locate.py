@@ -1,4 +1,4 @@
-"""Location of messages: the .proto file that declares each message of the table."""
+"""Search for the .proto file that declares each message of the table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from roverlink.generator.table import Table
 
 
 def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
-    """Return the file of each row's message; a message without one clear declaration is reported."""
+    """Return the .proto file of each row's message, by the message's full name.
+
+    A message that no file or several files declare is reported and left out.
+    """
     files: dict[str, str] = {}
     for row in table.rows:
         declared = index.files.get(row.proto, [])
@@ -34,7 +37,10 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) ->
 
 
 def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) -> dict[str, str]:
-    """Return the file of each message that a row lists for an Any; unclear messages are reported."""
+    """Return the .proto file of each message that a row lists under `any`, by the message's full name.
+
+    A message that no file or several files declare is reported and left out.
+    """
     files: dict[str, str] = {}
     for row in table.rows:
         for path, types in row.anys.items():

@@ -1,4 +1,4 @@
-"""ROS messages and conversions for all protos that the rows reach."""
+"""Generated ROS messages, and conversions to them, for all proto messages that the payloads contain."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from roverlink.generator.table import EnumSettings, Row, Table
 
 
 class RosMessages:
-    """Builder of ROS messages and conversions; each is made once, for all rows that share it."""
+    """Builder of all generated ROS messages and conversions. A message that several rows need is built once."""
 
     def __init__(self, table: Table, schema: Schema, findings: list[Diagnostic]) -> None:
         self.schema, self.report = schema, findings.append
@@ -41,18 +41,18 @@ class RosMessages:
 
     @property
     def conversions(self) -> dict[str, ir.Conversion]:
-        """Conversions by the name of their ROS message."""
+        """Every conversion to a generated ROS message, by the name of the ROS message."""
         return {conversion.ros: conversion for conversion in self._made.values()}
 
     def route(self, row: Row) -> ir.Route:
-        """Return a row's route; its conversion is None if the row has a standard message."""
+        """Return the route of a row. Its conversion is None if the row has a standard message."""
         payload = self.schema.messages[row.proto]
         conversion = None if row.standard else self._conversion(payload)
         where = (row.number, row.name, row.topic, row.direction, row.inbound, row.profile, row.forward)
         return ir.Route(*where, row.proto, conversion, commented(payload), expect_rate=row.expect_rate)
 
     def check_enums(self) -> None:
-        """Report enums in the table that no payload has."""
+        """Report enums that the table lists under `enums`, but no payload contains."""
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
                 help = nearest(settings.proto, self.enums_used, "remove it, or correct its name")
@@ -87,16 +87,17 @@ class RosMessages:
         return self._made[proto]
 
     def _package_of(self, message: ProtoMessage) -> str:
-        """Return the proto package: the full name without the message's name and the messages around it."""
+        """Return the proto package of a message: its full name without its own name and the messages around it."""
         outer = message.full_name.rpartition(".")[0]
         while outer in self.schema.messages:
             outer = outer.rpartition(".")[0]
         return outer
 
     def claim(self, ros: str, source: str, span: Span, row: Row | None = None) -> None:
-        """Register the name of a ROS message; report a name that ROS forbids, or that collides with another.
+        """Note that a ROS message's name is used; report a name that ROS forbids, or that collides with another name.
 
-        rosidl names header files in snake_case, so two names collide if their snake_case forms are equal.
+        rosidl names header files in snake_case, so two names collide if their snake_case forms are equal. ``source`` is
+        the proto message or field that needs the ROS message.
         """
         if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
             fault = f"{source} cannot become the ROS message {ros!r}: ROS does not allow the name"
@@ -112,13 +113,19 @@ class RosMessages:
             self.report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Return the ROS message for the message in a field; report a message that contains itself, and return None."""
+        """Return the name of the ROS message for a message that a field contains.
+
+        A field that makes a message contain itself is reported, and the result is None.
+        """
         if self._is_recursive(field, proto, "list this field, or one that leads to it, under `ignore`"):
             return None
         return self._conversion(self.schema.messages[proto]).ros
 
     def _is_recursive(self, field: ProtoField, proto: str, help: str) -> bool:
-        """Report a field whose message contains it again: a ROS message cannot contain itself."""
+        """Return True, and report the field, if the field's message contains the field itself.
+
+        A ROS message cannot contain itself.
+        """
         if proto not in self._in_progress:
             return False
         cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
@@ -127,7 +134,10 @@ class RosMessages:
         return True
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """Return the ROS message for an Any whose messages the table lists."""
+        """Build the ROS message for an Any field, and return the name of the ROS message.
+
+        ``types`` are the proto messages that the Any may contain according to the table.
+        """
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
         which = ir.RosField("which", ir.RosType(smallest(len(types))), "The message that it contains.", source)
@@ -154,14 +164,20 @@ class RosMessages:
         return ros
 
     def bytes_message(self) -> str:
-        """Return the ROS message for an item of a list of bytes; ROS has no sequences of sequences."""
+        """Build the ROS message for one item of a list of bytes, and return its name.
+
+        ROS has no sequences of sequences.
+        """
         self.claim("Bytes", "bytes in a list", Span(""))
         field = ir.RosField("data", ir.RosType("uint8", is_sequence=True), "")
         self.messages["Bytes"] = ir.RosMessage("Bytes", (field,), (), "", "bytes")
         return "Bytes"
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
-        """Return the table's settings of an enum with its own message, and make that message; None if it has none."""
+        """Return the table's settings for an enum with a ROS message of its own; None if it has none.
+
+        The ROS message is built when an enum is first used.
+        """
         settings = self._enum_settings.get(enum.full_name)
         if settings is not None and enum.full_name not in self.enums_used:
             self._make_enum_message(enum, settings)

@@ -1,4 +1,4 @@
-"""Conversion of oneofs: the members become fields, and a discriminator tells which member is set."""
+"""Conversion of oneofs to ROS: each member becomes a field, and one more field tells which member is set."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ NONE = "NONE"
 def discriminator(
     message: ProtoMessage, oneof: str, members: Sequence[ProtoField], name: str | None
 ) -> tuple[ir.RosField, list[ir.RosConstant], tuple[ir.Choice, ...]]:
-    """Return the discriminator field of a oneof, and its constants.
+    """Return the ROS field that tells which member of a oneof is set, with its constants and the members.
 
-    A member's constant is its field number, so that adding or reordering members does not change the others.
+    The constant of a member is the member's field number. So the numbers do not change if members are added or
+    reordered. ``name`` is the ROS field's name from the table; None for the default name.
     """
     source, prefix = f"{message.full_name}.{oneof}", ros_names.constant_name(oneof)
     type = smallest(max(member.number for member in members))
@@ -32,5 +33,5 @@ def discriminator(
 
 
 def smallest(number: int) -> str:
-    """Return the smallest unsigned ROS integer type for numbers from 0 to a number."""
+    """Return the smallest unsigned ROS integer type that holds the numbers from 0 to a given number."""
     return "uint8" if number < 2**8 else "uint16" if number < 2**16 else "uint32"

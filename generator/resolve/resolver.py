@@ -1,6 +1,6 @@
-"""Resolver: the table and the proto descriptors to the IR.
+"""Resolver: makes the IR from the table and the schema of the protos.
 
-A construct that cannot be converted is reported; no field is dropped silently.
+What cannot be converted is reported; no field is dropped silently.
 """
 
 from __future__ import annotations
@@ -27,7 +27,10 @@ from roverlink.generator.table import Table
 
 
 def resolve_envelope(table: Table, files: Mapping[str, str], published: Ledger) -> ir.Envelope:
-    """Return the envelope, with a member for every row whose message was located."""
+    """Return the envelope of the IR. It has a member for each row; rows whose message has no known file are left out.
+
+    ``files`` has the .proto file of each message. ``published`` is the ledger.
+    """
     burned = published.burned_in(table.envelope.message)
     members = [ir.Member(row.number, row.name, row.proto, files[row.proto]) for row in table.rows if row.proto in files]
     return ir.Envelope(
@@ -55,9 +58,11 @@ def resolve(
     sizes: Mapping[str, ir.WireSize],
     findings: list[Diagnostic],
 ) -> ir.Bridge:
-    """Return the IR of a table; `sizes` are by row name.
+    """Return the IR of a table; `sizes` are the largest encodings of each row by name.
 
-    It must not be emitted if errors were added to the findings.
+    Mistakes are added to `findings`.
+
+    If errors were added, no files must be generated from the IR.
     """
     schema = compilation.schema
     messages = RosMessages(table, schema, findings)
@@ -115,7 +120,7 @@ def _completed(
 
 
 def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Report files whose Python modules cannot be imported."""
+    """Report .proto files from which protoc would generate Python modules that cannot be imported."""
     for file in schema.files:
         parts = file.removesuffix(".proto").split("/")
         if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
@@ -126,7 +131,7 @@ def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
 
 
 def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
-    """Report excluded files that a compiled file imports."""
+    """Report files under `proto.exclude` that a compiled file imports nevertheless."""
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")

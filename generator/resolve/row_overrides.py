@@ -1,4 +1,4 @@
-"""Overrides of the rows for the ROS messages of their protos."""
+"""Overrides that the rows contain for the generated ROS messages: names of messages and fields, and ignored fields."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roverlink.generator.table import Row, Table
 
 @dataclass(slots=True)
 class Shape:
-    """Name and fields of a ROS message, as a row sets them."""
+    """Name, field names and ignored fields that a row sets for the ROS message of its payload."""
 
     ros: str
     fields: Mapping[str, str] = dataclasses.field(default_factory=dict)
@@ -21,12 +21,15 @@ class Shape:
     row: Row | None = None
 
     def at(self, group: str, path: str, otherwise: Span) -> Span:
-        """Return the place of a path under ``fields`` or ``ignore`` in the row."""
+        """Return the place of a path under ``fields`` or ``ignore`` in the row; ``otherwise`` if it is not there."""
         return self.row.spans.get(f"{group}.{path}", otherwise) if self.row else otherwise
 
 
 def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
-    """Return the shape of each proto message; rows with the same message must agree on it."""
+    """Return the shape of the ROS message for each row's proto message, by the proto message's full name.
+
+    Rows with the same proto message must have the same settings for it; a difference is reported.
+    """
     shapes: dict[str, Shape] = {}
     for row in table.rows:
         if row.standard:

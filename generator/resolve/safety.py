@@ -1,4 +1,4 @@
-"""Safety settings of a row: the payload that stops the rover, the rate limit, and the priority."""
+"""Safety settings of rows and peers: the payload that stops the rover, the rate limits, and the priority."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
 
 
 def _too_slow(row: Row) -> Iterator[Diagnostic]:
-    """Report a rate limit at which the topic always counts as silent between two messages."""
+    """Report a rate limit that is so low that the topic counts as silent between two messages."""
     if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
         message = f"at {row.max_rate} messages a second, {row.name} counts as silent after {row.deadman.after_ms} ms"
         also = [(row.deadman.at("after"), "set here")]
@@ -101,7 +101,7 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
 def _field(
     message: ProtoMessage, path: str, schema: Schema, span: Span, findings: list[Diagnostic]
 ) -> ProtoField | None:
-    """Return the field at the end of a path; report the path and return None if it does not exist."""
+    """Return the field at the end of a path. If there is none, report the path and return None."""
     *outer, name = path.split(".")
     for part in outer:
         field = _member(message, part, path, span, findings)
@@ -123,7 +123,10 @@ def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: l
 
 
 def _value(field: ProtoField, text: str, schema: Schema) -> tuple[Value | None, str]:
-    """Convert a text to the field's value, or None; also return the kind of value that the field needs, in words."""
+    """Return a text from the table as the value of a field, and in words the kind of value that the field needs.
+
+    The value is None if the text does not fit the field.
+    """
     if field.repeated:
         return None, "an empty list, so remove it"
     if field.type in ("message", "group"):

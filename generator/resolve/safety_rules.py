@@ -1,4 +1,4 @@
-"""Rules of the settings that keep a rover from moving by mistake: deadman, rates, sources."""
+"""Rules about the settings that keep a rover from moving by mistake: deadman, rates, and sources of peers."""
 
 from __future__ import annotations
 

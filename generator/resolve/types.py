@@ -1,4 +1,4 @@
-"""Conversion of one proto field's value: its ROS type, and the kind of conversion."""
+"""Conversion of one proto field: the type of the ROS field, and the kind of conversion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from roverlink.generator.table import EnumSettings
 
 
 class MessageMaker(Protocol):
-    """Maker of the ROS messages that fields need.
+    """Maker of the ROS messages that the fields of other ROS messages need. `RosMessages` implements it.
 
     A message is made of fields, and a field may need another message. This protocol breaks the import cycle.
     """
@@ -29,24 +29,27 @@ class MessageMaker(Protocol):
     messages: dict[str, ir.RosMessage]
 
     def claim(self, ros: str, source: str, span: Span) -> None:
-        """Register the name of a ROS message; report it if another source has it."""
+        """Note that a ROS message's name is used for ``source``; report it if another source has the name."""
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
-        """Return the ROS message for the message in a field; None, with a diagnostic, if it cannot be made."""
+        """Return the name of the ROS message for a message that a field contains.
+
+        If there can be none, this is reported, and the result is None.
+        """
 
     def any_message(self, message: ProtoMessage, field: ProtoField, ros: str, types: tuple[str, ...]) -> str:
-        """Return the ROS message for an Any that may contain `types`."""
+        """Return the name of the ROS message for an Any field that may contain the messages ``types``."""
 
     def bytes_message(self) -> str:
-        """Return the ROS message for an item of a list of bytes."""
+        """Return the name of the ROS message for one item of a list of bytes."""
 
     def enum_message(self, enum: ProtoEnum) -> EnumSettings | None:
-        """Make the ROS message of an enum if the table gives it one, and return the table's settings."""
+        """Return the table's settings for an enum that has its own ROS message, and make it; None for other enums."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """ROS side of a single value."""
+    """ROS type for a single value of a proto field, and the kind of conversion."""
 
     kind: ConversionKind
     type: ir.RosType
@@ -57,7 +60,7 @@ class _Value:
 
 
 class FieldTypes:
-    """Converter of the fields of one ROS message. It collects the enums whose constants the message needs."""
+    """Converter of the fields of one proto message. It collects the enums whose constants the ROS message needs."""
 
     def __init__(self, messages: MessageMaker, ros: str) -> None:
         self._messages, self._schema, self._ros = messages, messages.schema, ros
@@ -66,7 +69,7 @@ class FieldTypes:
     def conversion(
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
-        """Return the conversion of a field; report a field that cannot be converted, and return None.
+        """Return the conversion of a field. A field that cannot be converted is reported, and the result is None.
 
         ``path`` leads from the payload to the field; ``name`` is the name of the ROS field.
         """
@@ -126,7 +129,10 @@ class FieldTypes:
         return _Value(ConversionKind.VALUE, ir.RosType(enums.integer_type(enum)), enum=enum.full_name)
 
     def _message(self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str | None:
-        """Return the ROS message of a message field."""
+        """Return the name of the ROS message for a field that contains a message.
+
+        If there can be none, this is reported, and the result is None.
+        """
         holder, owner = self._owner(message, field)
         types = self._messages.settings.anys.get((holder.full_name, owner.name))
         if field.type_name == well_known.ANY and types:
@@ -135,9 +141,10 @@ class FieldTypes:
         return self._messages.nested_message(owner, field.type_name)
 
     def _owner(self, message: ProtoMessage, field: ProtoField) -> tuple[ProtoMessage, ProtoField]:
-        """Return the message and the field that the .proto file declares.
+        """Return the declared field that a field belongs to, and the message that declares it.
 
-        protoc generates an entry message for each map. For a field of an entry, the map's field is returned.
+        For the key or value of a map, this is the map's field, because protoc generates the entry message. Any other
+        field is returned unchanged.
         """
         if not message.map_entry:
             return message, field
@@ -163,9 +170,9 @@ class FieldTypes:
 
 
 def _comment(message: ProtoMessage, field: ProtoField, path: tuple[str, ...]) -> str:
-    """Return a field's comment.
+    """Return the comment of a field for the ROS message.
 
-    The comments in protobuf's own messages are left out; they explain protobuf's libraries.
+    The comments in protobuf's own messages are left out, because they explain protobuf's libraries.
     """
     return "" if message.file.startswith("google/protobuf/") and len(path) == 1 else commented(field)
 

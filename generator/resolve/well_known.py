@@ -1,4 +1,4 @@
-"""Well-known types of google.protobuf that have a conversion of their own.
+"""Well-known types of google.protobuf that are not converted like other messages.
 
 All other types of google.protobuf are converted like a user's messages, and so are Any, Empty and FieldMask in a
 repeated field.
@@ -16,14 +16,14 @@ TIMES = {
     "google.protobuf.Timestamp": ("timestamp", "Time"),
     "google.protobuf.Duration": ("duration", "Duration"),
 }
-"""Runtime module and message of builtin_interfaces, by proto type."""
+"""Name of the runtime's module, and of the message of builtin_interfaces, for each proto type."""
 
 TEXTS = {
     "google.protobuf.Struct": "json_struct",
     "google.protobuf.Value": "json_value",
     "google.protobuf.ListValue": "json_list",
 }
-"""Runtime module, by proto type. The ROS side is a JSON text."""
+"""Name of the runtime's module for each proto type that becomes a JSON text in ROS."""
 
 WRAPPERS = {
     "google.protobuf.DoubleValue": "double",
@@ -36,7 +36,7 @@ WRAPPERS = {
     "google.protobuf.StringValue": "string",
     "google.protobuf.BytesValue": "bytes",
 }
-"""Scalar type in each wrapper."""
+"""Scalar type inside each wrapper message."""
 
 SCALARS = {
     "double": "float64",
@@ -54,10 +54,10 @@ SCALARS = {
     "bool": "bool",
     "string": "string",
 }
-"""ROS type of each scalar type except bytes."""
+"""ROS type of each scalar type of protobuf, except bytes."""
 
 
 def time_type(proto: str) -> tuple[str, ir.RosType]:
-    """Return the runtime module and the ROS type of a time."""
+    """Return the name of the runtime's module, and the ROS type, for a Timestamp or a Duration."""
     module, name = TIMES[proto]
     return module, ir.RosType(name, is_message=True, package="builtin_interfaces")

@@ -1,4 +1,4 @@
-"""Table of mapping.yaml: the declarations of its keys, its reader, and edits of its text."""
+"""The table mapping.yaml: the declarations of its keys, the reader of the file, and changes of its text."""
 
 from __future__ import annotations
 

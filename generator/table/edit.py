@@ -1,4 +1,4 @@
-"""Edits of mapping.yaml as text, so that comments and layout are kept: adding a row, retiring a payload."""
+"""Changes of mapping.yaml as text, which keep comments and layout: adding a row, and retiring a payload."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 
 Edit = tuple[int, int, list[str]]
-"""Replacement of the lines from the first up to, but not including, the last (counted from 0)."""
+"""Change of a text: the first line to replace, the line behind the last one to replace (from 0), and the new lines."""
 
 _MARKS = frozenset("{}[],:#&*!|>'\"%@`")
 _KEPT = ("number", "name", "proto")
-"""Keys that an entry under `retired` keeps from its row."""
+"""Keys of a row that its entry under `retired` contains as well."""
 
 
 def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
-    """Return the table's text with a row added after the last one, in the same style.
+    """Return the table's text with a row added after the last one, in the style of the last row.
 
-    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if the rows are not a block list.
+    ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if the table has no rows, or if its rows are
+    not written as a block list, one item in each line.
     """
     messages = _value_of(yaml.compose(text, Loader=yaml.SafeLoader), "messages")
     last = messages.value[-1] if isinstance(messages, SequenceNode) and messages.value else None
@@ -38,7 +39,7 @@ def with_row(text: str, row: Mapping[str, str | int], file: str) -> str:
 
 
 def with_retired(text: str, number: int, file: str) -> str:
-    """Return the table's text with the row of a number moved to ``retired``.
+    """Return the table's text with the row of a number moved to `retired`.
 
     ``file`` is the table's name in diagnostics. Raises `DiagnosticsError` if no row has the number.
     """
@@ -56,18 +57,18 @@ def with_retired(text: str, number: int, file: str) -> str:
 
 
 def scalar(text: str) -> str:
-    """Write a text so that YAML reads it back as the same string; quote it if YAML would read something else."""
+    """Return a text as YAML writes it, so that YAML reads the same string. It is quoted only if necessary."""
     return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
 
 
 def quoted(text: str) -> str:
-    """Write a text in double quotes."""
+    """Return a text in double quotes, as YAML writes it."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 
 
 def _edited(lines: list[str], edits: Iterable[Edit]) -> str:
-    """Return the text after edits that do not overlap."""
+    """Return the text after all changes; the changes must not overlap."""
     # From the end to the start, so that the line numbers of the remaining edits stay valid.
     for first, last, replacement in sorted(edits, key=lambda edit: edit[0], reverse=True):
         lines[first:last] = replacement
@@ -82,7 +83,7 @@ def _row(end: int, margin: str, entries: list[str], *, flow: bool) -> Edit:
 
 
 def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
-    """Return the edit that adds an entry after the retired ones, in their style."""
+    """Return the change that adds an entry to the list under `retired`, in the style of the list."""
     if retired is None or not isinstance(retired, SequenceNode):
         end = "" if not lines or lines[-1].endswith("\n") else "\n"
         return len(lines), len(lines), [f"{end}retired:\n", f"  - {entry}\n"]
@@ -99,7 +100,7 @@ def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
 
 
 def _value_of(node: Node | None, key: str) -> Node | None:
-    """Return the value of a mapping's key, or None if the key is missing."""
+    """Return the value of a key in a YAML mapping; None if the key is missing."""
     if isinstance(node, MappingNode):
         for key_node, value in node.value:
             if key_node.value == key:
@@ -113,7 +114,7 @@ def _scalar_of(row: Node, key: str) -> str:
 
 
 def _last_line(node: Node) -> int:
-    """Return the last line with content of a node.
+    """Return the last line of a YAML node that is not blank or a comment, counted from 0.
 
     YAML ends a block node where the next node starts, after blank lines and comments; a row must not be added there.
     """

@@ -1,4 +1,4 @@
-"""Rules of the commands that edit the table or the ledger: add, retire, accept."""
+"""Rules for the commands that change the table or the ledger: `add`, `retire` and `lint --accept`."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Keys of mapping.yaml.
+"""Keys of mapping.yaml, and the classes for its parts.
 
-Each key is declared once, as an attribute of the part of the table that contains it.
+Each key is declared once, as an attribute of the class for the part that contains the key.
 
 The reader, the JSON Schema, the reference in docs/mapping.md and the defaults all come from these declarations;
-`roverlink.generator.table.parts` explains how. A new key is one attribute here.
+`roverlink.generator.table.parts` explains how. To add a key, add one attribute here.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _QOS = Qos()
 
 
 def _network_fault(text: str) -> tuple[str, str]:
-    """Return the reason why a text is not an IPv4 address or network, and the help; both empty if it is one."""
+    """Return the reason why a text is not an IPv4 address or network, and a help text; both are empty if it is one."""
     try:
         network = IPv4Network(text, strict=False)
     except ValueError:
@@ -58,7 +58,7 @@ def _network_fault(text: str) -> tuple[str, str]:
 
 
 def _import_fault(name: str) -> tuple[str, str]:
-    """Return the reason why a dotted name cannot be an import name, and the help; both empty if it can."""
+    """Return the reason why a name cannot be imported in Python, and a help text; both are empty if it can."""
     first, *_ = parts = name.split(".")
     if word := next(filter(keyword.iskeyword, parts), ""):
         return f"but {word} is a Python keyword", "choose another name"
@@ -77,7 +77,7 @@ EnumName = Annotated[str, Text("enum name", _DOTTED, "SensorBoardIMUInfo")]
 FieldPath = Annotated[str, Text("field path", _DOTTED, "gps_sensor_1")]
 FieldName = Annotated[str, Text("field name", r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")]
 PeerName = Annotated[str, Text("peer", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware")]
-"""Pattern of a peer's name.
+"""Name of a peer.
 
 ``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
 """
@@ -132,11 +132,14 @@ OPTIONS = {
         Meaning("A quaternion, computed from angles about the fixed axes."),
     ),
 }
-"""Options of a field. Any other key in the mapping names a part of the field."""
+"""Options of an entry under `fields`. Any other key of the entry is the name of a field inside the ROS field."""
 
 
 def _target() -> AnyOf:
-    """Return the type of an entry under `fields`. It is recursive: a nested message is a mapping of entries."""
+    """Return the type of an entry under `fields`.
+
+    It contains itself: an entry for a message has an entry for each part.
+    """
     parts = Object(OPTIONS, others=MapOf(_FIELD_NAME, _TARGET))
     return AnyOf((Text(), Number(), Boolean(), ListOf(Number(), unique=False), parts))
 
@@ -158,7 +161,7 @@ _STAMP = AnyOf(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtoSettings(Part):
-    """Place of the .proto files."""
+    """Settings under `proto`: the place of the .proto files."""
 
     root: Annotated[Folder, Meaning("Folder from which proto imports are resolved, relative to the table.")]
     exclude: Annotated[
@@ -172,7 +175,7 @@ class ProtoSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvelopeSettings(Part):
-    """Envelope: the message that contains every payload."""
+    """Settings under `envelope`: the message that contains every payload."""
 
     file: Annotated[
         str,
@@ -192,7 +195,7 @@ class EnvelopeSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosSettings(Part):
-    """Settings of the ROS 2 side."""
+    """Settings under `ros`: the generated ROS 2 package."""
 
     package: Annotated[str, Text("package name"), Meaning("Name of the ROS 2 interface package.")]
     distro: Annotated[
@@ -212,7 +215,7 @@ class RosSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PythonSettings(Part):
-    """Settings of the Python side."""
+    """Settings under `python`: the generated Python package."""
 
     package: Annotated[
         PythonPackage,
@@ -275,7 +278,7 @@ class PeerSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lowered(Part):
-    """Lower severity for a rule."""
+    """Setting under `lint` that gives a rule a lower severity."""
 
     rule: Annotated[str, Text("rule id", r"[A-Z]{3}[0-9]{3}|[A-Z]+(_[A-Z0-9]+)+", "ENV106"), NAME]
     severity: Annotated[Literal["warning", "hint", "off"], Meaning("The rule's new severity.")]
@@ -292,7 +295,7 @@ class Bound(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeadmanSettings(Part):
-    """Payload that the bridge sends to a peer when the commanding topic is silent."""
+    """Settings under `deadman`: the payload that the bridge sends to a peer when the commanding topic is silent."""
 
     after_ms: Annotated[SilenceMs, Meaning("How long the topic may be silent, such as `500ms`.", key="after")]
     send: Annotated[
@@ -380,7 +383,7 @@ class StandardTopicSettings(Part):
 
     @property
     def profile(self) -> Qos:
-        """Quality of service; its depth comes from `queue` or `qos.depth`."""
+        """Quality of service of the topic. Its depth comes from `queue` or `qos.depth`."""
         depth = self.queue or self.qos.depth or _QOS.depth
         return Qos(self.qos.reliability, self.qos.durability, self.qos.history, depth)
 
@@ -485,17 +488,17 @@ class Row(StandardTopicSettings):
 
     @property
     def standard(self) -> StandardTopicSettings | None:
-        """Row's own topic if its message is a standard message, else None."""
+        """Settings of the row's own topic if its message is a standard message; None otherwise."""
         return self if "/" in self.ros else None
 
     @property
     def standard_topics(self) -> tuple[StandardTopicSettings, ...]:
-        """Every topic of the row that has a standard message."""
+        """Settings of each topic of the row with a standard message: its own topic, if it has one, and extra topics."""
         return (self.standard, *self.also) if self.standard else self.also
 
     @property
     def renames(self) -> dict[str, str]:
-        """ROS field names by proto field, for a row without a standard message."""
+        """Name of the ROS field for each proto field that the row renames. Only for a row with a generated message."""
         return {path: form.value for path, form in self.fields.items() if isinstance(form.value, str)}
 
     @property
@@ -505,18 +508,18 @@ class Row(StandardTopicSettings):
 
     @property
     def peer(self) -> str:
-        """Name of the peer at the other end."""
+        """Name of the peer that sends or receives the payload."""
         return self.direction.removesuffix("_to_ros").removeprefix("ros_to_")
 
     @property
     def ros_span(self) -> Span:
-        """Place of the ROS message's name, or of `proto` if the name comes from there."""
+        """Place of the key `ros`. If the row has none, the place of `proto`, from which the name follows."""
         return self.spans.get("ros", self.at("proto"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RetiredRow(Part):
-    """Retired payload. Its number and its name are never used again."""
+    """Payload that was removed. Its number and its name are never used again."""
 
     number: Annotated[FieldNumber, Meaning("The number, which is never used again.")]
     name: Annotated[FieldName, Meaning("The name that the row had.")]
@@ -525,7 +528,7 @@ class RetiredRow(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnumSettings(Part):
-    """Enum that becomes a ROS message of its own."""
+    """Setting under `enums`: an enum that becomes a ROS message of its own."""
 
     proto: Annotated[EnumName, NAME]
     ros: Annotated[RosName, Meaning("Name of the ROS 2 message that holds the enum.")]
@@ -534,13 +537,13 @@ class EnumSettings(Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table(Part):
-    """mapping.yaml as it was read. Items with mistakes are left out."""
+    """Content of mapping.yaml. Rows and other items with mistakes are left out."""
 
     file: str
     whole: bool
-    """False if something was left out; rules about missing rows must check this."""
+    """False if an item was left out because of a mistake. Rules about missing rows must check this."""
     numbers: frozenset[int]
-    """Every number in the file, including numbers of rows that were left out."""
+    """Numbers of all rows and retired rows in the file, including rows that were left out because of a mistake."""
     version: Annotated[int, Integer(FORMAT_VERSION, FORMAT_VERSION), Meaning("Version of the table's format.")]
     proto: Annotated[ProtoSettings, Meaning("The place of the `.proto` files.")]
     envelope: Annotated[EnvelopeSettings, Meaning("The message that contains every payload.")]
@@ -574,7 +577,7 @@ class Table(Part):
     lint: Annotated[tuple[Lowered, ...], Meaning("Lower severities of rules, for the whole table.")] = ()
 
     def peers_by_name(self) -> dict[str, PeerSettings]:
-        """Return the peers by name."""
+        """Return the settings of each peer, by the peer's name."""
         return {peer.name: peer for peer in self.peers}
 
     def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:

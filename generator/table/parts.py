@@ -1,13 +1,13 @@
-"""Parts of the table: dataclasses whose annotations declare the keys.
+"""Base class of the table's parts. A part is a dataclass whose annotations declare keys of mapping.yaml.
 
-An attribute with a `Meaning` among its annotations is a key. The rest comes from the annotation:
+An attribute is a key of the table if its annotation includes a `Meaning`. The other properties of the key are:
 
-- The type of value is the `Type` among the annotations. Without one it follows from the Python type (``bool``, ``str``,
-  ``Literal[...]``, another part, or a tuple or mapping of these).
-- A key is required if its attribute has no default.
+- The type of its value is the `Type` in the annotation. Without one, it follows from the Python type (``bool``,
+  ``str``, ``Literal[...]``, another part, or a tuple or mapping of these).
+- The key is required if the attribute has no default.
 
-``NAME`` marks the attribute that holds the name of a part in a mapping of parts. ``NOT_EMPTY`` marks a list that must
-have an item.
+``NAME`` marks the attribute that holds the name of a part, for parts that stand by name in a mapping. ``NOT_EMPTY``
+marks a list that must have at least one item.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from roverlink.generator.table.value_types import AnyOf, Boolean, Key, ListOf, M
 
 
 class Mark(Enum):
-    """Note of an annotation, besides the type of value and the meaning."""
+    """Mark in the annotation of an attribute, besides the type and the meaning of the key."""
 
     NAME = "name"
     NOT_EMPTY = "not empty"
@@ -40,31 +40,37 @@ NOT_EMPTY = Mark.NOT_EMPTY
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """Part of the table. It knows the places of its values."""
+    """Base class of the table's parts. A part knows the place of each of its values in the file."""
 
     span: Span = _NOWHERE
     spans: Mapping[str, Span] = field(default_factory=dict, repr=False)
-    """Place of each key's value; ``key.entry`` is the place of an entry or text below it."""
+    """Place of each key's value, by the key.
+
+    If the value is a mapping or a list of texts, ``key.entry`` is also a key here.
+    """
 
     def at(self, key: str) -> Span:
-        """Return the place of a key's value, or the part's own place if the key is missing."""
+        """Return the place of a key's value. If the key is missing, return the place of the whole part."""
         return self.spans.get(key, self.span)
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """Value of a YAML file with its place: a scalar, a list or a mapping."""
+    """Value in a YAML file, with its place: a scalar, a list or a mapping. The attributes of the other two are None."""
 
     span: Span
     value: bool | str | int | Fraction | float | None = None
-    """Value of a scalar."""
+    """Value of a scalar, such as a number; None for a list or a mapping."""
     items: tuple[Form, ...] | None = None
-    """Items of a list."""
+    """Items of a list; None for a scalar or a mapping."""
     entries: Mapping[str, Form] | None = field(default=None, hash=False)
-    """Entries of a mapping."""
+    """Entries of a mapping by key; None for a scalar or a list."""
 
     def spans(self) -> dict[str, Span]:
-        """Return the place of each entry; ``key.entry`` is the place of an entry or text below it."""
+        """Return the place of each entry by its key, and as ``key.entry`` the places one level deeper.
+
+        The second level has the entries of a mapping, and the texts of a list.
+        """
         spans = {}
         for key, form in (self.entries or {}).items():
             spans[key] = form.span
@@ -78,7 +84,7 @@ P = TypeVar("P", bound=Part)
 
 @cache
 def object_of(part: type[Any]) -> Object:
-    """Return the keys that a part declares: required keys first, and own keys before inherited ones."""
+    """Return the keys that a part of the table declares: required keys first, own keys before inherited ones."""
     annotations = get_type_hints(part, include_extras=True)
     fields = {field.name: field for field in dataclasses.fields(part)}
     names = dict.fromkeys(name for base in part.__mro__ for name in inspect.get_annotations(base) if name in fields)
@@ -102,7 +108,7 @@ def _notes(annotation: Any) -> list[Any]:
 
 
 def _type_of(annotation: Any) -> Type:
-    """Return the type of value that an annotation declares."""
+    """Return the type of the YAML value for an attribute with this annotation."""
     notes = _notes(annotation)
     for note in notes:
         if isinstance(note, Type):
@@ -127,7 +133,7 @@ def _type_of(annotation: Any) -> Type:
 
 
 def _map_of_named(type: Type) -> MapOf | None:
-    """Return a mapping type for parts that have a name; None for other types."""
+    """Return the type of a YAML mapping from names to parts, if the part has an attribute for its name; else None."""
     if isinstance(type, Object) and type.part:
         for name, annotation in get_type_hints(type.part, include_extras=True).items():
             key = _type_of(annotation) if NAME in _notes(annotation) else None
@@ -137,10 +143,10 @@ def _map_of_named(type: Type) -> MapOf | None:
 
 
 def build(part: type[P], form: Form, **further: Any) -> P:
-    """Build a part from its form in the file; ``further`` sets the attributes that are not keys.
+    """Build a part of the table from its value in the file; ``further`` sets the attributes that are not keys.
 
-    Items of lists and mappings that lack a required key are left out. If the part itself lacks a key, the value is the
-    default, or empty for a required key.
+    Items of lists and mappings that lack a required key are left out. If the part itself lacks a key, the attribute
+    gets its default, or an empty value if the key is required.
     """
     values = {}
     entries = form.entries or {}
@@ -169,13 +175,13 @@ def _value(type: Type, form: Form) -> Any:
 
 
 def _empty(type: Type, span: Span) -> Any:
-    """Return the empty value for a required key that is missing."""
+    """Return an empty value of a type, for a required key that is missing."""
     if isinstance(type, (Object, ListOf, MapOf)):
         return _value(type, Form(span))
     return "" if isinstance(type, Text) else 0
 
 
 def _is_whole(type: Type, form: Form) -> bool:
-    """Return False if a part lacks a required key."""
+    """Return False if a value for a part lacks a required key."""
     keys = type.keys if isinstance(type, Object) and type.part else {}
     return all(name in (form.entries or {}) for name, key in keys.items() if key.required)

@@ -1,4 +1,4 @@
-"""Reader of mapping.yaml: text to `Table`, with every mistake in the file as a diagnostic at its place."""
+"""Reader of mapping.yaml. It returns a `Table`, and reports every mistake in the file at its place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FIRST_PORT = 6000
 
 
 def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Table:
-    """Read a table; ``name`` is the file's name in diagnostics.
+    """Read the table from a file; ``name`` is the file's name in diagnostics.
 
     Every mistake in the file is added to the findings. Correct parts are still read; `Table.whole` is False if
     something was left out. Raises `DiagnosticsError` if nothing can be read.
@@ -28,7 +28,7 @@ def read(path: Path, findings: list[Diagnostic], name: str | None = None) -> Tab
 
 
 def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
-    """Read a table from a text; as `read`."""
+    """Read the table from a text. Mistakes are handled as in `read`."""
     before = len(findings)
     form = read_form(text, file, object_of(Table), "the table", findings)
     if form is None:
@@ -41,7 +41,7 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
 
 
 def _numbers(table: Form) -> Iterator[int]:
-    """Yield the numbers of all rows, including rows that lack a key."""
+    """Yield the numbers of all rows and retired rows, including rows that lack a required key."""
     entries = table.entries or {}
     for key in ("messages", "retired"):
         for row in entries[key].items or () if key in entries else ():
@@ -50,7 +50,7 @@ def _numbers(table: Form) -> Iterator[int]:
 
 
 def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
-    """Sort the peers by name, and set the parameters and ports that the table leaves to the default."""
+    """Yield the peers sorted by name. If the table gives a peer no parameter or port, the default is set."""
     for index, peer in enumerate(sorted(peers, key=lambda peer: peer.name)):
         letter = ascii_lowercase[index % len(ascii_lowercase)]
         parameter = peer.parameter or f"dst_{letter}_port"
@@ -58,7 +58,7 @@ def _with_ports(peers: tuple[PeerSettings, ...]) -> Iterator[PeerSettings]:
 
 
 def _mistakes(row: Row) -> Iterator[Diagnostic]:
-    """Check the keys of a row against each other."""
+    """Report keys of a row that contradict each other."""
     for standard in (row, *row.also):
         yield from _conflicting_depths(standard)
     if row.standard is None:
@@ -73,7 +73,7 @@ def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]
 
 
 def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
-    """Report values under `fields` that only a row with a standard message may have."""
+    """Report values under `fields` that are no strings, in a row without a standard message."""
     for path, form in row.fields.items():
         if path not in row.renames:
             message = f"fields.{path} is not a string; without a standard message it must be the name of the ROS field"

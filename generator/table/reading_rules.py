@@ -1,4 +1,4 @@
-"""Rules of the table reader: mistakes in mapping.yaml that are reported before any other check."""
+"""Rules of the table's reader. They concern mistakes in mapping.yaml that are found before any other check."""
 
 from __future__ import annotations
 

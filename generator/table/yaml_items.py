@@ -1,4 +1,4 @@
-"""Reader of a YAML file by its format: values with their places, and every mistake as a diagnostic.
+"""Reader of a YAML file whose format is given as a type. It returns the values with their places.
 
 `yaml.compose` is used instead of `yaml.load`, because its nodes keep line and column. A value with a mistake is
 reported and left out; the values around it are still read.
@@ -31,7 +31,7 @@ from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
 
 
 def read_form(text: str, file: str, type: Type, subject: str, findings: list[Diagnostic]) -> Form | None:
-    """Parse a text and return its value as far as it fits the format; mistakes are added to the findings.
+    """Parse a YAML text and return its value, without the parts that do not fit the type. These are reported.
 
     ``file`` and ``subject`` are the names of the file and of its top-level value in diagnostics. Returns None if the
     top-level value has another type. Raises `DiagnosticsError` if the text is not YAML.
@@ -40,7 +40,10 @@ def read_form(text: str, file: str, type: Type, subject: str, findings: list[Dia
 
 
 def read_text(path: Path, file: str) -> str:
-    """Return the file's text. Raises `DiagnosticsError` if it cannot be read."""
+    """Return the text of a file; ``file`` is its name in diagnostics.
+
+    Raises `DiagnosticsError` if it cannot be read.
+    """
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
@@ -74,10 +77,13 @@ def _compose(text: str, file: str) -> Node:
 
 @dataclass(slots=True)
 class _Reader(ScalarReader):
-    """Reader that walks the YAML nodes by the format and collects mistakes."""
+    """Reader of YAML nodes whose format is given as a type. Mistakes are added to the findings."""
 
     def value(self, node: Node, type: Type, subject: str) -> Form | None:
-        """Read a node; None if it is not of the type."""
+        """Return the value of a YAML node; None, with a diagnostic, if the node has another type.
+
+        ``subject`` names the value in diagnostics.
+        """
         if isinstance(type, Named):
             type = type.definition()
         if isinstance(type, AnyOf):

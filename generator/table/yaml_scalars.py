@@ -1,4 +1,4 @@
-"""Reader of YAML scalars.
+"""Reader of YAML scalars: numbers, texts, ``true`` and ``false``.
 
 Values that YAML reads as something other than they look like are reported.
 
@@ -51,7 +51,7 @@ _KINDS: dict[type, str] = {
 
 
 def kind_of(type: Type) -> str:
-    """Return the words for a type in messages, as in "must be a list"."""
+    """Return the words for a type in diagnostics, such as "a list" in "it must be a list"."""
     if isinstance(type, Named):
         type = type.definition()
     if isinstance(type, AnyOf):
@@ -64,7 +64,7 @@ def kind_of(type: Type) -> str:
 
 
 def fitting_form(node: Node, type: AnyOf) -> Type:
-    """Return the form that fits the kind of a value; if none fits, the most similar one."""
+    """Return the type among several that fits a YAML node; if none fits, text, or else the first type."""
     by_kind = {kind_of(form): form for form in type.forms}
     kind = "a mapping" if isinstance(node, MappingNode) else "a list" if isinstance(node, SequenceNode) else "a string"
     if isinstance(node, ScalarNode) and not node.style:
@@ -79,7 +79,7 @@ def _exponent(text: str) -> int:
 
 @dataclass(slots=True)
 class ScalarReader:
-    """Reader of scalars that collects mistakes."""
+    """Reader of YAML scalars. Mistakes are added to the findings."""
 
     file: str
     findings: list[Diagnostic]
@@ -89,14 +89,14 @@ class ScalarReader:
         return Span(self.file, node.start_mark.line + 1, node.start_mark.column + 1)
 
     def wrong(self, node: Node, subject: str, wanted: str) -> None:
-        """Report a value of the wrong kind."""
+        """Report a value that has another type than it must have; ``wanted`` is that type in words."""
         kinds: dict[type[Node], str] = {MappingNode: "a mapping", SequenceNode: "a list"}
         found = kinds.get(type(node), "")
         found = found or (f"{node.value!r}" if node.value else "nothing")
         self.findings.append(WRONG_TYPE.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
 
     def scalar(self, node: Node, type: Type, subject: str) -> Form | None:
-        """Read a scalar; None if it is not of the type."""
+        """Return the value of a YAML scalar; None, with a diagnostic, if it does not fit the type."""
         if not isinstance(node, ScalarNode):
             self.wrong(node, subject, kind_of(type))
             return None
@@ -132,7 +132,10 @@ class ScalarReader:
         return int(node.value)
 
     def _number(self, node: ScalarNode, subject: str) -> Fraction | float | None:
-        """Read a number: an exact fraction, or the float nan or infinity."""
+        """Return a number: an exact fraction, or a float for nan and infinity.
+
+        None, with a diagnostic, for no number.
+        """
         if node.style or not _NUMBER.fullmatch(node.value):
             self.wrong(node, subject, "a number")
             return None
@@ -196,7 +199,7 @@ class ScalarReader:
         return value
 
     def bad(self, node: Node, value: str, subject: str, type: Text) -> None:
-        """Report a text that does not match its pattern."""
+        """Report a text that is empty or does not match the pattern of its type."""
         help = f"for example {type.example}" if type.example else ""
         message = f"{subject} is {value!r}, which is not a valid {type.noun}" if value else f"{subject} is empty"
         self.findings.append(BAD_VALUE.at(self.span(node), message, help))

@@ -1,4 +1,4 @@
-"""Blocks of a .proto file. Each kind of block reads its own statements, and may open a block inside."""
+"""Blocks of a .proto file. A block is the text between two braces; each kind of block reads its own statements."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue
 
 
 class Block:
-    """A block that is being read."""
+    """A block of a .proto file, while its statements are being read."""
 
     def __init__(self, source: Source, opening: Statement) -> None:
         first = opening.tokens[0] if opening.tokens else source.tokens[opening.end]
@@ -24,25 +24,36 @@ class Block:
         self.indentation = first.column if first.first else 0
         self.unclosed = opening.end in source.tokens.unclosed
         self.depth = 0
-        """Number of blocks that are open inside a `SkippedBlock`."""
+        """In a `SkippedBlock`, the number of blocks that are open inside it."""
 
     @property
     def span(self) -> Span:
-        """The place of the block's first token. Its file is empty: only the caller knows the file."""
+        """The place of the block's first token.
+
+        The place has no file name, which only the caller of the parser knows.
+        """
         return Span("", self.opening.line, self.opening.column)
 
     def take(self, statement: Statement) -> Block | None:
-        """Read a statement, and return the block that it opens; None if it opens none."""
+        """Read the next statement of the block.
+
+        Returns the inner block that the statement opens; None if there is none.
+        """
         if statement.tokens:
             return self.read(statement)
         return self.unknown(statement) if statement.ending == "{" else None
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a statement of at least one token, and return the block that it opens; None if it opens none."""
+        """Read a statement that has tokens. Returns the inner block that the statement opens; None if there is none.
+
+        `take` calls this for every statement that is not just a brace or a semicolon. Each kind of block implements it.
+        """
         raise NotImplementedError
 
     def unknown(self, statement: Statement) -> Block | None:
-        """Return a block whose content is skipped; None if the brace is a surplus one.
+        """Report a block of an unknown kind.
+
+        Returns a block that skips its content; None if its brace is a surplus one.
 
         In a file with unclosed braces, a brace in the middle of a line counts as surplus.
         """
@@ -52,20 +63,20 @@ class Block:
         return SkippedBlock(self.source, statement) if ends_line or not tokens.unclosed else None
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Collect declarations that are commented out."""
+        """Find commented-out declarations in comments of the block. The parser calls this before each statement."""
 
 
 class SkippedBlock(Block):
-    """A block whose content is skipped: a service, or a block of an unknown kind. It counts the blocks inside."""
+    """A block whose content is skipped: a service, or a block of an unknown kind."""
 
     def take(self, statement: Statement) -> Block | None:
-        """Skip a statement."""
+        """Skip a statement. If it opens a block, count the block, because its closing brace must not end this one."""
         self.depth += statement.ending == "{"
         return None
 
 
 class EnumBlock(Block):
-    """The inside of an enum."""
+    """The content of an enum."""
 
     def __init__(self, source: Source, opening: Statement, name: str) -> None:
         super().__init__(source, opening)
@@ -76,7 +87,7 @@ class EnumBlock(Block):
         self.claims: list[ProtoEnumValue] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read an enum value, an option, or a ``reserved`` statement."""
+        """Read an enum value, an option, or a ``reserved`` statement of the enum."""
         head = statement.tokens[0].text if len(statement.tokens) > 1 and statement.tokens[1].text != "=" else ""
         if head == "option":
             read_option(self.source, statement)
@@ -87,11 +98,11 @@ class EnumBlock(Block):
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Collect enum values that are commented out."""
+        """Find commented-out enum values in comments of the enum."""
         self.claims += claimed_values(self.source.text, comments)
 
     def build(self, scope: str) -> ProtoEnum:
-        """Return the enum; ``scope`` is the package or message that contains it."""
+        """Return the enum that was read; ``scope`` is the package or message that contains the enum."""
         return ProtoEnum(
             span=self.span,
             full_name=f"{scope}.{self.name}" if scope else self.name,
@@ -106,7 +117,7 @@ class EnumBlock(Block):
 
 
 def read_option(source: Source, statement: Statement) -> tuple[str, str]:
-    """Read an ``option`` statement, and return its name and its value."""
+    """Read an ``option`` statement, and return the option's name and value."""
     words = Words(statement.tokens)
     words.skip()
     name, value = words.option()
@@ -118,7 +129,10 @@ def read_option(source: Source, statement: Statement) -> tuple[str, str]:
 def read_ranges(
     source: Source, statement: Statement, ranges: list[Range], names: list[str], signed: bool = False
 ) -> None:
-    """Read a ``reserved`` or ``extensions`` statement into ``ranges`` and ``names``."""
+    """Read a ``reserved`` or ``extensions`` statement, and add its content to ``ranges`` and ``names``.
+
+    ``signed`` is true for enums, whose numbers may be negative.
+    """
     words = Words(statement.tokens)
     words.skip()
     found_ranges, found_names = words.ranges(signed)
@@ -130,5 +144,5 @@ def read_ranges(
 
 
 def with_end(ranges: list[Range], largest: int) -> tuple[tuple[int, int], ...]:
-    """Return ranges with ``max`` replaced by the largest number."""
+    """Return the ranges with ``max`` as their end replaced by the largest number."""
     return tuple((start, largest if end is MAX else end) for start, end in ranges)

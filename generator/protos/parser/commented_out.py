@@ -1,7 +1,7 @@
-"""Fields and enum values that are commented out.
+"""Declarations of fields and enum values that are commented out. They are called claims.
 
 Teams often comment a field out instead of reserving its number. The number is then still in use on robots that run old
-firmware, so the lint knows such fields as claims.
+firmware, so the rules of the lint look at claims.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _NO_TYPES = frozenset(
 
 
 def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterator[ProtoField]:
-    """Yield the fields that are commented out in a message, or in a oneof of it."""
+    """Yield the fields that stand in comments of a message, or of the oneof ``oneof``."""
     for match, number, within, span in _claims(text, comments, _FIELD, oneof):
         type = " ".join(match["type"].split())
         if type not in _NO_TYPES:
@@ -37,13 +37,13 @@ def claimed_fields(text: str, comments: Iterable[Comment], oneof: str) -> Iterat
 
 
 def claimed_values(text: str, comments: Iterable[Comment]) -> Iterator[ProtoEnumValue]:
-    """Yield the values that are commented out in an enum."""
+    """Yield the values that stand in comments of an enum."""
     for match, number, _, span in _claims(text, comments, _VALUE, ""):
         yield ProtoEnumValue(span=span, number=number, name=match["name"])
 
 
 _Claim = tuple[re.Match[str], int, str, Span]
-"""The match of a declaration, its number, its oneof and its place."""
+"""A commented-out declaration: the regular expression's match, the number, the oneof and the place."""
 
 
 def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneof: str) -> Iterator[_Claim]:
@@ -53,12 +53,15 @@ def _claims(text: str, comments: Iterable[Comment], claim: re.Pattern[str], oneo
 
 
 class _Reader:
-    """Reads neighbouring comments together, as a commented-out oneof or message may span many of them."""
+    """Reader of comments.
+
+    It reads adjacent comments together, because a commented-out message may span many of them.
+    """
 
     def __init__(self, claim: re.Pattern[str], oneof: str) -> None:
         self._claim = claim
         self._blocks: list[str | None] = [oneof]
-        """The blocks that are commented out: a oneof's name, or None for a block whose fields do not count."""
+        """The commented-out blocks around a line: each the name of a oneof, or None if fields inside do not count."""
 
     def comment(self, text: str, comment: Comment) -> Iterator[_Claim]:
         place = Place(text, comment.start, comment.line, comment.column)
@@ -72,7 +75,7 @@ class _Reader:
             start += len(line) + 1
 
     def _line(self, line: str) -> Iterator[re.Match[str]]:
-        """Yield the declarations in a line of a comment. Stops where the line reads as prose."""
+        """Yield the matches of declarations in a line of a comment, up to the first part that is no declaration."""
         offset = _end(_DECORATION, line, 0)
         while offset < len(line):
             if match := _BLOCK.match(line, offset):

@@ -1,4 +1,4 @@
-"""Fields and enum values, each of one statement."""
+"""Parser for the statement of one field or enum value."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def group_name(statement: Statement) -> str:
 
 
 def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField | None:
-    """Return the field of a statement; None if the name or the number is missing.
+    """Return the field that a statement declares; None if the name or the number is missing.
 
-    Other faults are reported as problems.
+    All faults of the statement are reported as problems of the file.
     """
     words = Words(statement.tokens)
     label = words.take(*LABELS) if words.next(1).kind is Kind.NAME or words.next(1).is_symbol(".") else ""
@@ -45,7 +45,7 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
 
 
 def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
-    """Return the enum value of a statement; None if the name or the number is missing."""
+    """Return the enum value that a statement declares; None if the name or the number is missing."""
     words = Words(statement.tokens)
     name = words.name()
     if not name:
@@ -58,7 +58,7 @@ def read_value(source: Source, statement: Statement) -> ProtoEnumValue | None:
 
 
 def _numbered(words: Words, signed: bool) -> tuple[int | None, bool]:
-    """Return the number, and True if only the number and options follow the name."""
+    """Read the part behind a name: ``= 4 [options]``. Returns the number, and True if nothing else follows."""
     assigned = bool(words.take("="))
     number = words.number(signed)
     words.skip_brackets()

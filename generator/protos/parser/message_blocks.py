@@ -18,7 +18,7 @@ from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoFi
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
-    """The declarations of a file, collected from its blocks."""
+    """The declarations of a file, while they are being collected from its blocks."""
 
     messages: list[ProtoMessage] = field(default_factory=list)
     enums: list[ProtoEnum] = field(default_factory=list)
@@ -33,7 +33,7 @@ class Scope(Block):
     extends: list[ExtendBlock]
 
     def open(self, statement: Statement) -> Block | None:
-        """Return the block of a type or an ``extend``; None if the statement opens none."""
+        """Return the block of the message, enum or ``extend`` that a statement opens; None for other statements."""
         texts = [token.text for token in statement.tokens]
         texts = texts[1:] if texts[0] in VISIBILITIES else texts
         if texts[0] == "extend":
@@ -55,7 +55,7 @@ class Scope(Block):
         return None
 
     def read_field(self, statement: Statement, fields: list[ProtoField], oneof: str = "") -> Block | None:
-        """Read a field, and return the message that it opens if it is a group."""
+        """Read a field into ``fields``. If the field is a group, return the block of its message."""
         if field := read_field(self.source, statement, oneof):
             fields.append(field)
         if name := group_name(statement):
@@ -65,7 +65,11 @@ class Scope(Block):
         return SkippedBlock(self.source, statement) if statement.ending == "{" else None
 
     def collect(self, scope: str, found: Declarations, message: str = "") -> None:
-        """Add all declarations to ``found``. ``scope`` is the package or message; ``message`` is empty for the file."""
+        """Add the declarations of the block, at any depth, to ``found``.
+
+        ``scope`` is the package or message whose name precedes the names of the declarations. ``message`` is the full
+        name of this message; empty for the file.
+        """
         found.enums.extend(enum.build(scope) for enum in self.enums)
         for extend in self.extends:
             found.extensions.extend(extend.build(message))
@@ -76,7 +80,7 @@ class Scope(Block):
 
 
 class MessageBlock(Scope):
-    """The inside of a message."""
+    """The content of a message."""
 
     def __init__(self, source: Source, opening: Statement, name: str) -> None:
         super().__init__(source, opening)
@@ -91,7 +95,7 @@ class MessageBlock(Scope):
         self.claims: list[ProtoField] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a field, an option, a ``reserved`` statement, or the beginning of a block."""
+        """Read a field, an option, a ``reserved`` or ``extensions`` statement, or the beginning of an inner block."""
         if statement.ending == "{":
             return self._open(statement)
         head = statement.tokens[0].text
@@ -124,11 +128,11 @@ class MessageBlock(Scope):
         return self.unknown(statement)
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Collect fields that are commented out."""
+        """Find commented-out fields in comments of the message."""
         self.claims += claimed_fields(self.source.text, comments, oneof="")
 
     def build(self, scope: str) -> ProtoMessage:
-        """Return the message; ``scope`` is the package or message that contains it."""
+        """Return the message that was read; ``scope`` is the package or message that contains the message."""
         return ProtoMessage(
             span=self.span,
             full_name=f"{scope}.{self.name}" if scope else self.name,
@@ -142,25 +146,25 @@ class MessageBlock(Scope):
 
 
 class OneofBlock(Block):
-    """The inside of a oneof. Its fields belong to the message."""
+    """The content of a oneof. Its fields are added to the message that contains the oneof."""
 
     def __init__(self, source: Source, opening: Statement, message: MessageBlock) -> None:
         super().__init__(source, opening)
         self._name, self._message = opening.tokens[1].text, message
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a field. Options of a oneof are ignored, as they do not change the encoding."""
+        """Read a field of the oneof. Options of the oneof are ignored, because they do not change the encoding."""
         if statement.tokens[0].text == "option" and statement.ending != "{":
             return None
         return self._message.read_field(statement, self._message.fields, self._name)
 
     def claim(self, comments: tuple[Comment, ...]) -> None:
-        """Collect members that are commented out."""
+        """Find commented-out members in comments of the oneof."""
         self._message.claims += claimed_fields(self.source.text, comments, self._name)
 
 
 class ExtendBlock(Block):
-    """The inside of an ``extend``. Its groups are messages of the enclosing scope."""
+    """The content of an ``extend``. A group in it declares a message of the scope that contains the ``extend``."""
 
     def __init__(self, source: Source, opening: Statement, scope: Scope) -> None:
         super().__init__(source, opening)
@@ -170,9 +174,9 @@ class ExtendBlock(Block):
         self._fields: list[ProtoField] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a field."""
+        """Read an extension."""
         return self._scope.read_field(statement, self._fields)
 
     def build(self, scope: str) -> Iterator[ProtoExtension]:
-        """Yield the extensions; ``scope`` is the message that contains the ``extend``, or empty."""
+        """Yield the extensions that were read; ``scope`` is the message that contains the ``extend``, or empty."""
         yield from (ProtoExtension(self._extendee, scope, field) for field in self._fields)

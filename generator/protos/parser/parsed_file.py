@@ -1,4 +1,4 @@
-"""The result of parsing a .proto file.
+"""The result of parsing a .proto file: its declarations and its problems.
 
 Lines and columns count from 1. As in protoc, a column counts bytes, and a tab moves to the next multiple of 8.
 """
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from roverlink.generator.protos.schema import ProtoEnum, ProtoExtension, ProtoMessage
 
 LARGEST_FIELD_NUMBER = 2**29 - 1
-"""The number that ``max`` means in a range of field numbers, except with `LARGEST_MESSAGE_SET_NUMBER`."""
+"""The number that ``max`` means in a range of field numbers, for messages without ``message_set_wire_format``."""
 LARGEST_MESSAGE_SET_NUMBER = 2**31 - 2
-"""The number that ``max`` means in a message with the option ``message_set_wire_format``."""
+"""The number that ``max`` means in a range of field numbers, for messages with ``message_set_wire_format``."""
 LARGEST_ENUM_NUMBER = 2**31 - 1
 
 
@@ -27,11 +27,11 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Import:
-    """An import of another file."""
+    """An import statement."""
 
     path: str
     kind: str
-    """``public``, ``weak``, ``option``, or empty."""
+    """``public``, ``weak`` or ``option`` if the word stands behind ``import``; otherwise empty."""
     line: int
     column: int
 
@@ -45,21 +45,24 @@ class File:
     package: str
     imports: tuple[Import, ...]
     messages: tuple[ProtoMessage, ...]
-    """All messages, each before its nested ones. Types are as written, such as ``map<K, V>``."""
+    """All messages; each one stands before the messages that it contains.
+
+    The types of fields are as the file writes them, such as ``map<K, V>``.
+    """
     enums: tuple[ProtoEnum, ...]
     """All enums, top-level ones first."""
     extensions: tuple[ProtoExtension, ...]
-    """All extensions, also those inside messages. The name of the extended message is as written."""
+    """All extensions, also those inside messages. The extended message's name is as the file writes it."""
     problems: tuple[Problem, ...]
 
     @property
     def broken(self) -> bool:
-        """True if the file has a problem: protoc rejects it, and declarations may be missing here."""
+        """True if the file has a problem. Then protoc rejects the file, and declarations may be missing here."""
         return bool(self.problems)
 
     @property
     def imported(self) -> tuple[str, ...]:
-        """The imported files that have to be compiled too. ``import option`` needs no compiled types."""
+        """Paths of the imported files that protoc has to compile, too. Files of ``import option`` are left out."""
         return tuple(one.path for one in self.imports if one.kind != "option")
 
     @property

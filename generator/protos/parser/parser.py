@@ -1,4 +1,4 @@
-"""The parser: reads one statement after another, and keeps the open blocks on a stack."""
+"""The parser of .proto files: reads one statement after another, and keeps the open blocks on a stack."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ _DEEPEST = 32  # protoc's own limit of nested messages
 
 
 def parse(text: str) -> File:
-    """Return all declarations that can be read; any text is accepted, and time is linear in its length."""
+    """Parse the text of a .proto file, and return all declarations that can be read.
+
+    Any text is accepted. The time is linear in the length of the text.
+    """
     return _Parser(Source(text)).run()
 
 
 class FileBlock(Scope):
-    """The file, as the outermost block."""
+    """The file as a block, which contains all other blocks."""
 
     def __init__(self, source: Source) -> None:
         super().__init__(source, Statement(0, -1, [source.tokens[0]], "", ()))
@@ -31,7 +34,7 @@ class FileBlock(Scope):
         self.imports: list[Import] = []
 
     def read(self, statement: Statement) -> Block | None:
-        """Read a top-level statement."""
+        """Read a statement outside of all messages and enums: ``syntax``, ``import``, the beginning of a message..."""
         tokens, source = statement.tokens, self.source
         if statement.ending == "{":
             service = tokens[0].text == "service"
@@ -41,7 +44,10 @@ class FileBlock(Scope):
         return None
 
     def _read_head(self, statement: Statement) -> bool:
-        """Read a statement without a block; return False if its syntax is wrong."""
+        """Read a ``syntax``, ``edition``, ``package``, ``import`` or ``option`` statement.
+
+        Returns False if its syntax is wrong.
+        """
         words = Words(statement.tokens)
         keyword = words.skip()
         if keyword.text in ("syntax", "edition"):
@@ -59,7 +65,7 @@ class FileBlock(Scope):
         return words.done
 
     def build(self) -> File:
-        """Return the parsed file."""
+        """Return the declarations and problems that were found in the file."""
         found = Declarations()
         self.collect(self.package, found)
         return File(
@@ -74,17 +80,17 @@ class FileBlock(Scope):
 
 
 class _Parser:
-    """Walks over the tokens. Only this class opens and closes blocks."""
+    """The loop over the tokens of a file. Only this class opens and closes blocks."""
 
     def __init__(self, source: Source) -> None:
         self._source, self._tokens = source, source.tokens
         self._index = 0
         self._file = FileBlock(source)
         self._open: list[Block] = []
-        """The open blocks, the innermost last."""
+        """The open blocks. The innermost block is the last."""
 
     def run(self) -> File:
-        """Read the whole file."""
+        """Read all tokens and return the parsed file."""
         while (token := self._tokens[self._index]).kind is not Kind.END:
             if self._open and self._open[0].unclosed and self._tokens.declares_outermost(self._index):
                 self._abandon(0)
@@ -114,7 +120,10 @@ class _Parser:
         self._open.append(opened)
 
     def _without_stray_start(self, statement: Statement) -> Statement:
-        """Return the statement without the rest of a broken one that precedes a block on the same line."""
+        """Cut off the rest of a broken statement that stands before a block on the same line.
+
+        Returns the block's statement.
+        """
         tokens, size = statement.tokens, len(statement.tokens)
         if statement.ending != "{" or size < 3 or tokens[-2].text not in BLOCKS or tokens[0].text in VISIBILITIES:
             return statement
@@ -122,7 +131,10 @@ class _Parser:
         return replace(statement, start=statement.end - 2, tokens=tokens[-2:])
 
     def _with_missing_brace(self, statement: Statement) -> Statement:
-        """Open a block if the brace of a declaration is missing, but the next line is indented as a block."""
+        """Return the statement as one that opens a block, if its opening brace seems to be missing.
+
+        This is so if the statement starts a block and the next line is indented more.
+        """
         tokens, next = statement.tokens, self._tokens[statement.end]
         if statement.ending or len(tokens) < 2 or tokens[0].text not in BLOCKS or tokens[1].kind is not Kind.NAME:
             return statement
@@ -149,15 +161,18 @@ class _Parser:
         self._index += 1
 
     def _fitting(self, token: Token) -> int | None:
-        """Find the open block for a brace that starts its line: the innermost one with the same indentation.
+        """Find the innermost open block with the same indentation as a closing brace that starts its line.
 
-        Returns its index, or None if there is no such block.
+        Returns the block's index, or None if there is no such block.
         """
         blocks = range(len(self._open) - 1, -1, -1) if token.first else ()
         return next((index for index in blocks if self._open[index].indentation == token.column), None)
 
     def _is_surplus(self, token: Token) -> bool:
-        """Return True if the file has too many closing braces from here on, and this brace is at an unusual place."""
+        """Return True if a closing brace probably closes no block.
+
+        This needs too many closing braces in the rest of the file, and an unusual place of this one.
+        """
         if self._index > self._tokens.last_unopened:
             return False
         if not token.first:
@@ -166,7 +181,7 @@ class _Parser:
         return not block.depth and token.column > block.indentation > 0
 
     def _abandon(self, size: int) -> None:
-        """Close the innermost blocks, each with a problem, until ``size`` are open."""
+        """Close the innermost blocks, whose closing brace is missing, until ``size`` are open. Each one is reported."""
         while len(self._open) > size:
             self._source.problem(self._innermost.opening, "a block that is not closed")
             self._open.pop()

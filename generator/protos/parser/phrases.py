@@ -1,4 +1,4 @@
-"""Phrases of a statement: names, numbers, strings, ranges, options. Each is read as far as it is there."""
+"""Reader for the parts of a statement: names, numbers, strings, ranges, options. A missing part is no error here."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ESCAPED = {"a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v
 _OPENING, _CLOSING = "[{(<", "]})>"
 
 MAX = None
-"""The end of a range that is written ``max``. Its value depends on the kind of block."""
+"""The end of a range that is written ``max``. The number behind it depends on the kind of block."""
 Range = tuple[int, int | None]
 
 
@@ -48,15 +48,21 @@ _NOTHING = Token(Kind.END, "", 0, 0, 0, False, ())
 
 
 class Words:
-    """A reader of a statement's tokens. A missing phrase is empty or None, and then no token is taken."""
+    """Reader of a statement's tokens, one part after another.
+
+    If a part is missing, its method returns an empty text or None, and takes no token.
+    """
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         self._tokens, self._at = tokens, 0
         self.closed = True
-        """False if a bracket is not closed."""
+        """False if a bracket of the statement is not closed."""
 
     def next(self, ahead: int = 0) -> Token:
-        """Return the next token, or the one ``ahead`` of it; a token without text behind the last one."""
+        """Return the next token without taking it. With ``ahead``, so many tokens are skipped.
+
+        Behind the last token, this is a token without text.
+        """
         try:
             return self._tokens[self._at + ahead]
         except IndexError:
@@ -68,13 +74,13 @@ class Words:
         return self._at >= len(self._tokens)
 
     def skip(self) -> Token:
-        """Take the next token of any kind."""
+        """Take the next token, whatever it is."""
         token = self.next()
         self._at += 1
         return token
 
     def take(self, *texts: str) -> str:
-        """Take the next token if its text is one of these; return the text, or nothing."""
+        """Take the next token if its text is one of these. Returns the text, or an empty text."""
         token = self.next()
         if token.text not in texts or token.kind is Kind.STRING:
             return ""
@@ -82,7 +88,7 @@ class Words:
         return token.text
 
     def name(self) -> str:
-        """Take a name without dots."""
+        """Take a name without dots. Returns an empty text if there is none."""
         token = self.next()
         if token.kind is not Kind.NAME:
             return ""
@@ -90,14 +96,14 @@ class Words:
         return token.text
 
     def type_name(self) -> str:
-        """Take a name of parts with dots between them, with or without a leading dot."""
+        """Take a type's name, which may have several parts with dots between them, and a leading dot."""
         name = self.take(".") + (last := self.name())
         while last and self.next().is_symbol(".") and self.next(1).kind is Kind.NAME:
             name += self.skip().text + (last := self.name())
         return name
 
     def number(self, signed: bool = False) -> int | None:
-        """Take an integer; only a ``signed`` one may be negative. A malformed number is taken, and None is returned."""
+        """Take an integer; only with ``signed`` may it be negative. Returns None if it is malformed or missing."""
         minus = self.take("-")
         number = number_of(self.skip().text) if self.next().kind is Kind.NUMBER else None
         if number is None or (minus and not signed):
@@ -105,14 +111,14 @@ class Words:
         return -number if minus else number
 
     def string(self) -> str | None:
-        """Take a string. Adjacent literals form one string, as in C."""
+        """Take a string; None if there is none. Adjacent literals form one string, as in C."""
         parts = []
         while self.next().kind is Kind.STRING:
             parts.append(string_of(self.skip().text))
         return "".join(parts) if parts else None
 
     def map_types(self) -> tuple[str, str]:
-        """Take ``map<K, V>``; return key and value, both empty if the type is not a map."""
+        """Take ``map<K, V>``. Returns the key's and the value's type; both are empty if the type is not a map."""
         if self.next().text != "map" or not self.next(1).is_symbol("<"):
             return "", ""
         self._at += 2
@@ -121,7 +127,7 @@ class Words:
         return key, value
 
     def ranges(self, signed: bool) -> tuple[list[Range], list[str]]:
-        """Take a list of numbers, ranges, names and strings, separated by commas."""
+        """Take a list of numbers, ranges, names and strings, separated by commas. Returns the ranges, and the names."""
         ranges: list[Range] = []
         names: list[str] = []
         while not self.done:
@@ -145,7 +151,7 @@ class Words:
         return start if end is None else end
 
     def skip_brackets(self) -> None:
-        """Take the options in brackets, if there are any."""
+        """Take the options in brackets, if the statement has any."""
         if not self.take("["):
             return
         while not self.done and not self.next().is_symbol("]"):
@@ -155,16 +161,16 @@ class Words:
         self.closed = bool(self.take("]"))
 
     def option(self, end: str = "") -> tuple[str, str]:
-        """Take an option; return its name and value without spaces.
+        """Take an option. Returns its name and its value, without spaces.
 
-        The option ends at one of the characters ``end`` outside of brackets.
+        The option ends before one of the characters ``end`` outside of brackets.
         """
         name = "".join(token.text for token in self._up_to("=" + end))
         value = self._up_to(end) if self.take("=") else []
         return name, "".join(token.text for token in value)
 
     def _up_to(self, ends: str) -> list[Token]:
-        """Take tokens up to one of these characters, or up to a bracket that closes an outer one."""
+        """Take tokens until one of the characters ``ends`` follows, or a bracket that closes an outer one."""
         taken: list[Token] = []
         depth = 0
         while not self.done:

@@ -1,4 +1,4 @@
-"""The text of a file, with its tokens and problems."""
+"""The text of a .proto file, with the tokens that it was cut into and the problems found so far."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LONGEST_QUOTE = 60
 
 
 class Source:
-    """A file's text and tokens, and the list of its problems."""
+    """The text and the tokens of a .proto file, and the list of its problems."""
 
     def __init__(self, text: str) -> None:
         lexer = Lexer(text)
@@ -21,21 +21,27 @@ class Source:
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """The problems in the order of the file."""
+        """The problems, sorted by their place in the file."""
         return tuple(sorted(set(self._problems)))
 
     def problem(self, token: Token, what: str) -> None:
-        """Add a problem at a token."""
+        """Add a problem to the list; ``what`` is its text, and the token is its place."""
         self._problems.append(Problem(token.line, token.column, what))
 
     def unreadable(self, statement: Statement, why: str) -> None:
-        """Add a problem: a statement was not understood, or only in part. The problem quotes its beginning."""
+        """Add a problem about a statement that cannot be read, or only in part.
+
+        Its text quotes the statement's beginning.
+        """
         first = self.tokens[statement.start]
         last = statement.tokens[-1] if statement.tokens else first
         quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
         self.problem(first, f"{why}: {quote}")
 
     def span(self, statement: Statement) -> Span:
-        """Return the place of a statement's first token. Its file is empty: only the caller knows the file."""
+        """Return the place of a statement's first token.
+
+        The place has no file name, which only the parser's caller knows.
+        """
         first = statement.tokens[0]
         return Span("", first.line, first.column)

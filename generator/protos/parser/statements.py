@@ -1,4 +1,4 @@
-"""Statements: finds where each one ends, also in a file with missing semicolons and braces."""
+"""Statements of a .proto file: finds the end of each one, even if semicolons or braces are missing."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _OUTERMOST = frozenset(["message", "enum", "service", "extend", "import", "synta
 
 
 class Tokens:
-    """The tokens of a file, and the braces that have no partner."""
+    """The tokens of a file, with the information which braces have no partner."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
         self._tokens = [*tokens, *[tokens[-1]] * _AHEAD]
         opened: list[int] = []
         self.last_unopened = -1
-        """Index of the last surplus closing brace; -1 for none."""
+        """Index of the last closing brace that has no opening brace; -1 if there is none."""
         for index, token in enumerate(tokens):
             if token.text == "{":
                 opened.append(index)
@@ -31,18 +31,18 @@ class Tokens:
                 else:
                     self.last_unopened = index
         self.unclosed = frozenset(opened)
-        """Indices of the opening braces that are never closed."""
+        """Indices of the opening braces that have no closing brace."""
 
     def __getitem__(self, index: int) -> Token:
-        """Return the token at an index, which may be up to four tokens behind the end of the file."""
+        """Return the token at an index. Up to four indices behind the last token are allowed."""
         return self._tokens[index]
 
     def between(self, start: int, end: int) -> Sequence[Token]:
-        """Return the tokens from ``start`` up to ``end``, which is excluded."""
+        """Return the tokens from the index ``start`` up to, but not including, ``end``."""
         return self._tokens[start:end]
 
     def declares(self, index: int) -> bool:
-        """Return True if a declaration begins here: a keyword, followed by the tokens that it needs."""
+        """Return True if a declaration begins at an index: a keyword with the tokens that must follow it."""
         if self[index].text in VISIBILITIES and self[index + 1].text in BLOCKS:
             index += 1
         word, second, third = self[index], self[index + 1], self[index + 2]
@@ -57,12 +57,12 @@ class Tokens:
         return _needs(word, second, third)
 
     def assigns(self, index: int) -> bool:
-        """Return True if a name with a number begins here: ``name = 4``."""
+        """Return True if a name with a number begins at an index: ``name = 4``."""
         number = self[index + 3] if self[index + 2].is_symbol("-") else self[index + 2]
         return self[index].kind is Kind.NAME and self[index + 1].is_symbol("=") and number.kind is Kind.NUMBER
 
     def declares_outermost(self, index: int) -> bool:
-        """Return True if a top-level declaration begins here, at the first column of a line."""
+        """Return True if a top-level declaration begins at an index, in the first column of its line."""
         word = self[index]
         known = word.text in _OUTERMOST or word.text in VISIBILITIES
         return word.column == 1 and word.first and known and self.declares(index)
@@ -73,7 +73,7 @@ def _names(token: Token) -> bool:
 
 
 def _needs(word: Token, second: Token, third: Token) -> bool:
-    """Return True if the tokens behind a keyword are the ones that it needs."""
+    """Return True if the two tokens behind a keyword fit it: for example ``=`` and a string behind ``syntax``."""
     text = word.text
     if text in ("syntax", "edition"):
         return word.column == 1 and second.is_symbol("=") and third.kind is Kind.STRING
@@ -90,20 +90,20 @@ def _needs(word: Token, second: Token, third: Token) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """The tokens of a statement, without the character that ends it."""
+    """A statement: its tokens, without the ``;`` or ``{`` at its end."""
 
     start: int
     end: int
-    """Index of the token behind the statement: its ending, if there is one."""
+    """Index of the token behind the statement. This is the ``;`` or ``{`` if the statement has one."""
     tokens: Sequence[Token]
     ending: str
-    """``;`` or ``{``; empty if the ending is missing."""
+    """The ``;`` or ``{`` that ends the statement; empty if it is missing."""
     comments: tuple[Comment, ...]
-    """The comments before each of its tokens and before its ending."""
+    """The comments before each token of the statement, and before its end."""
 
 
 class StatementReader:
-    """Finds the end of one statement."""
+    """Reader that finds the end of one statement."""
 
     def __init__(self, tokens: Tokens, start: int) -> None:
         self._tokens, self._start, self._index = tokens, start, start
@@ -113,7 +113,7 @@ class StatementReader:
         self._assigned = False
 
     def read(self) -> Statement:
-        """Return the statement that starts at the given index. It has at least one token, or only an ending."""
+        """Return the statement at the index. It has at least one token, or consists only of its ending."""
         ending, all_tokens = None, self._tokens
         comments: list[Comment] = []
         previous = None
@@ -136,7 +136,10 @@ class StatementReader:
         return Statement(self._start, self._index, tokens, ending, tuple(comments))
 
     def _symbol(self, text: str) -> str | None:
-        """Return the ending at a symbol (``""`` for a missing one); None if the statement goes on."""
+        """Return the ending that a symbol means: ``;``, ``{``, or an empty text if the ending is missing.
+
+        Returns None if the statement continues behind the symbol.
+        """
         if text == "=":
             self._assigned = True
         elif text in "{}":
@@ -154,7 +157,7 @@ class StatementReader:
         return None
 
     def _is_broken_off(self, token: Token, previous: Token) -> bool:
-        """Return True if a token that starts a line cannot belong to the statement."""
+        """Return True if a token at the start of a line cannot belong to the statement. Then the ending is missing."""
         if self._braces:  # an option's value may have fields called like keywords; distrust them if a brace is missing
             return bool(self._tokens.unclosed) and self._tokens.declares(self._index)
         if token.kind is Kind.NAME and token.text != "to" and self._is_complete(previous):
@@ -164,7 +167,10 @@ class StatementReader:
         return token.kind is Kind.NAME and not self._brackets and self._is_hidden_behind(previous)
 
     def _is_complete(self, previous: Token) -> bool:
-        """Return True if no name can follow this token, so that a name on the next line starts a new statement."""
+        """Return True if the statement is complete after a token.
+
+        Then a name on the next line starts a new statement.
+        """
         if previous.kind is Kind.NAME:
             head, size = self._tokens[self._start].text, self._index - self._start
             is_listed = head in ("reserved", "extensions") and size > 1 and previous.text != "to"

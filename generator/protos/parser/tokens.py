@@ -1,4 +1,7 @@
-"""The tokens of a .proto file, each with its place and the comments before it."""
+"""The tokens of a .proto file, and the lexer that cuts the text into tokens.
+
+Each token knows its place and the comments before it.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +27,17 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment; ``start`` and ``end`` are the offsets of its text, without ``//`` or ``/*``."""
+    """A comment. Its text, without ``//`` or ``/*``, reaches from the offset ``start`` to the offset ``end``."""
 
     start: int
     end: int
     line: int
     column: int
-    """Column of the text, behind the comment's mark."""
+    """Column at which the text of the comment begins, behind ``//`` or ``/*``."""
 
 
 class Token(NamedTuple):
-    """A name, a number, a string or another single character."""
+    """A token: a name, a number, a string or another single character."""
 
     kind: Kind
     text: str
@@ -42,15 +45,15 @@ class Token(NamedTuple):
     line: int
     column: int
     first: bool
-    """True for the first token of a line."""
+    """True if the token is the first one in its line."""
     comments: tuple[Comment, ...]
     """The comments between the previous token and this one."""
     cut_off: bool = False
-    """True for a string without a closing quote."""
+    """True for a string whose closing quote is missing."""
 
     @property
     def end(self) -> int:
-        """The offset behind the token."""
+        """The offset in the text behind the token's last character."""
         return self.start + len(self.text)
 
     def is_symbol(self, text: str) -> bool:
@@ -59,14 +62,14 @@ class Token(NamedTuple):
 
 
 class Place:
-    """Line and column of an offset. The offset may only grow, so all places of a file cost one walk over the text."""
+    """Line and column of an offset in the text. The offset may only grow, so that the text is read only once."""
 
     def __init__(self, text: str, offset: int = 0, line: int = 1, column: int = 1) -> None:
         self._text, self._offset = text, offset
         self.line, self.column = line, column
 
     def move_to(self, offset: int) -> None:
-        """Move to an offset."""
+        """Change the offset to a larger one, and compute its line and column."""
         passed = self._text[self._offset : offset]
         self._offset = offset
         if "\n" in passed:
@@ -102,7 +105,7 @@ _KINDS = {"name": Kind.NAME, "number": Kind.NUMBER, "symbol": Kind.SYMBOL}
 
 
 class Lexer:
-    """Cuts a text into tokens; reports characters that belong to none, and skips them."""
+    """Lexer: cuts a text into tokens. Characters that belong to no token are reported and skipped."""
 
     def __init__(self, text: str) -> None:
         self.tokens: list[Token] = []
@@ -110,16 +113,16 @@ class Lexer:
         self._text = text
         self._place = Place(text)
         self._line = 0
-        """Line of the last token."""
+        """Line of the last token that was found."""
         self._comments: list[Comment] = []
         self._no_more: set[str] = set()
-        """Texts that the rest of the file does not contain.
+        """Texts, such as ``*/``, that do not occur in the rest of the file.
 
-        Without this, unclosed comments would make the search quadratic.
+        Without this set, a file with many unclosed comments would take quadratic time.
         """
 
     def run(self) -> None:
-        """Fill `tokens`, whose last one is the end of the file, and `problems`."""
+        """Fill the lists `tokens` and `problems`. The last token stands for the end of the file."""
         offset = 1 if self._text.startswith("\ufeff") else 0
         while match := _PIECE.match(self._text, offset):
             name = match.lastgroup or ""
@@ -164,9 +167,9 @@ class Lexer:
         self._comments.append(Comment(start, end, self._place.line, self._place.column))
 
     def _block_comment(self, start: int) -> int:
-        """Take a comment and return its end. An unclosed comment ends with its line.
+        """Take a block comment and return the offset of its end. An unclosed comment ends with its line.
 
-        protoc would read the rest of the file as part of it.
+        protoc would read the rest of the file as a part of the comment.
         """
         end = self._find("*/", start + 2)
         if end >= 0:
@@ -185,7 +188,7 @@ class Lexer:
         return found
 
     def _conflict_marker(self, marker: str, start: int) -> int:
-        """Return the offset behind a conflict marker of git.
+        """Return the offset at which reading continues after a conflict marker of git.
 
         Both sides of the conflict are read. The common ancestor, which git writes with ``merge.conflictStyle=diff3``,
         is skipped.

@@ -1,4 +1,4 @@
-"""Name resolution: find the declared type that a name means, by protobuf's scoping rules."""
+"""Resolution of type names: finds the declared type that a name in a field means, by protobuf's scoping rules."""
 
 from __future__ import annotations
 
@@ -41,6 +41,6 @@ def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | 
 
 @lru_cache(maxsize=16)
 def _scopes(declared: frozenset[str]) -> frozenset[str]:
-    """Return the messages and packages that contain declared names, at every level."""
+    """Return the full names of all messages and packages that contain one of the declared names, at any depth."""
     parts = (name.split(".") for name in declared)
     return frozenset(".".join(part[:length]) for part in parts for length in range(1, len(part)))

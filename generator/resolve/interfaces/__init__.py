@@ -1,1 +1,1 @@
-"""Standard messages of ROS 2: their definitions, units, and meanings of zero."""
+"""Standard messages of ROS 2: their definitions, their units, and the fields in which zero has a special meaning."""

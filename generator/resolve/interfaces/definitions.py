@@ -1,4 +1,4 @@
-"""Definitions of the standard messages, read from ``definitions.txt``."""
+"""Definitions of ROS 2's standard messages, read from the file ``definitions.txt``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, InterfaceField, InterfaceType
 
 DISTRIBUTIONS = ("humble", "jazzy")
-"""Distributions whose definitions are known."""
+"""ROS 2 distributions whose standard messages are known."""
 FILE = Path(__file__).with_name("definitions.txt")
 
 _TYPE = re.compile(r"(?P<name>[\w/]+)(<=(?P<text>\d+))?(\[((?P<length>\d+)|<=(?P<bound>\d+))?(?P<many>\]))?", re.ASCII)
@@ -17,12 +17,12 @@ _CONSTANT = re.compile(r"(?P<type>\w+) (?P<name>\w+)=(?P<value>.*)", re.ASCII)
 
 
 class DistributionsDisagreeError(Exception):
-    """Error for a message that differs between distributions; its text names the fields."""
+    """Raised for a message that has other fields in another distribution; the text names the fields."""
 
 
 @cache
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return the marks and the lines of each message, by full name."""
+    """Return marks and definition lines of each message, by full name. A mark ``@jazzy`` means: only in Jazzy."""
     blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
     for block in re.split(r"\n(?=\w)", FILE.read_text(encoding="utf-8"))[1:]:
         head, *lines = block.splitlines()
@@ -32,7 +32,7 @@ def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
 
 
 def full_name(name: str) -> str:
-    """Return the full name: ``sensor_msgs/msg/Imu`` for ``sensor_msgs/Imu``."""
+    """Return the full name of a message from the table's name: ``sensor_msgs/msg/Imu`` for ``sensor_msgs/Imu``."""
     package, _, rest = name.partition("/")
     return f"{package}/{rest}" if rest.startswith("msg/") else f"{package}/msg/{rest}"
 

@@ -22,7 +22,7 @@ _PLACEHOLDER = "structure_needs_at_least_one_member"
 
 
 def text() -> str:
-    """Return the content of the file."""
+    """Return the content of the file ``definitions.txt``."""
     stores = {name: _definitions(name) for name in DISTRIBUTIONS}
     names = sorted({name for store in stores.values() for name in store})
     return _HEADER + "\n".join(line for name in names for line in _lines(name, stores)) + "\n"
@@ -47,7 +47,7 @@ def _mark(distributions: list[str]) -> str:
 
 
 def _parts(constants: list[Any], fields: list[Any]) -> Iterator[str]:
-    """Yield constants and fields as a .msg file writes them."""
+    """Yield the constants and fields of a message, each as a .msg file writes it."""
     for name, type, value in constants:
         yield f"{type} {name}={value}"
     for name, definition in fields:

@@ -1,8 +1,8 @@
-"""Units in standard messages, and fields in which zero has a meaning, from the comments of the definitions.
+"""Units of fields in standard messages, and fields in which zero has a special meaning.
 
-The sources are the .msg files of common_interfaces, whose comments are the same in Humble and Jazzy. If these do not
-give a unit, it comes from REP 103 (SI units, radians) or REP 145 (IMU drivers). The path of a message field stands for
-all fields below it.
+The sources are the comments in the .msg files of common_interfaces, which are the same in Humble and Jazzy. If these do
+not give a unit, it comes from REP 103 (SI units, radians) or REP 145 (IMU drivers). The path of a field that contains a
+message stands for all fields inside.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ _SENSORS = {
     "sensor_msgs/msg/Temperature": {"temperature": "degC", "variance": "K^2"},
 }
 UNITS: dict[str, dict[str, str]] = {**_GEOMETRY, **_SENSORS}
-"""Units of fields, as ``{message: {path of a field: unit}}``."""
+"""Unit of each field, as ``{message: {path of a field: unit}}``."""
 
 ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/FluidPressure": {"variance": "unknown"},
@@ -99,9 +99,9 @@ ZERO_MEANS: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/Temperature": {"variance": "unknown"},
     "sensor_msgs/msg/TimeReference": {"source": "not named if empty"},
 }
-"""Meaning of zero (or empty) in a field, by message and path.
+"""Special meaning of zero (or empty) in a field, by message and path.
 
-Every other field must be filled or listed under `unset`, because zero would be read as a measurement.
+Every other field must be filled or listed under `unset`, because subscribers would read zero as a measurement.
 """
 
 ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
@@ -111,14 +111,14 @@ ABSENT_WHERE_MINUS_ONE: dict[str, dict[str, str]] = {
         "linear_acceleration": "linear_acceleration_covariance",
     },
 }
-"""Fields that are not measured if the first element of another field is -1.
+"""Fields that count as not measured if the first element of another field is -1: ``{message: {path: other path}}``.
 
 The comments of sensor_msgs/Imu define this for its covariances.
 """
 
 
 def unit_of(holders: tuple[str, ...], path: Path) -> str:
-    """Return the unit of the field at a path; empty if unknown.
+    """Return the unit of the field at a path; empty if it is unknown.
 
     ``holders`` are the messages along the path, the outermost first. The outermost message that gives a unit decides:
     `Vector3` has no unit, but the `angular_velocity` of an `Imu` is in rad/s.

@@ -1,4 +1,4 @@
-"""Conversion of rows to standard messages of ROS 2: checked in both directions, and resolved to the IR."""
+"""Conversion between payloads and standard messages: checks the table's entries, and resolves them to the IR."""
 
 from roverlink.generator.resolve.standard.mappings import StandardTopics
 

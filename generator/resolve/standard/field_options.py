@@ -1,4 +1,7 @@
-"""Options of a mapping besides the source: units, scale, offset, and options that are shared by parts."""
+"""Options of an entry under `fields`, apart from the source of the value: units, scale, offset and others.
+
+Options of a message also apply to the fields inside.
+"""
 
 from __future__ import annotations
 
@@ -15,56 +18,59 @@ from roverlink.generator.resolve.standard.message_fields import Place
 from roverlink.generator.table import Form
 
 SHARED = ("unit", "to", "scale", "fixed_point", "offset", "narrow", "default")
-"""Options that apply to all parts of a message."""
+"""Options that can be set for a message, and then apply to all fields inside."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Options for a number: its own, and those of the messages around it."""
+    """Options that apply to a field: its own options, and those of the messages around it."""
 
     forms: Mapping[str, Form]
     negated: bool = False
 
     def within(self, form: Form) -> Options:
-        """Return the options together with those of a form, which override them."""
+        """Return the options for the parts of a message: these options, overridden by those that stand in ``form``."""
         own = {key: entry for key, entry in (form.entries or {}).items() if key in SHARED}
         return dataclasses.replace(self, forms={**self.forms, **own})
 
     def signed(self, negated: bool) -> Options:
-        """Return the options with one more negation, if `negated` is true."""
+        """Return the options with the sign of the value changed once more, if ``negated`` is true."""
         return dataclasses.replace(self, negated=self.negated != negated)
 
     def text(self, key: str) -> str:
-        """Return an option as text; empty if it is missing."""
+        """Return the value of an option as text; empty if the option is missing."""
         return str(self.forms[key].value) if key in self.forms else ""
 
     def number(self, key: str, otherwise: int) -> Fraction:
-        """Return an option as a number."""
+        """Return the value of an option as a number; ``otherwise`` if it is missing or no number."""
         value = self.forms[key].value if key in self.forms else otherwise
         return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(otherwise)
 
     def at(self, key: str, otherwise: Span) -> Span:
-        """Return the place of an option."""
+        """Return the place of an option in the table; ``otherwise`` if the option is missing."""
         return self.forms[key].span if key in self.forms else otherwise
 
     @property
     def narrow(self) -> bool:
-        """True if the conversion may lose digits or range."""
+        """True if the table allows a ROS field with less precision, or a smaller range, than the payload's field."""
         return "narrow" in self.forms and self.forms["narrow"].value is True
 
     def stated(self, *keys: str) -> str:
-        """Return the first of some options that is set; empty if none is."""
+        """Return the name of the first of these options that is set; empty if none is set."""
         return next((key for key in keys if key in self.forms), "")
 
 
 class Scalings:
-    """Maker of scalings from options. It checks the units."""
+    """Maker of the linear conversion of a number from its options. It checks that the units fit each other."""
 
     def __init__(self, report: Callable[[Diagnostic], None]) -> None:
         self._report = report
 
     def of(self, source: Source, place: Place, options: Options, span: Span) -> Scaling | None:
-        """Return the scaling; report units that do not fit, and return None."""
+        """Return the linear conversion of a payload's field to a ROS field.
+
+        Units that do not fit each other are reported, and the result is None.
+        """
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
                 message = f"{key} is {options.forms[key].value}, which would make {source.dotted} constant or infinite"
@@ -145,5 +151,5 @@ def _is_usable(value: object, key: str) -> bool:
 
 
 def _told(text: str, unit: units.Unit) -> str:
-    """Return a unit in words, with its SI units if they look different."""
+    """Return a unit as text for a message, with its base units in brackets if they are written differently."""
     return text if text == unit.in_si else f"{text} ({unit.in_si})"

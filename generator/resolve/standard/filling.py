@@ -1,4 +1,4 @@
-"""Filling of a standard message: table entries become expressions for its fields.
+"""Filling of a standard message: the table's entries under `fields` become expressions for the message's fields.
 
 The named axes follow REP 103. ROS uses x east, y north, z up (ENU) on a map, and x forward, y left, z up (FLU) on a
 body. Many boards report north-east-down (NED) or forward-right-down (FRD).
@@ -30,7 +30,7 @@ _SECOND = units.parse("s")
 
 
 class Filling:
-    """Collector of the expressions that fill a message's fields."""
+    """Collector of the expressions for the fields of one standard message."""
 
     def __init__(self, places: Places, sources: Sources, report: Callable[[Diagnostic], None]) -> None:
         self.places, self.sources, self._report = places, sources, report
@@ -38,10 +38,13 @@ class Filling:
         self.expressions: dict[Path, Expression] = {}
         self.spans: dict[Path, Span] = {}
         self.unplaced: list[Span] = []
-        """Places of entries that lead to no field. The field that they were meant to fill is unknown."""
+        """Places of table entries whose path leads to no field. It is unknown which field they were meant to fill."""
 
     def add(self, path: Path, form: Form, options: Options = _NO_OPTIONS) -> None:
-        """Fill a field, or its parts, from a form; mistakes are reported."""
+        """Add the expressions for a field, or for all fields inside it, from the table's entry ``form``.
+
+        Mistakes are reported.
+        """
         place = self.places.find(path, form.span)
         if place is None:
             self.unplaced.append(form.span)
@@ -51,7 +54,10 @@ class Filling:
             self.put(place.path, self._leaf(place, form, options), form.span)
 
     def put(self, path: Path, expression: Expression | None, span: Span) -> None:
-        """Fill a field with an expression; report it if the field is filled already."""
+        """Add the expression for a field. If the field has an expression already, report that.
+
+        An ``expression`` of None stands for an entry whose mistake has been reported.
+        """
         self.spans.setdefault(path, span)
         if expression is None:
             self.expressions.setdefault(
@@ -103,7 +109,7 @@ class Filling:
                 self.add((*place.path, name), entry, signed)
 
     def _axes(self, place: Place, form: Form) -> tuple[str, ...]:
-        """Return the source axis for each of x, y and z; report wrong axes, and return an empty tuple."""
+        """Return the source axes for x, y and z, such as ``-z``. Wrong axes are reported, and the result is empty."""
         if isinstance(form.value, str):
             return _NAMED_AXES[form.value]
         axes = tuple(str(item.value) for item in form.items or ())
@@ -140,7 +146,7 @@ class Filling:
     # --- times ---
 
     def moment(self, place: Place, form: Form) -> Moment | None:
-        """Return a time or duration: that of the datagram's arrival, or the value of a field."""
+        """Return the expression for a time or duration: the time of reception, or the value of a payload's field."""
         if form.value == "receive" and place.type.name == _TIMES[0]:
             return Moment(None)
         entries = form.entries or {}
@@ -159,7 +165,10 @@ class Filling:
         return Moment(source, seconds * 10**9)
 
     def _seconds(self, place: Place, form: Form) -> Fraction | None:
-        """Return the number of seconds in a unit of time."""
+        """Return the number of seconds in the unit of time that an entry names.
+
+        If the unit is no unit of time, this is reported, and the result is None.
+        """
         try:
             unit = units.parse(str(form.value))
         except units.UnitError as error:
@@ -202,11 +211,11 @@ class Filling:
 
 
 class _AnglePlace(Place):
-    """Angle of a quaternion that is computed from roll, pitch and yaw."""
+    """Angle from which a quaternion is computed. It has no field of its own in the standard message."""
 
     __slots__ = ()
 
     @property
     def unit(self) -> str:
-        """Unit of the angle: always the radian."""
+        """Unit to which the angle is converted: always the radian."""
         return "rad"

@@ -1,4 +1,4 @@
-"""Inverse of a conversion: the expressions that give the payload's fields, and obstacles."""
+"""Inverse of a conversion to a standard message: computes the payload's fields from the message, if possible."""
 
 from __future__ import annotations
 
@@ -22,17 +22,20 @@ from roverlink.generator.ir.interfaces import (
 
 @dataclass(frozen=True, slots=True)
 class Inverse:
-    """Conversion of a standard message back to the payload."""
+    """Result of inverting the conversion of a payload to a standard message."""
 
     recovered: tuple[Recovered, ...]
     obstacle: str
-    """Reason why the conversion is impossible; empty if it is possible."""
+    """Reason why the payload cannot be computed from the message; empty if it can."""
     told: tuple[str, ...]
-    """Paths of the payload's fields that the message contains."""
+    """Paths of the payload's fields that can be computed from the message, with dots."""
 
 
 def invert(fields: Iterable[TargetField]) -> Inverse:
-    """Return the inverse of a message's expressions. A field that is used twice is taken from the first expression."""
+    """Return the conversion of a standard message back to the payload.
+
+    If two fields of the message contain the same field of the payload, the first one is used.
+    """
     recovered: list[Recovered] = []
     told: dict[str, Source] = {}
     obstacle = ""
@@ -62,7 +65,7 @@ def _leaves(fields: Iterable[TargetField], path: Path) -> Iterator[tuple[Path, T
 
 
 def sources_of(fields: Iterable[TargetField]) -> Iterator[Source]:
-    """Yield every field of the payload that fills a message's fields."""
+    """Yield every field of the payload that is used in a standard message; a field may appear several times."""
     for _, field in _leaves(fields, ()):
         yield from _sources(field.value)
 
@@ -76,7 +79,10 @@ def _sources(value: Expression) -> list[Source]:
 
 
 def _obstacle(value: Expression, path: Path) -> str:
-    """Return the reason why an expression cannot be inverted; empty if it can."""
+    """Return the reason why the payload cannot be computed from a message field with this expression.
+
+    The reason is empty if it can.
+    """
     dotted = ".".join(path)
     if isinstance(value, Taken) and value.rounded:
         return f"{dotted} contains {value.source.dotted} rounded to an integer"

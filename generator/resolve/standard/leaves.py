@@ -1,4 +1,4 @@
-"""Expressions for single fields: a field of the payload, a constant, or a choice by an enum."""
+"""Expressions for message fields with a single value: a payload's field, a constant, or a choice by an enum."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from roverlink.generator.table import Form
 
 
 class Leaves:
-    """Maker of expressions for fields that are not messages. It reports mistakes."""
+    """Maker of the expressions for message fields that are not themselves messages. Mistakes are reported."""
 
     def __init__(
         self, sources: Sources, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
@@ -27,7 +27,10 @@ class Leaves:
     # --- fields of the payload ---
 
     def taken(self, place: Place, text: str, options: Options, span: Span) -> Taken | Chosen | None:
-        """Return the expression for a path into the payload; a - before the path negates the value."""
+        """Return the expression for a path to a payload's field. A - before the path negates the value.
+
+        A mistake is reported, and the result is None.
+        """
         source = self._sources.find(text.removeprefix("-"), span)
         if source is None:
             return None
@@ -45,7 +48,7 @@ class Leaves:
         return self._number(source, place, options, span)
 
     def _misfit(self, source: Source, place: Place) -> str:
-        """Return the reason why a field does not fit without options; empty if it fits."""
+        """Return the reason why the type of a payload's field does not fit a message field; empty if it fits."""
         type = place.type
         many = source.repeated or source.type == "bytes"
         if many != type.is_many:
@@ -97,7 +100,10 @@ class Leaves:
     # --- constants ---
 
     def constant(self, place: Place, form: Form, negated: bool = False) -> Constant | None:
-        """Return a constant of the table; report it and return None if the field cannot hold it."""
+        """Return the constant that the table gives for a message field.
+
+        If the field cannot hold the constant, this is reported, and the result is None.
+        """
         if form.items is None:
             case = None if place.type.is_many else self._value(place, form, negated)
             if place.type.is_many:
@@ -117,7 +123,11 @@ class Leaves:
         return None if None in values else Constant(tuple(case.value for case in values if case is not None))
 
     def _value(self, place: Place, form: Form, negated: bool = False) -> Case | None:
-        """Return a value in the field's type; the name of a constant of its message is a value, too."""
+        """Return a value of the table, converted to the type of a message field.
+
+        The value may be the name of a constant that the message declares. A value that does not fit is reported, and
+        the result is None.
+        """
         type, value = place.type.name, form.value
         if isinstance(value, str) and type == "string":
             return Case(0, "", value, "")
@@ -145,7 +155,10 @@ class Leaves:
     # --- enums ---
 
     def chosen(self, place: Place, path: str, form: Form, options: Options) -> Chosen | None:
-        """Return the expression that maps an enum's values to constants; report declared values without an entry."""
+        """Return the expression that gives a constant for each value of an enum in the payload.
+
+        Enum values for which the table has no constant are reported.
+        """
         source, span = self._sources.find(path, form.span), form.span
         if source is None or place.type.is_many or not source.enum or source.repeated:
             if source is not None:

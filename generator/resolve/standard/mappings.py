@@ -1,4 +1,4 @@
-"""Resolution of a row's topics with standard messages to the IR."""
+"""Topics with standard messages: resolves the table's entries for them to the IR."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HEADER = "std_msgs/msg/Header"
 
 
 class StandardTopics:
-    """Maker of the rows' standard topics. It keeps the definitions of the messages that they need."""
+    """Maker of the standard topics of all rows. It keeps the definitions of the messages that the topics need."""
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
         self._distro, self._schema, self._report = table.ros.distro or "", schema, report
@@ -29,11 +29,11 @@ class StandardTopics:
 
     @property
     def interfaces(self) -> tuple[Interface, ...]:
-        """Definitions of every message that a standard topic needs, sorted by name."""
+        """Definition of every ROS message that a standard topic contains, sorted by name."""
         return tuple(interface for _, interface in sorted(self._definitions.items()))
 
     def of(self, row: Row) -> tuple[StandardTopic | None, tuple[StandardTopic, ...]]:
-        """Return the row's own topic, if it has a standard message, and its extra topics."""
+        """Return the standard topic of a row itself, if its message is a standard message, and its extra topics."""
         if row.standard is None:
             self._check_own_message(row)
         sources = Sources(self._schema, self._schema.messages[row.proto], self._report)
@@ -72,7 +72,7 @@ class StandardTopics:
         )
 
     def _check_own_message(self, row: Row) -> None:
-        """Report keys that only a standard message can have, in a row without a standard message."""
+        """Report keys that need a standard message, such as `frame_id`, in a row with a generated message."""
         for key in ("frame_id", "stamp", "unset"):
             if key in row.spans:
                 message = f"{key} is for standard messages, but the row's message is not one"
@@ -82,7 +82,10 @@ class StandardTopics:
     # --- definitions ---
 
     def _root(self, settings: StandardTopicSettings) -> Interface | None:
-        """Return the definition of a topic's message; those of its nested messages are kept as well."""
+        """Return the definition of a topic's standard message; None, with a diagnostic, if it is unknown.
+
+        The definitions of the messages inside are kept for later, too.
+        """
         name, span = definitions.full_name(settings.ros), settings.at("ros")
         try:
             root = definitions.interface(name, self._distro)
@@ -137,7 +140,7 @@ class StandardTopics:
     # --- the payload's fields ---
 
     def _check_used(self, row: Row, sources: Sources, standard_topics: list[StandardTopic]) -> None:
-        """Report fields of the payload that reach no topic and are not ignored."""
+        """Report fields of the payload that no topic of the row publishes, and that the row does not ignore."""
         ignored = [path for settings in row.standard_topics for path in settings.ignore]
         used = {source for standard in standard_topics for source in _sources_of(standard)}
         if len(standard_topics) < len(row.standard_topics):
@@ -150,7 +153,10 @@ class StandardTopics:
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
-        """Report fields of a payload for a peer that the message does not determine."""
+        """Report fields of the payload that cannot be computed from the standard message.
+
+        This is called for a row that sends to a peer.
+        """
         span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
             message = f"{settings.ros} on {settings.topic} cannot be converted to the payload: {obstacle}"
@@ -171,7 +177,7 @@ class StandardTopics:
 
 
 def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
-    """Yield the place of each entry under `fields`, and of the parts of each."""
+    """Yield the place of each entry under `fields`, and of each entry inside it."""
     forms = list(settings.fields.values())
     for form in forms:  # the list grows while it is read
         yield form.span
@@ -179,7 +185,7 @@ def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
 
 
 def _covers(paths: Iterable[str], path: str) -> bool:
-    """Return True if a path, or a message that contains it, is among others."""
+    """Return True if ``paths`` contains the path, or the path of a message around it."""
     return any(path == other or path.startswith(f"{other}.") for other in paths)
 
 

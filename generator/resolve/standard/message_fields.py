@@ -1,4 +1,4 @@
-"""Fields of a standard message by path, with their units."""
+"""Fields of a standard message, found by their paths, with their units."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_TARGET
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Field of a standard message."""
+    """Field of a standard message, with the path that leads to it."""
 
     path: Path
     type: InterfaceType
     holders: tuple[str, ...]
-    """Messages along the path, the outermost first; the last one has the field."""
+    """Full names of the messages along the path, the outermost first. The last one declares the field."""
 
     @property
     def dotted(self) -> str:
-        """Path with dots, as the table writes it."""
+        """Path of the field with dots, as the table writes it."""
         return ".".join(self.path)
 
     @property
     def unit(self) -> str:
-        """Unit from the definitions; empty if they give none."""
+        """Unit of the field by the definition of its message; empty if the definition gives none."""
         return meanings.unit_of(self.holders, self.path)
 
     @property
     def shown(self) -> str:
-        """Name of the field in diagnostics."""
+        """Field and message in words, as diagnostics show them."""
         return f"{self.dotted} of {short(self.holders[0])}"
 
 
 def short(name: str) -> str:
-    """Return a message's name as the table writes it.
+    """Return a message's full name in the form of the table.
 
     >>> short("sensor_msgs/msg/Imu")
     'sensor_msgs/Imu'
@@ -46,7 +46,7 @@ def short(name: str) -> str:
 
 
 class Places:
-    """Fields of one standard message, and of its nested messages."""
+    """Lookup of the fields of one standard message, and of the messages inside it."""
 
     def __init__(
         self, root: Interface, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]
@@ -54,7 +54,7 @@ class Places:
         self.root, self.definition, self._report = root, definition, report
 
     def find(self, path: Path, span: Span) -> Place | None:
-        """Return the field at a path; report the path at ``span`` and return None if there is no such field."""
+        """Return the field at a path. If there is none, report the path at ``span`` and return None."""
         interface, holders = self.root, [self.root.name]
         for depth, name in enumerate(path):
             field = next((field for field in interface.fields if field.name == name), None)

@@ -1,4 +1,4 @@
-"""Ranges of numeric types, and losses of conversions between them."""
+"""Ranges of numeric types, and what is lost if a number is converted from one type to another."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SPELLED = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
 
 
 def range_of(type: str) -> tuple[int, int] | None:
-    """Return the smallest and the largest number of an integer type; None for other types."""
+    """Return the smallest and the largest number of an integer type; None for a type that is no integer."""
     type = _SPELLED.get(type, type)
     if "int" not in type:
         return None
@@ -20,12 +20,12 @@ def range_of(type: str) -> tuple[int, int] | None:
 
 
 def is_float(type: str) -> bool:
-    """Return True if the type holds fractions."""
+    """Return True if the type is a floating point type."""
     return type in _MANTISSA
 
 
 def loss(source: Source, scaling: Scaling, target: str) -> str:
-    """Return the possible loss of a conversion from a source to a type, in words; empty if there is none."""
+    """Return what may be lost if a payload's field is converted to a type, in words; empty if nothing is lost."""
     taken = range_of(source.type)
     if is_float(target):
         return _loss_in_float(source.type, scaling, target)
@@ -39,7 +39,10 @@ def loss(source: Source, scaling: Scaling, target: str) -> str:
 
 
 def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
-    """Return the possible loss in a float. A scaled number has the precision of a double, an unscaled one its own."""
+    """Return what may be lost if a number is converted to a floating point type, in words; empty if nothing is lost.
+
+    A scaled number has the precision of a double, another one has that of its own type.
+    """
     digits = _MANTISSA[target]
     taken = range_of(source)
     if taken is None:
@@ -52,7 +55,7 @@ def _loss_in_float(source: str, scaling: Scaling, target: str) -> str:
 
 
 def constant(value: Fraction | float, type: str) -> int | float | None:
-    """Return a constant in a type; None if it does not fit."""
+    """Return a number of the table as a value of a numeric type; None if the type cannot hold it."""
     if is_float(type):
         return float(value)
     room = range_of(type)

@@ -1,4 +1,4 @@
-"""Fields of a payload by path, down to scalars and enums."""
+"""Fields of a payload, found by their paths."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TYPES = {
 
 
 class Sources:
-    """Fields of a payload that a mapping can use."""
+    """Lookup of the payload's fields that a standard message's fields can be filled from."""
 
     def __init__(self, schema: Schema, message: ProtoMessage, report: Callable[[Diagnostic], None]) -> None:
         self._schema, self._message, self._report = schema, message, report
@@ -36,7 +36,10 @@ class Sources:
         return self._message.full_name
 
     def find(self, dotted: str, span: Span) -> Source | None:
-        """Return the field at a path; report the path at ``span`` and return None if it cannot be used."""
+        """Return the field at a path.
+
+        If there is none or it cannot be used, report the path at ``span`` and return None.
+        """
         fields = self._along(dotted.split("."))
         if fields is None:
             help = nearest(dotted, self.paths())
@@ -48,11 +51,11 @@ class Sources:
         return None
 
     def leads_somewhere(self, dotted: str) -> bool:
-        """Return True if a path leads to a field of any type."""
+        """Return True if the payload has a field at the path, even one that cannot be used."""
         return self._along(dotted.split(".")) is not None
 
     def _along(self, path: list[str]) -> list[ProtoField] | None:
-        """Return the fields along a path; None if it leads nowhere."""
+        """Return all fields along a path, from the payload's own field on; None if one of them does not exist."""
         fields: list[ProtoField] = []
         message: ProtoMessage | None = self._message
         for name in path:
@@ -64,7 +67,10 @@ class Sources:
         return fields
 
     def paths(self) -> list[str]:
-        """Return every path to a field that is not a single message."""
+        """Return the path of every field in the payload, at any depth.
+
+        Fields that are a single message are replaced by theirs.
+        """
         return [".".join(path) for path in self._leaves(self._message, (), ())]
 
     def _leaves(self, message: ProtoMessage, path: Path, inside: tuple[str, ...]) -> Iterator[Path]:
@@ -77,12 +83,12 @@ class Sources:
                 yield from self._leaves(nested, own, (*inside, message.full_name))
 
     def values_of(self, enum: str) -> dict[str, int]:
-        """Return the declared values of an enum, by name."""
+        """Return the number of each declared value of an enum, by the value's name."""
         return {value.name: value.number for value in self._schema.enums[enum].values}
 
 
 def _obstacle(fields: list[ProtoField]) -> str:
-    """Return the reason why the last field of a path cannot be used; empty if it can."""
+    """Return the reason why the last field of a path cannot fill a message field; empty if it can."""
     *holders, field = fields
     if field.type in ("message", "group"):
         return "is a message; use one of its fields"

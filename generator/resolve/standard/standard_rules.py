@@ -1,4 +1,4 @@
-"""Rules of mappings to standard messages."""
+"""Rules about the conversion between payloads and standard messages."""
 
 from __future__ import annotations
 

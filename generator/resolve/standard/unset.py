@@ -1,4 +1,7 @@
-"""Order of a message's fields, and report of unfilled fields, unless zero has a meaning there."""
+"""Fields of a standard message in the order of its definition. A field that nothing fills is reported.
+
+A field may stay unfilled if zero has a meaning there, or if the table lists it under `unset`.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +17,14 @@ from roverlink.generator.table import StandardTopicSettings
 
 
 class Tree:
-    """Expressions of a standard topic in the order of the message's definition."""
+    """Expressions of a standard topic, put into the order of the message's definition."""
 
     def __init__(self, filling: Filling, settings: StandardTopicSettings, report: Callable[[Diagnostic], None]) -> None:
         self._filling, self._settings, self._report = filling, settings, report
         self._unset = {tuple(path.split(".")) for path in settings.unset}
 
     def fields(self) -> tuple[TargetField, ...]:
-        """Return every field of the message."""
+        """Return every field of the message with its expression. A field that must not stay unfilled is reported."""
         self._check_unset()
         root = self._filling.places.root
         return self._fields(root, (), (root.name,))
@@ -63,12 +66,12 @@ class Tree:
         return Parts(self._fields(nested, place.path, (*place.holders, nested.name)))
 
     def _is_reached(self, path: Path) -> bool:
-        """Return True if the table fills or unsets a field below a path."""
+        """Return True if the table fills a field inside the field at a path, or lists such a field under `unset`."""
         named = (*self._filling.expressions, *self._unset)
         return any(other[: len(path)] == path and len(other) > len(path) for other in named)
 
     def _may_stay_unset(self, place: Place) -> bool:
-        """Return True if a field may stay unfilled: by its definition, or because it is listed under `unset`."""
+        """Return True if a field may stay unfilled: zero has a meaning there, or the table lists it under `unset`."""
         if any(place.path[: len(path)] == path for path in self._unset):
             return True
         for depth, holder in enumerate(place.holders):

@@ -16,7 +16,7 @@ _LARGEST_POWER = 12
 
 
 class UnitError(ValueError):
-    """Error for a text that is not a unit; its message tells why."""
+    """Raised for a text that is not a unit; the message of the exception tells why."""
 
 
 @cache
@@ -48,13 +48,16 @@ def _tokens(text: str) -> list[str]:
 
 
 class _Reader:
-    """Recursive-descent parser of an expression."""
+    """Recursive-descent parser of a unit expression."""
 
     def __init__(self, text: str, tokens: list[str]) -> None:
         self._text, self.tokens, self._alone = text, tokens, len(tokens) == 1
 
     def product(self) -> Unit:
-        """Parse factors and divisors. Two units side by side are multiplied, as in ``N m``."""
+        """Parse a product or quotient of units, and return its unit.
+
+        Two units side by side are multiplied, as in ``N m``.
+        """
         unit = self._power()
         while self.tokens and self.tokens[0] != ")":
             sign = self.tokens.pop(0) if self.tokens[0] in ("*", "/", "·") else "*"

@@ -1,4 +1,4 @@
-"""Known units by symbol.
+"""Units that the table may use, by their symbols.
 
 They are exact by definition: the units of the SI (BIPM, The International System of Units, 9th edition), and the inch,
 foot, mile, pound and knot by the agreements of 1929 and 1959. ``g`` is the gram, as in the SI; the standard
@@ -33,7 +33,7 @@ PREFIXES = {
     "f": -15,
     "a": -18,
 }
-"""Powers of ten of the prefixes. Micro is written with one of two Unicode characters, or with u."""
+"""Exponent of ten that each prefix stands for. Micro is written with one of two Unicode characters, or with u."""
 
 
 def _base(name: str) -> Unit:
@@ -95,7 +95,7 @@ PREFIXED = {
     "G": _TESLA.scaled(_number("1/10000")),
     "bar": _PASCAL.scaled(_number("100000")),
 }
-"""Units that can have a prefix."""
+"""Units that may stand behind a prefix such as k, by symbol."""
 
 PLAIN = {
     "1": _ONE,
@@ -125,16 +125,16 @@ PLAIN = {
     "degF": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
     "°F": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
 }
-"""Units without prefixes."""
+"""Units that may not have a prefix, by symbol."""
 
 
 def symbols() -> list[str]:
-    """Return every symbol without prefixes."""
+    """Return the symbols of all units, without prefixes."""
     return [*PREFIXED, *PLAIN]
 
 
 def unit(symbol: str) -> Unit | None:
-    """Return the unit of a symbol, with or without a prefix; None if it is unknown."""
+    """Return the unit of a symbol, which may begin with a prefix; None if the symbol is unknown."""
     if symbol in PLAIN:
         return PLAIN[symbol]
     if symbol in PREFIXED:

@@ -1,4 +1,4 @@
-"""Unit of measurement: its dimension, and the exact conversion to the coherent SI unit."""
+"""Unit of measurement: its dimension, and its exact conversion to SI units."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from fractions import Fraction
 from roverlink.generator.ir.interfaces import Scaling
 
 BASES = ("m", "kg", "s", "A", "K", "mol", "cd", "rad")
-"""Base units of dimensions: those of the SI, and the radian, so that rad/s and Hz have different dimensions."""
+"""Base units: those of the SI, and the radian, so that rad/s and Hz have different dimensions."""
 
 Dimension = tuple[int, ...]
-"""Exponents of `BASES`."""
+"""Exponent of each base unit in `BASES`."""
 
 DIMENSIONLESS: Dimension = (0,) * len(BASES)
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """Unit. A number in this unit equals number * ``factor`` * π**``pi`` + ``offset`` in SI units."""
+    """Unit of measurement. A number in this unit equals number * ``factor`` * π**``pi`` + ``offset`` in SI units."""
 
     dimension: Dimension = DIMENSIONLESS
     factor: Fraction = Fraction(1)
     pi: int = 0
     offset: Fraction = Fraction(0)
-    """Zero point of a temperature scale that does not start at absolute zero."""
+    """Zero point of the unit's scale in SI units; only temperatures such as °C have another one than 0."""
 
     def __mul__(self, other: Unit) -> Unit:
         dimension = tuple(a + b for a, b in zip(self.dimension, other.dimension))
@@ -34,7 +34,7 @@ class Unit:
         return Unit(tuple(part * exponent for part in self.dimension), self.factor**exponent, self.pi * exponent)
 
     def scaled(self, factor: Fraction) -> Unit:
-        """Return a multiple of the unit."""
+        """Return the unit that is ``factor`` times as large as this one."""
         return Unit(self.dimension, self.factor * factor, self.pi)
 
     @property
@@ -49,6 +49,6 @@ class Unit:
 
 
 def conversion(source: Unit, target: Unit) -> Scaling:
-    """Return the conversion of a number from one unit to another of the same dimension."""
+    """Return the conversion of numbers from one unit to another. Both units must have the same dimension."""
     factor = source.factor / target.factor
     return Scaling(factor, (source.offset - target.offset) / target.factor, source.pi - target.pi)

@@ -23,7 +23,10 @@ RULE = Rule("ENV110", "burned-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows with a burned number, unless their payload had it when it was accepted."""
+    """Yield a diagnostic for each row with a burned number: it had several meanings and must never be used again.
+
+    A row is left out if its payload already had the number when the user accepted the number's history.
+    """
     envelope = context.table.envelope.message
     burned = context.ledger.burned_in(envelope)
     for row in context.table.rows:

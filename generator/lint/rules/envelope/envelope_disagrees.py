@@ -54,7 +54,7 @@ class _Member:
 
 @dataclass(frozen=True, slots=True)
 class _HelpTexts:
-    """The help texts, which depend on the owner of the file."""
+    """The help texts of the diagnostics. They depend on the owner of the envelope's file."""
 
     missing: str
     differs: str
@@ -74,7 +74,10 @@ _OF_OWNER = {
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield differences between rows and members of the oneof, and retired rows that the file does not reserve."""
+    """Yield a diagnostic for each difference between the table's rows and the envelope's file.
+
+    If the table owns the file, retired rows whose number or name the file does not reserve are reported, too.
+    """
     if context.table.envelope.owner == "proto":
         yield from _check_of_another_owner(context)
     elif context.files:  # no files: the table was not read from a disk
@@ -111,9 +114,9 @@ def _check_written_file(context: Context) -> Iterator[Diagnostic]:
 
 
 def _compiled_members(envelope: ProtoMessage) -> list[_Member]:
-    """Return the members that are messages.
+    """Return the members of the envelope that are messages, as protoc read them.
 
-    Numbers and strings in the oneof of another repository cannot have a row.
+    In the envelope of another repository, the oneof may also contain numbers and strings. These cannot have a row.
     """
     messages = [field for field in envelope.fields if field.type == "message"]
     return [_Member(field.number, field.name, field.wire_type, field.oneof, field.span) for field in messages]
@@ -135,7 +138,7 @@ def _written_members(envelope: ProtoMessage, context: Context) -> list[_Member]:
 
 
 def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
-    """Compare rows with members, and yield each difference once."""
+    """Compare the table's rows with the envelope's members, and yield a diagnostic for each difference."""
     table = context.table
     name, oneof = table.envelope.message, table.envelope.oneof
     help_texts = _OF_OWNER[table.envelope.owner]
@@ -156,7 +159,7 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
 
 
 def _is_moved(row: Row, member: _Member, table: Table) -> bool:
-    """Return True if the member belongs to the row, but has a number that no row has."""
+    """Return True if the row and the member have the same name, and no row has the member's number."""
     return member.name == row.name and member.number not in table.numbers
 
 
@@ -203,7 +206,7 @@ def _without_row(member: _Member, context: Context, help_texts: _HelpTexts) -> I
 
 
 def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterator[Diagnostic]:
-    """Yield retired rows whose number or name the file does not reserve."""
+    """Yield a diagnostic for each retired row whose number or name the envelope's file does not reserve."""
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)
         free = [f"the number {row.number}"] if not of_number else []

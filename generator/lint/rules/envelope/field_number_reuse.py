@@ -31,7 +31,7 @@ RULE = Rule("ENV102", "field-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows and retired rows whose number was published for another message."""
+    """Yield a diagnostic for each row and retired row whose number was published for another message."""
     # The ledger and the baseline may list the same payload. The ledger comes first, so its entry is kept.
     published = {(entry.number, entry.proto): entry for entry in reversed(context.published)}
     envelope = context.table.envelope.message
@@ -46,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry]:
-    """Yield the other payloads that the number was published for."""
+    """Yield the published payloads that had the number of a row, and are not the row's payload."""
     entries = [entry for entry in published if entry.number == row.number]
     for_this = any(entry.proto == row.proto for entry in entries)
     for entry in entries:

@@ -28,7 +28,7 @@ RULE = Rule("ENV101", "field-number-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows and retired rows whose number is already taken."""
+    """Yield a diagnostic for each row and retired row whose number belongs to another row."""
     table = context.table
     holders: dict[int, RetiredRow] = {}
 
@@ -59,7 +59,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _owners(context: Context) -> dict[int, Row]:
-    """Find the row that each number belongs to: the one it was published for, or else the first."""
+    """Return the owner of each number: the row for which it was published, or else the first row that has it."""
     owners: dict[int, Row] = {}
     published = {(entry.number, entry.proto) for entry in context.published}
     for row in sorted(context.table.rows, key=lambda row: (row.number, row.proto) not in published):

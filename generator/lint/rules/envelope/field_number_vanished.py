@@ -25,7 +25,7 @@ RULE = Rule("ENV103", "field-number-vanished", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield published payloads whose number is missing in the table."""
+    """Yield a diagnostic for each published payload whose number no row and no retired row has."""
     table = context.table
     if not table.whole:
         return  # the missing number may be in a row that could not be read

@@ -31,7 +31,7 @@ RULE = Rule("ENV108", "number-claimed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows whose number belongs to another payload in the envelope's comments."""
+    """Yield a diagnostic for each row whose number a comment in the envelope gives to another payload."""
     envelope = context.table.envelope.message
     claims = list(context.envelope_claims())
     for row in context.table.rows:

@@ -37,7 +37,7 @@ RULE = Rule("ENV107", "number-unreserved", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield published numbers that the envelope neither uses nor reserves."""
+    """Yield a diagnostic for each published number that the envelope neither uses nor reserves."""
     table = context.table
     envelope = context.schema.messages.get(table.envelope.message) if context.schema else None
     if envelope is None or table.envelope.owner != "proto":
@@ -58,9 +58,9 @@ def _is_free(number: int, envelope: ProtoMessage) -> bool:
 
 
 def _reservation(entry: Entry, envelope: ProtoMessage) -> str:
-    """Return the statements that reserve a number and its name.
+    """Return the statements with which the envelope can reserve a payload's number and name.
 
-    A name that is reserved or used elsewhere is left out.
+    A name that the envelope already reserves or uses is left out.
     """
     known = {*envelope.reserved_names, *(field.name for field in envelope.fields)}
     of_name = "" if entry.name in known else f' and `reserved "{entry.name}";`'
@@ -68,6 +68,6 @@ def _reservation(entry: Entry, envelope: ProtoMessage) -> str:
 
 
 def _is_of_another_rule(number: int, table: Table) -> bool:
-    """Return True if another rule reports the number: it is in use in the table, or its row is missing."""
+    """Return True if another rule reports the number. This is so if the table uses it, or lost its row."""
     retired = number in {row.number for row in table.retired}
     return not retired and (table.whole or number in table.numbers)

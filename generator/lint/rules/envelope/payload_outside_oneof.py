@@ -35,7 +35,10 @@ RULE = Rule("ENV106", "payload-outside-oneof", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield messages outside of the oneof. If the table owns the envelope, yield any field outside of it."""
+    """Yield a diagnostic for each message of the envelope that is outside of the oneof.
+
+    If the table owns the envelope, each field of another type outside of the oneof is reported, too.
+    """
     settings = context.table.envelope
     envelope = context.schema.messages.get(settings.message) if context.schema else None
     if envelope is None or settings.oneof not in envelope.oneofs:

@@ -30,7 +30,10 @@ RULE = Rule("WIR112", "enum-number-reuse", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield values whose number another value had in the ledger, unless the ledger has this value as well."""
+    """Yield a diagnostic for each enum value whose number belonged to another value in the ledger.
+
+    A value that the ledger also contains with this number is left out.
+    """
     if context.schema is None:
         return
     for name, gone in context.ledger.gone_values.items():

@@ -30,7 +30,10 @@ RULE = Rule("WIR110", "enum-value-meaning-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield values that had another number before, or whose number belonged to a value that has another number now."""
+    """Yield a diagnostic for each enum number whose meaning was exchanged.
+
+    This is a number with a value that had another number before, or whose old value has another number now.
+    """
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

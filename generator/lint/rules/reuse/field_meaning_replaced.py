@@ -28,7 +28,10 @@ RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose new name shares no word with the old one, or was the name of another field."""
+    """Yield a diagnostic for each field whose new name shows another meaning.
+
+    Such a name shares no word with the old name, or was the name of another field.
+    """
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

@@ -31,7 +31,10 @@ RULE = Rule("ENV109", "field-number-claimed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields of all messages except the envelope, whose members are payloads."""
+    """Yield a diagnostic for each field whose number a comment gives to another field.
+
+    The envelope is left out, because another rule checks its members.
+    """
     for path, file in context.files.items():
         for message in file.messages:
             if message.claims and message.full_name != context.table.envelope.message:

@@ -29,7 +29,7 @@ RULE = Rule("WIR115", "field-unit-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose old and new names say the same quantity in different units."""
+    """Yield a diagnostic for each field whose old and new name contain the same quantity in different units."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

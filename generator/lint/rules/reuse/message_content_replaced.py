@@ -29,7 +29,10 @@ _FEWEST = 3  # with fewer fields, each one may have changed on its own
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield messages that kept fewer than a third of their fields, while most of the numbers are in use."""
+    """Yield a diagnostic for each message that kept its name, but fewer than a third of its fields.
+
+    At least half of the old field numbers must have a new meaning.
+    """
     return each_once(context.changes, _findings)
 
 
@@ -48,7 +51,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _counts(pair: MessagePair) -> tuple[int, int]:
-    """Return how many numbers have another meaning, and how many have the same one."""
+    """Return the count of field numbers with a new meaning, and the count of those with the same meaning as before."""
     same = 0
     pairs = list(fields_of_messages(pair))
     for one in pairs:

@@ -30,7 +30,10 @@ RULE = Rule("WIR111", "field-number-reuse-in-message", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose number another field had in the ledger, unless the ledger has this field as well."""
+    """Yield a diagnostic for each field whose number belonged to another field in the ledger.
+
+    A field that the ledger also contains with this number is left out.
+    """
     if context.schema is None:
         return
     for name, gone in context.ledger.gone_fields.items():
@@ -44,7 +47,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
-    """Return True if a published field is the same one. Its type may differ if the bytes have the same meaning."""
+    """Return True if a published field and a field have the same number, name and meaning of the bytes."""
     if (old.number, old.name) != (new.number, new.name):
         return False
     return old.wire_type == new.wire_type or not broken_by_kind(old.wire_type, new.wire_type)

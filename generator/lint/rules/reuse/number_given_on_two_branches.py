@@ -27,7 +27,7 @@ RULE = Rule("HIS104", "number-given-on-two-branches", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers that several branches have given to different payloads since they diverged."""
+    """Yield a diagnostic for each number to which branches have given different payloads since they diverged."""
     past, envelope = context.past, context.table.envelope.message
     if past is None or not past.of_branches:
         return

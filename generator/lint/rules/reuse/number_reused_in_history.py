@@ -32,6 +32,9 @@ _KINDS = frozenset({Kind.REUSED, Kind.RETYPED, Kind.MEANING})
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers of messages and enums with more than one meaning, except accepted ones."""
+    """Yield a diagnostic for each number of a message or enum that had several meanings in history.
+
+    Numbers that the user has accepted with ``--accept`` are left out.
+    """
     for owner, number, reuses in reuses_by_number(context, _KINDS):
         yield reported(RULE, context, owner, number, reuses)

@@ -25,6 +25,6 @@ RULE = Rule("HIS103", "payload-content-replaced", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers of the envelope whose payload kept its name and lost its fields."""
+    """Yield a diagnostic for each number of the envelope whose payload kept its name, but not its fields."""
     for owner, number, reuses in reuses_by_number(context, frozenset({Kind.REPLACED})):
         yield reported(RULE, context, owner, number, reuses)

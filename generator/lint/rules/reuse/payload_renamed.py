@@ -25,7 +25,10 @@ RULE = Rule("HIS102", "payload-renamed", __doc__, Severity.HINT)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers of the envelope whose payload was renamed, unless another rule reports the number."""
+    """Yield a diagnostic for each number of the envelope whose payload was renamed.
+
+    Numbers that another rule reports are left out.
+    """
     worse = {(owner, number) for owner, number, _ in reuses_by_number(context, frozenset(Kind) - {Kind.RENAMED})}
     for owner, number, reuses in reuses_by_number(context, frozenset({Kind.RENAMED})):
         if owner == context.table.envelope.message and (owner, number) not in worse:

@@ -26,7 +26,7 @@ RULE = Rule("PIN102", "pins-disagree", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield each number on which two consumers disagree."""
+    """Yield a diagnostic for each number that has different payloads in two projects that use the protos."""
     past, envelope = context.past, context.table.envelope.message
     if past is None:
         return

@@ -29,14 +29,17 @@ _BITS = {"int32": 32, "sint32": 32, "uint32": 32, "int64": 64, "sint64": 64, "ui
 
 
 class _Bounded(NamedTuple):
-    """A field with its bounds."""
+    """A field, and the options of nanopb that limit its size."""
 
     field: ProtoField
     given: FieldBounds
 
     @property
     def capacity(self) -> int | None:
-        """The largest number of bytes of a string or of `bytes`, without the zero byte that C adds to a string."""
+        """The largest number of bytes in a string or `bytes` field; None without a limit.
+
+        The zero byte that C adds to a string is not counted.
+        """
         if self.field.type != "string":
             return self.given.max_size
         if self.given.max_length is not None:
@@ -45,12 +48,12 @@ class _Bounded(NamedTuple):
 
     @property
     def bits(self) -> int | None:
-        """Bits of an integer; None for other types."""
+        """Number of bits of an integer; None for other types."""
         return self.given.int_size or _BITS.get(self.field.type)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose bounds are tighter than in the earlier state."""
+    """Yield a diagnostic for each field that has a smaller size limit than in the earlier state."""
     if context.schema is None or context.bounds is None:
         return
     for change in context.changes:
@@ -111,5 +114,8 @@ def _at_most(bound: int | None, fixed: bool) -> str:
 
 
 def _is_less(now: int | None, before: int | None) -> bool:
-    """Return True if a bound is tighter. A first bound does not count: it is how a board gets its bounds."""
+    """Return True if a size limit is smaller than before. A field that had no limit before does not count.
+
+    It is allowed to add a limit, because every field needs one before a board can use it.
+    """
     return now is not None and before is not None and now < before

@@ -31,7 +31,7 @@ _HELP = "lower a bound in the .options file, split the message, or raise max_siz
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows whose largest envelope exceeds the `max_size` of a peer that sends or receives it."""
+    """Yield a diagnostic for each row whose largest envelope exceeds the `max_size` of its sender or receiver."""
     table, schema, bounds = context.table, context.schema, context.bounds
     if schema is None or bounds is None:
         return

@@ -30,7 +30,7 @@ _HELP = "set max_length (string), max_size (bytes) or max_count (repeated) in a 
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield payloads of peers with `max_size` that have an unbounded field. Each payload is reported once."""
+    """Yield a diagnostic for each payload whose sender or receiver has a `max_size`, if a field has no size limit."""
     schema, bounds = context.schema, context.bounds
     if schema is None or bounds is None:
         return
@@ -46,7 +46,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _limited(context: Context) -> dict[str, tuple[Row, PeerSettings]]:
-    """Return the payloads that a peer with `max_size` sends or receives, each with its first row."""
+    """Return the payloads whose sender or receiver has a `max_size`, each with its first row and this peer."""
     peers = context.table.peers_by_name()
     found: dict[str, tuple[Row, PeerSettings]] = {}
     for row in context.table.rows:

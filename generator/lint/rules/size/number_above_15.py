@@ -30,10 +30,7 @@ _LAST_SHORT = 15
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield messages that a peer with `max_size` sends and that have a large field number.
-
-    Each message is reported once.
-    """
+    """Yield a diagnostic for each message with a field number above 15 that a peer with `max_size` sends."""
     table, schema = context.table, context.schema
     limited = {peer.name for peer in table.peers if peer.max_size is not None}
     sent = [row.proto for row in table.rows if row.inbound and row.peer in limited]

@@ -29,7 +29,7 @@ RULE = Rule("TAB105", "direction-contradicts-prefix", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows whose message has the prefix of another peer."""
+    """Yield a diagnostic for each row whose message's name begins with the prefix of another peer."""
     table = context.table
     if not table.whole:
         return  # the prefix may be in a part that could not be read
@@ -50,6 +50,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _prefix_of(peer: PeerSettings, proto: str) -> str:
-    """Return the peer's prefix that the message's name starts with, with or without its package; empty for none."""
+    """Return the prefix of a peer with which the message's name begins; empty if there is none.
+
+    The prefix is compared with the name without package, and with the full name.
+    """
     names = (proto, proto.rpartition(".")[2])
     return next((prefix for prefix in peer.prefixes if any(name.startswith(prefix) for name in names)), "")

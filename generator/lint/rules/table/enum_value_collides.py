@@ -35,7 +35,7 @@ _Messages = Mapping[str, tuple[str, ProtoMessage]]  # by full name, each with it
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield enums with values that have the name of a message in the same scope. Each enum is reported once."""
+    """Yield a diagnostic for each enum with a value that has the name of a message in the same scope."""
     files = {**context.excluded_files, **context.files}
     messages = {found.full_name: (path, found) for path, file in files.items() for found in file.messages}
     for path, file in files.items():

@@ -31,7 +31,7 @@ RULE = Rule("TAB108", "lint-setting-without-effect", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield settings of the table and its rows that change no severity."""
+    """Yield a diagnostic for each setting under `lint` that changes no severity, in the table and in its rows."""
     table = context.table
     for lowered in table.lint:
         yield from _check(lowered, "", None)
@@ -55,6 +55,6 @@ def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnost
 
 @cache
 def _rules() -> Mapping[str, Rule]:
-    """Return the rules by id. Their list imports this module, so it must be loaded later than this module."""
+    """Return every rule by its id. The list of rules is imported here, because it imports this module."""
     listed = importlib.import_module("roverlink.generator.lint.rules")
     return {id: module.RULE for id, module in listed.modules().items()}

@@ -33,7 +33,7 @@ RULE = Rule("NAM102", "message-misplaced", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield payloads of peers with prefixes that break the rule. Each message is reported once."""
+    """Yield a diagnostic for each payload whose name or folder does not match the prefixes of its peer."""
     table = context.table
     if not table.whole:
         return  # the prefix may be in a part that could not be read
@@ -64,7 +64,10 @@ def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[D
 
 
 def _place(row: Row, context: Context) -> tuple[Span, list[tuple[Span, str]]]:
-    """Return the place of the declaration, with the row as a related place; the row if the declaration is unknown."""
+    """Return the place for a row's diagnostic, and its related places.
+
+    This is the declaration of the message, with the row as related place. If the declaration is unknown, it is the row.
+    """
     declared = context.schema.messages.get(row.proto) if context.schema else None
     if declared is None:
         return row.at("proto"), []

@@ -31,7 +31,7 @@ RULE = Rule("NAM101", "message-name-not-unique", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield top-level messages whose name another file declares. Excluded files come last."""
+    """Yield a diagnostic for each top-level message whose name is also declared in another file."""
     seen: dict[str, tuple[str, ProtoMessage]] = {}
     for files in (context.files, context.excluded_files):
         for path, file in sorted(files.items()):

@@ -30,7 +30,10 @@ _HELP = "choose another name"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows with the name of an earlier row, a retired row or the oneof; retired rows with the same name."""
+    """Yield a diagnostic for each row whose name belongs to an earlier row, a retired row or the oneof.
+
+    Retired rows are compared with each other, too.
+    """
     table = context.table
     retired: dict[str, RetiredRow] = {}
 

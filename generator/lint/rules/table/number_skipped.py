@@ -26,7 +26,10 @@ RULE = Rule("TAB106", "number-skipped", __doc__, Severity.HINT)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield new rows with a larger number than they need, if something was published before."""
+    """Yield a diagnostic for each new row with a larger number than the next free one.
+
+    If nothing has been published yet, nothing is reported.
+    """
     published = {entry.number for entry in context.published}
     if not published:
         return

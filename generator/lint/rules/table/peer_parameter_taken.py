@@ -28,7 +28,7 @@ RULE = Rule("TAB104", "peer-parameter-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield peers whose parameter belongs to another peer or to the node."""
+    """Yield a diagnostic for each peer whose port parameter belongs to another peer or to the node."""
     seen: dict[str, PeerSettings] = {}
     of_the_node = {"use_sim_time", *node_parameters()}
     for peer in context.table.peers:

@@ -25,7 +25,7 @@ RULE = Rule("ROS101", "ros-name-forbidden", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield forbidden names of the package, and of the rows' messages and topics."""
+    """Yield a diagnostic for each name of the package, a row's message or a topic that ROS 2 does not allow."""
     table = context.table
     if table.ros.package and not ros_names.is_package_name(table.ros.package):
         help = "lower case letters, digits and single underscores, for example rover_msgs"
@@ -48,5 +48,5 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _reaches_ros(row: Row) -> bool:
-    """Return True if the row has a topic; rows made from an envelope without a table have none."""
+    """Return True if the row has a topic. Rows that were made from an envelope without a table have none."""
     return bool(row.topic)

@@ -24,7 +24,7 @@ RULE = Rule("TAB107", "topic-changed", __doc__, Severity.WARNING)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows that were published with the same number and message, but with another topic."""
+    """Yield a diagnostic for each row that was published with the same number and message, but with another topic."""
     envelope = context.table.envelope.message
     for row in context.table.rows:
         before: dict[str, Span] = {}

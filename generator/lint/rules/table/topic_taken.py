@@ -26,7 +26,7 @@ RULE = Rule("TAB102", "topic-taken", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield rows with a topic that is already taken."""
+    """Yield a diagnostic for each row with a topic that an earlier row, or the row itself, already has."""
     seen: dict[str, tuple[str, Span]] = {}
     envelope = context.table.envelope.message
     for row in context.table.rows:
@@ -40,7 +40,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _topics(row: Row) -> Iterator[tuple[str, Span]]:
-    """Yield a row's topics, with those under `also`. Rows made from an envelope without a table have none."""
+    """Yield the topics of a row with their places: its own topic and its extra topics.
+
+    Rows that were made from an envelope without a table have none.
+    """
     if row.topic:
         yield row.topic, row.at("topic")
     yield from ((standard.topic, standard.at("topic")) for standard in row.also)

@@ -31,7 +31,7 @@ RULE = Rule("TAB103", "unknown-peer", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield faults in `direction` and `forward`."""
+    """Yield a diagnostic for each row whose `direction` or `forward` is wrong."""
     table = context.table
     peers = sorted(peer.name for peer in table.peers)
     for row in table.rows:
@@ -43,7 +43,10 @@ _Fault = tuple[str, str, str, list[tuple[Span, str]]]  # the row's key, the mess
 
 
 def _faults(row: Row, peers: list[str], whole: bool) -> Iterator[_Fault]:
-    """Yield the faults of a row. If parts of the table could not be read, an unknown peer may be in them."""
+    """Yield what is wrong with a row's `direction` and `forward`.
+
+    ``whole`` is false if parts of the table could not be read. Then unknown peers are not reported.
+    """
     malformed = row.direction not in _directions(row.peer)
     if row.direction and (malformed or (whole and row.peer not in peers)):
         yield _unknown_direction(row, peers, malformed)

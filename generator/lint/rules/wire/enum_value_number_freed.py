@@ -27,7 +27,7 @@ RULE = Rule("WIR107", "enum-value-number-freed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers that a value had before, and that are neither used nor reserved now."""
+    """Yield a diagnostic for each number that an enum value had before, and that is neither used nor reserved now."""
     return each_once(context.changes, _findings)
 
 

@@ -29,7 +29,10 @@ _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose cardinality changed on the wire. Another rule checks `required`."""
+    """Yield a diagnostic for each field that changed between a single value, repeated values and a map.
+
+    Changes from or to `required` are left out, because another rule checks them.
+    """
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

@@ -31,7 +31,10 @@ RULE = Rule("WIR108", "field-default-changed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields with another default, unless another rule reports a change of the type."""
+    """Yield a diagnostic for each field with another default than before.
+
+    Fields with an incompatible type are left out.
+    """
     return each_once(context.changes, _findings)
 
 
@@ -63,7 +66,7 @@ def _undo(pair: FieldPair) -> str:
 
 
 def _old_value(pair: FieldPair) -> str:
-    """Return the old default by its current name; empty for an enum value that no longer exists."""
+    """Return the old default of a field; for an enum, the current name of its number, or empty if there is none."""
     if pair.new.type != "enum":
         return pair.old.facets["default"]
     number = default(pair.old, pair.change.before)

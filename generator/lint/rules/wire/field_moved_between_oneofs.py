@@ -27,7 +27,7 @@ RULE = Rule("WIR105", "field-moved-between-oneofs", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields that share a oneof with other fields than before."""
+    """Yield a diagnostic for each field that is together with other fields in a oneof than before."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

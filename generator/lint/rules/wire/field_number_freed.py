@@ -28,7 +28,7 @@ RULE = Rule("WIR102", "field-number-freed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers that a field had before, and that are neither used nor reserved now."""
+    """Yield a diagnostic for each number that a field had before, and that is neither used nor reserved now."""
     return each_once(context.changes, _findings)
 
 

@@ -29,7 +29,7 @@ RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield fields whose old and new type cannot read each other's bytes."""
+    """Yield a diagnostic for each field whose new type misreads bytes of the old type."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 

@@ -25,7 +25,7 @@ _OPTION = "message_set_wire_format"
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield messages whose option `message_set_wire_format` changed."""
+    """Yield a diagnostic for each message whose option `message_set_wire_format` changed."""
     return each_once(context.changes, _findings)
 
 

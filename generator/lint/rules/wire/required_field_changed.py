@@ -29,7 +29,10 @@ RULE = Rule("WIR104", "required-field-changed", __doc__)
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield numbers that are required on one side only, and are not repeated on the other."""
+    """Yield a diagnostic for each field number that is `required` only before the change, or only after it.
+
+    Fields that are repeated on the other side are left out, because another rule reports them.
+    """
     return each_once(context.changes, _findings)
 
 

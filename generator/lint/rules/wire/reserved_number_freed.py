@@ -30,17 +30,17 @@ RULE = Rule("WIR106", "reserved-number-freed", __doc__)
 
 @dataclass(frozen=True, slots=True)
 class _User:
-    """A field or value with a number that was reserved."""
+    """A field or enum value that uses a number which was reserved before."""
 
     name: str
     number: int
     span: Span
     moved: str
-    """Its declaration with a new number; empty if no number is left."""
+    """The declaration of the field or value with a free number; empty if no number is free."""
 
 
 def check(context: Context) -> Iterator[Diagnostic]:
-    """Yield reserved ranges of messages and enums that are no longer fully reserved."""
+    """Yield a diagnostic for each reserved range of a message or enum of which a part is no longer reserved."""
     return each_once(context.changes, lambda change: _findings(context, change))
 
 
@@ -55,7 +55,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 
 def _freed(pair: MessagePair | EnumPair) -> Iterator[tuple[Span, list[Range]]]:
-    """Yield the freed parts of each reserved range, with the range's place."""
+    """Yield the place of each old reserved range, and the parts of the range that are no longer reserved."""
     for was in dict.fromkeys(pair.old.reserved):
         if freed := list(missing(was, pair.new.reserved)):
             yield pair.old.at(f"reserved {was[0]} to {was[1]}"), freed
