@@ -27,19 +27,22 @@ class CalibrationText(Protocol):
     """Output of ``roverlink aruco calibrate``. The command calls a method for each event of the calibration."""
 
     def note(self, message: str) -> None:
-        """Called with a message for the user about the source of frames."""
+        """Show a message about the source of frames to the user."""
 
     def begins(self, collection: Collection) -> None:
-        """Called when the collection of views begins."""
+        """Report that the collection of views begins. The command calls this once, before the first frame."""
 
     def offered(self, offer: Offer, collection: Collection) -> None:
-        """Called when a frame was examined; ``offer`` tells if its view was taken."""
+        """Report that a frame was examined.
+
+        The command calls this for each frame; ``offer`` tells if its view was taken.
+        """
 
     def refused(self, error: PoorViewsError, views: Sequence[View]) -> None:
-        """Called when the calibration fails because the views are not sufficient."""
+        """Report that the calibration has failed because the views are not sufficient."""
 
     def calibrated(self, calibration: Calibration, path: Path, report: Path) -> None:
-        """Called after the calibration, when its parameters are written to ``path`` and its report to ``report``."""
+        """Report the calibration. Its parameters are already written to ``path``, and its report to ``report``."""
 
 
 class PlainText:

@@ -1,4 +1,4 @@
-"""Passing of proto fields whose names are Python keywords, such as ``from``."""
+"""Creation of payloads that have fields whose names are Python keywords, such as ``from``."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A row is identified by its number, as on the wire.
 
-- If the number still has the same meaning, the bytes stay unchanged. Its name and all fields in it are compared.
+- If number, name and all fields of a payload are unchanged, the bytes of the datagram stay unchanged.
 - If a payload or a field has another number or type today, its values are copied by name.
 - If a number belongs to another payload today, the datagram is refused, because its bytes would be misread.
 """
