@@ -109,7 +109,7 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """A fault at a place in a file."""
+    """A fault at a place in a file, with the rule that found it."""
 
     rule: Rule
     span: Span
@@ -128,7 +128,7 @@ class Diagnostic:
     """Places that the diagnostic assumes to be right. If one of them has an error, the diagnostic is dropped."""
 
     def render(self) -> str:
-        """Return the diagnostic as text: place, message, related places, help."""
+        """Return the diagnostic as text, in several lines: place, severity and message, related places, help."""
         lines = [f"{self.span}: {self.severity.value}[{self.rule.id}] {self.message}"]
         lines += [f"  {span}: {text}" for span, text in self.also]
         if self.help:

@@ -17,6 +17,6 @@ _DECLARATIONS = Path(__file__).parents[1] / "runtime" / "ros_arguments" / "node_
 
 @cache
 def node_parameters() -> dict[str, dict[str, Any]]:
-    """Return the declaration of each parameter by name: ``default``, ``description``, ``unit`` and limits."""
+    """Return the declaration of each ROS parameter by its name: ``default``, ``description``, ``unit`` and limits."""
     declared: dict[str, dict[str, Any]] = yaml.safe_load(_DECLARATIONS.read_text(encoding="utf-8"))
     return declared

@@ -53,7 +53,7 @@ class Adoption:
     changes: tuple[Change, ...]
     """Files to write, including the table."""
     scalars: tuple[str, ...]
-    """Members of the oneof that are scalars. Only messages can have rows."""
+    """Names of the oneof's members that are scalars. They get no row, because only messages can have rows."""
 
 
 def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int], None] | None = None) -> Adoption:

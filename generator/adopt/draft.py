@@ -17,7 +17,7 @@ class DraftRow:
     peer: str
     inbound: bool
     doubt: str
-    """Reason why the direction is a guess; empty if it is certain."""
+    """Reason why the row's direction is a guess; empty if it is certain."""
     ros: str = ""
     """Name of the ROS message; empty if it is the name of the proto message."""
     fields: dict[str, str] = field(default_factory=dict)

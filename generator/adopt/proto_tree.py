@@ -1,4 +1,7 @@
-"""Tree of .proto files: finds the envelope, the files that compile together, and the owner of the envelope's file."""
+"""Reader for a tree of .proto files: finds the envelope, and the files that compile together with it.
+
+It also decides who owns the envelope's file.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ _SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """Tree of .proto files that compile together."""
+    """Folder with .proto files, as it was read: its envelope, and the files that compile together with the envelope."""
 
     root: Path
     files: Mapping[str, File]

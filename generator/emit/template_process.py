@@ -1,9 +1,9 @@
-"""Process that renders users' templates: Jinja's sandbox, with limits on time, memory and output.
+"""Process that renders users' templates in Jinja's sandbox, with limits on time, memory and output.
 
-A pull request can bring a template, and CI renders it. The sandbox refuses access from the bridge to Python's
-internals, but it has no limits. The limits of the process stop an endless loop, or a text that doubles 40 times.
-`user_templates` starts the process with a pickled `Request`. The process answers with JSON lines, which cannot run code
-in the reading process as a pickle could.
+A pull request can bring a template, and CI renders it. The sandbox refuses access from the IR to Python's internals,
+but it has no limits. The limits of the process stop an endless loop, or a text that doubles 40 times. `user_templates`
+starts the process with a pickled `Request`. The process answers with JSON lines, because a pickled answer could run
+code in the process that reads it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Users' own templates: folders of Jinja files, rendered with the IR in a process with limits."""
+"""Users' own templates: folders of Jinja files, which a separate process renders with the IR."""
 
 from __future__ import annotations
 

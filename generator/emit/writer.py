@@ -31,13 +31,13 @@ class Change:
 
     @property
     def verb(self) -> str:
-        """Kind of the change: "added", "changed" or "removed"."""
+        """Verb for the change: "added", "changed" or "removed"."""
         if self.before is None:
             return "added"
         return "removed" if self.after is None else "changed"
 
     def diff(self) -> str:
-        """Return the change as a unified diff."""
+        """Return the change of the file as a unified diff."""
         before = f"a/{self.path}" if self.before is not None else os.devnull
         after = f"b/{self.path}" if self.after is not None else os.devnull
         return "".join(difflib.unified_diff(_lines(self.before), _lines(self.after), before, after))

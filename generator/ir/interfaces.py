@@ -1,6 +1,6 @@
 """IR of ROS 2's standard messages: their definitions, and the expressions that fill their fields.
 
-As in `roverlink.generator.ir.model`, nothing here knows YAML, protobuf, or how a language spells an expression.
+As in `roverlink.generator.ir.model`, nothing here depends on YAML, on protobuf, or on a programming language.
 """
 
 from __future__ import annotations
@@ -235,5 +235,5 @@ class Recovered:
     path: Path
     """Path of the field in the standard message."""
     type: InterfaceType
-    """Type of that field."""
+    """Type of the field in the standard message."""
     value: Taken | Chosen | Rotation | Moment

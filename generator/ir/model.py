@@ -1,7 +1,7 @@
 """IR of the bridge: routes, messages, conversions, and the wire schema.
 
-Nothing here knows YAML, protobuf's Python classes, Jinja or a target's spelling. All classes are frozen and hold
-tuples, so that targets cannot change the input of other targets.
+Nothing here depends on YAML, on protobuf's Python classes, on Jinja, or on the language of a target. All classes are
+frozen and hold tuples, so that targets cannot change the input of other targets.
 """
 
 from __future__ import annotations
@@ -275,7 +275,7 @@ class StandardTopic:
     obstacle: str = ""
     """Reason why the payload cannot be computed from the message; empty if it can."""
     lost: tuple[str, ...] = ()
-    """Fields of the payload that the message does not contain."""
+    """Fields of the payload that the standard message does not contain."""
 
     @property
     def local_name(self) -> str:
@@ -285,7 +285,7 @@ class StandardTopic:
 
 @dataclass(frozen=True, slots=True)
 class WireSize:
-    """Largest encoded sizes of a row in bytes."""
+    """Largest encoded sizes of a row's payload and datagram in bytes."""
 
     payload: int | None
     """Size of the payload; None if a field is unbounded."""
@@ -310,7 +310,7 @@ class Route:
     proto: str
     """Full name of the payload's message."""
     conversion: Conversion | None
-    """Conversion to a message of the own package; None if the row's topic has a standard message."""
+    """Conversion to a generated ROS message; None if the row's topic has a standard message."""
     comment: str = ""
     """Comment of the payload's message in the .proto file."""
     deadman: Deadman | None = None

@@ -149,7 +149,7 @@ class _FileReader:
             fields[message.full_name, field.name] = _field_bounds(of_field, bool(left_out))
 
     def _field(self, inherited: _Options, name: str, field: ProtoField) -> tuple[_Options, bool]:
-        """Return the options that apply to a field, and True if the field is deprecated."""
+        """Return the options of nanopb that apply to a field, and True if the field is deprecated."""
         span = field.at("options")
         decoded = self._decoded("Field", field.options, span)
         return self._in_force(inherited, name, decoded, span), decoded.deprecated
@@ -160,7 +160,11 @@ class _FileReader:
         return decoded
 
     def _in_force(self, inherited: _Options, name: str, decoded: Decoded, span: Span) -> _Options:
-        """Return the inherited options, overridden by lines that match a name, then by options in the .proto file."""
+        """Return the options that apply to a declaration.
+
+        The inherited options are overridden by the lines that match the declaration's name, and these by the options in
+        the .proto file.
+        """
         options = dict(inherited)
         for index, line in enumerate(self._lines):
             if line.matches(name):

@@ -41,9 +41,9 @@ def index_declarations(files: Mapping[str, File], exclude: Iterable[str]) -> Dec
 
 
 def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list[str]:
-    """Return the .proto files below a folder, relative to it.
+    """Return the paths of the .proto files below a folder, relative to the folder.
 
-    Links are followed; hidden files are ignored, as editors make them.
+    Symbolic links are followed. Hidden files are ignored, because editors make them.
 
     Reports a folder that cannot be listed, a link that leads back to a folder above it, and a name that is not UTF-8.
     """

@@ -34,7 +34,7 @@ def default_branch(refs: Sequence[Ref]) -> str | None:
 
 
 def branch_name(ref: str) -> str:
-    """Return a branch's short name; the name of a remote branch keeps the remote."""
+    """Return the short name of a branch from its ref: ``main``, or ``origin/main`` for a remote branch."""
     return ref.removeprefix(_LOCAL).removeprefix(_REMOTE)
 
 

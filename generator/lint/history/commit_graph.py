@@ -16,7 +16,7 @@ class Node:
     """A commit that changes a .proto file, or a merge of branches that changed some files."""
 
     index: int
-    """The node's number; larger than those of its parents."""
+    """The node's number. It is larger than the numbers of the node's parents."""
     parents: tuple[int, ...]
     """The nodes of the parents. `Revision.edits` are the changes against the first of them."""
     revision: Revision

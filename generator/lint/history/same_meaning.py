@@ -51,7 +51,7 @@ def differ(one: tuple[str, str], other: tuple[str, str]) -> bool:
 
 
 def simple(type: str) -> str:
-    """Return a type's name without its package."""
+    """Return a type's name without its package and the messages around it."""
     return type.rpartition(".")[2]
 
 

@@ -38,7 +38,7 @@ class Relations:
         return frozenset((one, other)) in self._together
 
     def relation(self, earlier: TracedUsage, later: TracedUsage) -> Relation:
-        """Return the relation of two usages."""
+        """Return if two usages existed together, one after the other, or on different branches."""
         if self.together(earlier.usage.fact, later.usage.fact):
             return Relation.TOGETHER
         return Relation.SUCCESSION if earlier is later or self._handovers(earlier, later) else Relation.BRANCHES

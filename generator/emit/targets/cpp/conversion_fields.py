@@ -1,4 +1,4 @@
-"""Fields of a conversion, as the template ``templates/cpp/fields.j2`` reads them."""
+"""Fields of a conversion with the C++ code for each, as the template ``templates/cpp/fields.j2`` reads them."""
 
 from __future__ import annotations
 

@@ -42,7 +42,10 @@ _KNOWN_SINCE_22 = frozenset(
         *("concept", "consteval", "constinit", "requires"),
     }
 )
-"""Keywords to which protoc adds an underscore from protobuf 22 on, but not before."""
+"""C++20 keywords. If a field has such a name, protobuf 22 and later add an underscore to the accessor's name.
+
+Earlier versions do not.
+"""
 _METHODS_OF_EVERY_CLASS = frozenset(
     {"default_instance", "descriptor", "internal_default_instance", "mutable_unknown_fields", "unknown_fields"}
 )

@@ -40,7 +40,7 @@ _GENERATE = "run `roverlink generate`"
 
 @dataclass(frozen=True, slots=True)
 class _Member:
-    """A field of the envelope, from protoc or from the tolerant parser."""
+    """A field of the envelope, as protoc or the tolerant parser read it."""
 
     number: int
     name: str
