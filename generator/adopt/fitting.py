@@ -37,6 +37,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
 
 def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
     """Give every payload a ROS name that is allowed and unique."""
+    # Nested messages keep the names that generate gives them, so these are taken before any payload's name is chosen.
     protos = {row.proto: row.name for row in rows}
     nested = schema.reachable(*protos)[0] - protos.keys()
     taken = {

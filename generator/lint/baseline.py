@@ -113,6 +113,8 @@ def _baseline_in(
     findings: list[Diagnostic],
 ) -> Baseline:
     """Read the state in a folder: a project, the folder of its .proto files, or any tree of them."""
+    # The rules judge the state of today. Of the earlier state, only what makes it unreadable is reported: it cannot be
+    # edited any more.
     own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
     table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))

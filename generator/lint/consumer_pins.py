@@ -90,6 +90,7 @@ def _text(path: Path, findings: list[Diagnostic]) -> str:
 
 def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Iterator[Pin]:
     """Yield the GIT_TAG of each declaration. Comments are ignored, and variables are replaced by their `set` value."""
+    # Spaces take the place of a comment, so that every offset still belongs to the same line.
     bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
     variables = {match["name"]: match["value"] for text in bare.values() for match in _SET.finditer(text)}
     for path, text in bare.items():
@@ -116,6 +117,8 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
     except GitError:
         return
     addresses = _addresses(folder)
+    # A submodule is an entry of the tree whose object id is the commit of the other repository. So HEAD tells the pin
+    # even if the submodule was never checked out; .gitmodules only adds the address (gitsubmodules(7)).
     for mode, object_id, path in listed:
         if mode == _SUBMODULE:
             span = Span(str(folder / ".gitmodules"))
@@ -124,6 +127,7 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
 
 def _addresses(folder: Path) -> dict[str, str]:
     """Return the addresses in .gitmodules by submodule path."""
+    # git's format allows a section twice and a `%` in a value; configparser would raise in both cases.
     modules = configparser.ConfigParser(strict=False, interpolation=None)
     try:
         # git indents the lines of a section. For configparser, an indented line would continue the value before it.

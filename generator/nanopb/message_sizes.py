@@ -63,6 +63,7 @@ def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, pa
 
     It has a payload of ``payload`` bytes with this number, and all fields beside the oneof.
     """
+    # The tag, the length and the payload of the oneof's member, and every other field of the envelope at its largest.
     message = schema.messages.get(envelope)
     alone = {field.name for field in message.fields if not field.oneof} if message else set()
     beside = sum(size for name, size in field_sizes(schema, bounds, envelope) if name in alone) if alone else 0

@@ -59,6 +59,8 @@ def vocabulary() -> Vocabulary:
 def has_options(serialized: bytes) -> bool:
     """Return True if serialized options contain options of nanopb, or are broken."""
     try:
+        # Empty has no fields, so everything in the bytes is an unknown field. No declaration of nanopb's options is
+        # needed.
         fields = UnknownFieldSet(Empty.FromString(serialized))
     except DecodeError:
         return True

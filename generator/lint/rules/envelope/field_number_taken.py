@@ -62,6 +62,7 @@ def _owners(context: Context) -> dict[int, Row]:
     """Find the row that each number belongs to: the one it was published for, or else the first."""
     owners: dict[int, Row] = {}
     published = {(entry.number, entry.proto) for entry in context.published}
+    # The row that had the number first is right, even if the other one stands above it in the file.
     for row in sorted(context.table.rows, key=lambda row: (row.number, row.proto) not in published):
         owners.setdefault(row.number, row)
     return owners
