@@ -1,8 +1,7 @@
 """Protobuf's wire format without a schema: tags, varints, and the extent of each field.
 
 The rules, from "Encoding" on protobuf.dev:
-- A tag is the varint ``field_number << 3
-wire_type``; field number 0 does not exist.
+- A tag is the varint ``field_number << 3 | wire_type``; field number 0 does not exist.
 - A varint has 7 bits a byte, the lowest first; the high bit says that another byte follows; 10 bytes at most.
 - A delimited value is a varint length and so many bytes.
 - A group is a start tag, its fields and an end tag.
@@ -40,6 +39,7 @@ def fields(data: bytes) -> Iterator[Field]:
     while position < len(data) and data[position]:
         tag, position = varint(data, position)
         number, wire_type = tag >> 3, tag & 7
+        # Wire types 6 and 7 do not exist, so this is no envelope.
         if number == 0 or wire_type > FIXED32:
             return
         content, position = _extent(data, position, wire_type)

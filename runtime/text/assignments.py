@@ -130,6 +130,7 @@ def _scalar(text: str) -> Any:
     """Parse a scalar as YAML, but accept numbers such as 1e-3 too: YAML 1.1 requires a decimal point."""
     try:
         read = strict_yaml.load(text)
+        # float() accepts it, so it is a number that YAML 1.1 did not recognize.
         return float(text) if read == text else read
     except ValueError:  # YamlTextError is a ValueError too
         return text
