@@ -155,6 +155,8 @@ def independent(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     each other.
     """
     findings = list(findings)
+    # A mistake at one place often makes another place look wrong. Only the first is worth the user's time: with it, the
+    # others go away, or show what they really are.
     wrong = {one.span for one in findings if one.severity.rank <= Severity.ERROR.rank and not one.rests_on}
     return [one for one in findings if wrong.isdisjoint(one.rests_on)]
 

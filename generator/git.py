@@ -69,16 +69,21 @@ class Repository:
 
     def resolve(self, ref: str) -> str:
         """Return the full id of the commit that a ref names. Raises `GitError` if the ref names none."""
+        # A ref may come from the command line. After --end-of-options git takes `-x` as a ref, not as an option
+        # (gitcli(7)). `^{commit}` peels an annotated tag, and refuses a blob or a tree (gitrevisions(7)).
         return self._run("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{commit}}").strip()
 
     def commit(self, ref: str) -> Commit:
         """Return the commit that a ref names. Raises `GitError` if the ref names none."""
+        # NUL, which no subject can contain, separates the fields. `%at` is the author's time: a rebase changes the
+        # committer's.
         said = self._run("show", "--no-patch", "--format=%H%x00%at%x00%s", self.resolve(ref)).rstrip("\n")
         id, seconds, subject = said.split("\0")
         return commit_of(id, seconds, subject)
 
     def entries(self, commit: str) -> list[tuple[str, str, str]]:
         """Return mode, object id and path of each file, link and submodule below the folder in a commit."""
+        # -z: without it, git quotes a path with unusual characters (git-ls-tree(1), OUTPUT FORMAT).
         listed = self._run("ls-tree", "-r", "-z", "--full-name", commit, ".").split("\0")
         prefix = self._run("rev-parse", "--show-prefix").strip()
         entries = (entry.split("\t", 1) for entry in listed if entry)
@@ -94,7 +99,11 @@ class Repository:
         Raises `GitError` if the clone does not contain a file.
         """
         paths = list(paths)
+        # One process for all files: starting git once per file would cost more than reading it. A path with `./` in
+        # front is relative to the current folder, others to the top of the repository (gitrevisions(7)).
         asked = "".join(f"{commit}:./{path}\n" for path in paths)
+        # The answer to each line is `<id> <type> <size> LF <content> LF`, or `<what was asked> missing LF`
+        # (git-cat-file(1), BATCH OUTPUT). A content may contain line feeds, so only the size tells where it ends.
         answer = self._run_bytes("cat-file", "--batch", input=asked.encode())
         position = 0
         for path in paths:
@@ -116,6 +125,8 @@ class Repository:
             said = self._run("blame", "--porcelain", f"-L{line},{line}", *([commit] if commit else []), "--", path)
         except GitError:
             return None
+        # The first line begins with the commit's id, and each further line with a keyword (git-blame(1), THE PORCELAIN
+        # FORMAT). The id of a line that is not committed yet consists of zeros.
         id, facts = said.split(None, 1)[0], dict(entry.partition(" ")[::2] for entry in said.splitlines()[1:])
         if not id.strip("0") or "summary" not in facts:
             return None

@@ -43,6 +43,7 @@ def new_project(folder: Path, package: str) -> NewProject:
     """
     if findings := list(_foreign_protos(folder)):
         raise DiagnosticsError(findings)
+    # A file that exists belongs to the user, who may have edited it.
     kept = tuple(path for path in _TEMPLATES if (folder / path).exists())
     own = {
         path: render(f"project/{template}", package=package)

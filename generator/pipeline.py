@@ -107,6 +107,8 @@ def _compiled(
 ) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
+    # Each phase works with what the phases before it could read, and adds its mistakes to the findings. So one run
+    # shows all of them; only at the end does an error stop the compiler.
     table = reader.parse(text, table_path.name, findings)
     published = published or lock.read(project / lock.NAME, findings)
     index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
@@ -129,6 +131,7 @@ def _compiled(
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
     folders = (bridge.folder, *([table.proto.root] if envelope.ours else []))
+    # Nothing is emitted from a table with errors: a half right envelope on disk would be worse than an old one.
     files = emitter.emit(bridge, table.and_further(*further), published, project)
     return Compiled(bridge, files, folders, tuple(in_order(findings)))
 

@@ -118,6 +118,7 @@ def command_line(arguments: Sequence[str] = ()) -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version of roverlink and exit")
     parser.set_defaults(takes_ros_args=False)
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_AnyOrderParser)
+    # Only the first argument names a command: `roverlink explain run` calls `explain`.
     called = [name for name in COMMANDS if name in arguments[:1]]
     for name in called or COMMANDS:
         importlib.import_module(f"roverlink.commands.{name.replace('-', '_')}").add(commands)

@@ -148,6 +148,7 @@ def isolate_ros() -> None:
 
     The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
+    # The variables are read when a participant joins its domain, and child processes inherit them.
     os.environ["ROS_LOCALHOST_ONLY"] = "1"
     os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
 
@@ -157,6 +158,8 @@ class _RosFormatter(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         level = {"WARNING": "WARN", "CRITICAL": "FATAL"}.get(record.levelname, record.levelname)
+        # rcutils' default, "[{severity}] [{time}] [{name}]: {message}" (RCUTILS_CONSOLE_OUTPUT_FORMAT), but with
+        # microseconds.
         return f"[{level}] [{record.created:.6f}] [{record.name}]: {record.getMessage()}"
 
 

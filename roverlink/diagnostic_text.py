@@ -94,6 +94,8 @@ def _lines(finding: Diagnostic, sources: Sources) -> Iterator[Text]:
         f" {finding.message}",
     )
     if (line := sources.line(finding.span)) and finding.span.column:
+        # Tabs have other widths on other terminals, so the line is shown without them, and the caret stands below its
+        # column.
         number, before = str(finding.span.line), line[: finding.span.column - 1].replace("\t", _TAB)
         yield Text(f"{number} | {line}".replace("\t", _TAB))
         yield Text.assemble(f"{' ' * len(number)} | {' ' * len(before)}", ("^", style))

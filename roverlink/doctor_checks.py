@@ -36,10 +36,7 @@ _EXTRAS = {
     "rosbags": "standard",
     "nanopb": "nanopb",
 }
-_GROUP, _GROUP_PORT = (
-    "239.255.0.1",
-    7400,
-)  # multicast group in which DDS participants announce themselves (RTPS 2.2, 9.6.1)
+_GROUP = "239.255.0.1"  # multicast group in which DDS participants announce themselves (RTPS 2.2, 9.6.1)
 _PROC = Path("/proc")
 _COMMAND_S = 5.0
 
@@ -189,11 +186,13 @@ def _multicast() -> Iterator[Diagnosis]:
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
     ):
+        # Another program on this host may be in the group as well.
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         receiver.settimeout(1.0)
         try:
             receiver.bind((_GROUP, 0))
-            joined = struct.pack("4sL", socket.inet_aton(_GROUP), socket.INADDR_ANY)
+            # struct ip_mreq (ip(7)): the group, and the interface, which the routing table chooses.
+            joined = struct.pack("=4sI", socket.inet_aton(_GROUP), socket.INADDR_ANY)
             receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joined)
             sender.sendto(b"roverlink doctor", (_GROUP, receiver.getsockname()[1]))
             receiver.recv(64)
@@ -266,6 +265,8 @@ def _interfaces(registry: Registry) -> Diagnosis:
             installed = importlib.import_module(f"{package}.msg")
         except ImportError as error:
             return Diagnosis("error", "interfaces", f"{package} is not installed: {error}", cure)
+        # Names in their order: ROS 2 itself does not compare them before Iron, and a message with another layout would
+        # be read with wrong values.
         theirs: dict[str, str] = getattr(getattr(installed, name, None), "get_fields_and_field_types", dict)()
         if list(theirs) != [field.name for field in dataclasses.fields(message_type)]:
             return Diagnosis("error", "interfaces", f"{package}/{name} is not the one that was generated", cure)

@@ -61,6 +61,7 @@ def identity(command: str) -> NodeIdentity:
 
 def yaml_text(values: Mapping[str, Any]) -> str:
     """Return a message as YAML, in the form that ``ros2 topic echo`` prints. Long lines are not folded."""
+    # width: PyYAML folds long texts at 80 columns by default.
     return yaml.dump(dict(values), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=sys.maxsize)
 
 

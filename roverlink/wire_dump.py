@@ -80,6 +80,7 @@ def _fixed(data: bytes, field: FieldDescriptor) -> Any:
         field.TYPE_SFIXED32: "<i",
     }
     (value,) = struct.unpack(formats[field.type], data)
+    # A float has about seven significant digits; as a double, 0.1 would be shown as 0.10000000149011612.
     return float(f"{value:.7g}") if field.type == field.TYPE_FLOAT else value
 
 

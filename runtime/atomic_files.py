@@ -22,6 +22,8 @@ def replacing(path: Path) -> Iterator[Path]:
         yield path
         return
     place = path.resolve()  # else replace() would turn a symbolic link into a file
+    # In the same folder: rename(2) replaces a file in one step, but only within a file system. With the process id,
+    # since two programs may write the same file.
     part = place.with_name(f".{place.name}.{os.getpid()}.part")
     try:
         yield part

@@ -20,6 +20,7 @@ google::protobuf::Any packed(const google::protobuf::Message & message)
     }
   }
   google::protobuf::Any payload;
+  // The prefix that protobuf's own PackFrom writes (any.proto); Python writes the same one.
   payload.set_type_url("type.googleapis.com/" + std::string(message.GetDescriptor()->full_name()));
   payload.set_value(bytes);
   return payload;

@@ -29,6 +29,8 @@ bool is_closed(const Enum & declared, long)  // a worse match for 0 than the fun
 void Enumerator::check(const google::protobuf::EnumDescriptor & declared) const
 {
   const int number = narrow<std::int32_t>(number_, field_);
+  // A receiver keeps an undeclared number of a closed enum as an unknown field, and reads the field as absent
+  // (protobuf.dev, "Enum Behavior"). Open enums carry any int32.
   if (is_closed(declared, 0) && declared.FindValueByNumber(number) == nullptr) {
     throw ConversionError(field_, std::to_string(number) + " is not a value of " + std::string(declared.full_name()));
   }

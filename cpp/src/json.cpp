@@ -90,6 +90,8 @@ private:
       if (const auto place = SPECIAL.find(character); place != std::string_view::npos) {
         made += {'\\', NAMES[place]};
       } else if (code < 0x20) {
+        // RFC 8259, section 7: control characters have to be escaped. Everything else stays UTF-8, as with Python's
+        // ensure_ascii=False.
         made += {'\\', 'u', '0', '0', HEXADECIMAL[code >> 4], HEXADECIMAL[code & 15]};
       } else {
         made += character;
@@ -106,6 +108,8 @@ private:
       throw ConversionError(field_, "cannot be JSON: it has no NaN and no infinity");
     }
     char digits[64];
+    // Without a precision, to_chars gives the shortest digits that are read back as the same double, as Python's repr
+    // does.
     const auto scientific = std::to_chars(digits, digits + sizeof digits, number, std::chars_format::scientific);
     const std::string shortest(digits, scientific.ptr);
     const int exponent = std::stoi(shortest.substr(shortest.find('e') + 1));

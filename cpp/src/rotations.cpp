@@ -38,11 +38,13 @@ Quaternion quaternion(const Angles & angles, const char * field)
 Angles angles(const Quaternion & rotation)
 {
   const auto & [x, y, z, w] = rotation;
+  // Divides by the squared length where it matters, instead of normalizing first: atan2 does not need it.
   const double square = x * x + y * y + z * z + w * w;
   if (square == 0.0) {
     return {0.0, 0.0, 0.0};
   }
   const double sine = 2 * (w * y - z * x) / square;
+  // With roll 0 and pitch 90 degrees, w is cos(yaw / 2) and z is sin(yaw / 2), both times sqrt(1/2).
   if (std::abs(sine) >= STRAIGHT) {
     return {0.0, std::copysign(PI / 2, sine), 2 * std::atan2(z, w)};
   }

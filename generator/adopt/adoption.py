@@ -87,6 +87,8 @@ def adopt(table_path: Path, wanted: AdoptionRequest, report: Callable[[int, int]
     fit(draft, tree.schema, table_path.name)
     findings: list[Diagnostic] = []
     context = _context(draft, tree, table_path.name, findings)
+    # Two rounds of lint: the first one tells which rules the tree breaks, and these are lowered in the draft. The
+    # second one (below) gives the diagnostics with those severities, as the user will see them.
     lower(draft, lint(context), context.schema or tree.schema)
     text = text_of(draft)
     compiled, changes = compile_text(table_path, text)
@@ -122,5 +124,7 @@ def _foreign(project: Path, root: Path) -> str:
     """Return the reason why this project must not write to the folder of the protos; empty if it may."""
     if not root.is_relative_to(project):
         return "its folder is outside this project"
+    # A submodule or a nested clone: generate would change files that another repository tracks. A submodule has a file
+    # `.git`, a clone a folder (gitrepository-layout(5)).
     inner = next((one for one in (root, *root.parents) if one != project and (one / ".git").exists()), None)
     return "its folder is another git repository" if inner and inner.is_relative_to(project) else ""

@@ -38,6 +38,7 @@ def fit(draft: Draft, schema: Schema, table: str) -> None:
 
 def _name_messages(rows: list[DraftRow], schema: Schema) -> None:
     """Set for each payload a ROS message name that ROS allows and that no other message has."""
+    # Nested messages keep the names that generate gives them, so these are taken before any payload's name is chosen.
     protos = {row.proto: row.name for row in rows}
     nested = schema.reachable(*protos)[0] - protos.keys()
     taken = {

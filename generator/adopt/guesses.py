@@ -96,6 +96,8 @@ def _prefix(name: str, folder: str) -> str:
     own, of_folder = words(name), words(folder)
     if of_folder and _is_machine(folder) and own[: len(of_folder)] == of_folder and len(own) > len(of_folder):
         return camel_prefix(name, len(of_folder))
+    # `SensorBoardIMUInfo` belongs to the "sensor board": up to three words, the last of which is the role of a machine.
+    # If the next word is a role as well (`BaseStation`), the name goes on.
     for count in (1, 2, 3):
         if len(own) > count and own[count - 1] in ROLES and not (count < len(own) and own[count] in ROLES):
             return camel_prefix(name, count)
@@ -145,6 +147,8 @@ def _named(introduction: re.Pattern[str], text: str, machines: Mapping[str, str]
     text = " ".join(text.lower().split())
     for match in introduction.finditer(text):
         rest = text[match.end() :]
+        # The longest phrase first: "base station" is not a "station". One adjective may stand before it: "the left
+        # board".
         for phrase in sorted(machines, key=len, reverse=True):
             if re.match(rf"(?:\w+ )?{re.escape(phrase)}\b", rest):
                 return machines[phrase]
@@ -169,6 +173,7 @@ def _inbound_by_name(member: ProtoField, peer: str) -> bool | None:
     Boards send reports and receive commands. Operators send commands and receive reports.
     """
     for name in (member.type_name.rpartition(".")[2], member.name):
+        # In English the last noun tells what a thing is: a "motor command status" is a status.
         for word in reversed(words(name)):
             if word in COMMANDS or word in REPORTS:
                 return (word in REPORTS) is (peer == _HARDWARE)

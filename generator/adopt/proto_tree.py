@@ -13,13 +13,10 @@ from pathlib import Path
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.init_rules import NO_SUCH_ENVELOPE, NOTHING_TO_TAKE_OVER
 from roverlink.generator.protos.files import read_protos
-from roverlink.generator.protos.parser import File
+from roverlink.generator.protos.parser import SCALARS, File
 from roverlink.generator.protos.proto_rules import DOES_NOT_COMPILE
 from roverlink.generator.protos.protoc import compile_protos
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
-
-_SCALARS = {"bool", "bytes", "double", "float", "string", "fixed32", "fixed64", "sfixed32", "sfixed64"}
-_SCALARS |= {"int32", "int64", "sint32", "sint64", "uint32", "uint64"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +82,7 @@ def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iter
 
 def _size_of_oneof(message: ProtoMessage) -> int:
     """Return the number of messages in the message's largest oneof."""
-    held = [field.oneof for field in message.fields if field.oneof and field.type not in _SCALARS]
+    held = [field.oneof for field in message.fields if field.oneof and field.type not in SCALARS]
     return max(Counter(held).values(), default=0)
 
 
@@ -187,9 +184,11 @@ def owner(tree: Tree, reserved: Iterable[int], reserved_names: Iterable[str], fo
     must not be written because its folder belongs to another project, or empty.
     """
     envelope, file = tree.envelope, tree.files[tree.envelope.file]
+    # `reserved 5 to max` would be half a billion numbers.
     numbers = {number for first, last in envelope.reserved for number in range(first, min(last, first + 10_000) + 1)}
     beside = [field.name for field in envelope.fields if field.oneof != tree.oneof]
     declared = [one for one in file.messages if one.full_name == envelope.full_name]
+    # Each of these would be lost, because the envelope's file is written from rows, and rows have none of it.
     reasons = {
         foreign: bool(foreign),
         f"it has members outside the oneof ({', '.join(beside)})": bool(beside),

@@ -47,6 +47,7 @@ def _peers(draft: Draft) -> Iterator[str]:
     yield "peers:"
     for index, peer in enumerate(sorted(draft.peers, key=lambda peer: peer.name)):
         prefixes = f"prefixes: [{', '.join(map(scalar, peer.prefixes))}], " if peer.prefixes else ""
+        # Ports as the reader would choose them: from 6000 on, in the alphabetical order of the peers.
         yield f"  {peer.name}: {{{prefixes}port: {6000 + index}}}  # guessed"
 
 

@@ -90,6 +90,8 @@ def snake_case(name: str) -> str:
     >>> snake_case("SensorBoardPHInfo")
     'sensor_board_ph_info'
     """
+    # The same two expressions as rosidl's convert_camel_case_to_lower_case_underscore (rosidl_cmake,
+    # later rosidl_pycommon).
     name = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
     return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name).lower()
 

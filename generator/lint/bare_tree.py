@@ -60,6 +60,7 @@ def with_members(table: Table, schema: Schema, findings: Sequence[Diagnostic] = 
     if envelope is None or table.envelope.file not in ("", envelope.span.file):
         raise DiagnosticsError([*findings, _no_envelope(table.envelope, schema, envelope)])
     oneof = _largest_oneof(envelope)
+    # Without a oneof, `oneof` is empty here, and so it is for every field.
     members = [field for field in envelope.fields if field.oneof == oneof]
     return dataclasses.replace(
         table,

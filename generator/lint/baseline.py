@@ -120,6 +120,8 @@ def _baseline_in(
 
     The folder is a project, the folder of a project's .proto files, or any other folder with .proto files.
     """
+    # The rules judge the state of today. Of the earlier state, only what makes it unreadable is reported: it cannot be
+    # edited any more.
     own: list[Diagnostic] = []  # faults of the earlier state, which cannot be edited
     table = reader.read(folder / _TABLE, own, shown(name, _TABLE)) if (folder / _TABLE).is_file() else None
     published = lock.read(folder / lock.NAME, own, shown(name, lock.NAME))

@@ -95,6 +95,7 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
     """
     if not before.files or not after.files:
         return []  # no file compiled, and protoc's errors are already reported
+    # With `--error-format json`, buf prints one JSON object per line.
     said = _run(before, after)
     try:
         found = [_finding(json.loads(line), before, after, shown_root) for line in said.splitlines()]
@@ -106,6 +107,8 @@ def breaking(before: Schema, after: Schema, shown_root: str) -> list[Diagnostic]
 
 def _run(before: Schema, after: Schema) -> str:
     # A file that does not compile is missing in the descriptor set, and buf would report it as deleted.
+    # protobuf's own files come with the compiler. Another version of grpcio-tools would look like a change of the
+    # project.
     ignored = sorted({"google/protobuf", *before.uncompiled, *after.uncompiled})
     config = json.dumps({"version": "v2", "breaking": {"use": ["FILE"], "ignore": ignored}})
     command = [executable() or "buf", "breaking", "after.binpb", "--against", "before.binpb"]
@@ -116,6 +119,8 @@ def _run(before: Schema, after: Schema) -> str:
             done = subprocess.run(  # noqa: S603  # the buf that the user installed
                 [*command, "--config", config, "--against-config", '{"version": "v2"}', "--error-format", "json"],
                 cwd=folder,
+                # buf's own cache and configuration are in the home folder otherwise. The result must not depend on
+                # them, and a CI user may have no home folder.
                 env={**os.environ, "BUF_CACHE_DIR": folder, "BUF_CONFIG_DIR": folder},
                 capture_output=True,
                 text=True,

@@ -99,6 +99,7 @@ def _cmake_pins(texts: Mapping[Path, str], source: Path, consumer: str) -> Itera
 
     Comments are ignored. A CMake variable is replaced by the value that `set` gives to it.
     """
+    # Spaces take the place of a comment, so that every offset still belongs to the same line.
     bare = {path: _COMMENT.sub(lambda match: match[1] or " " * len(match[0]), text) for path, text in texts.items()}
     variables = {match["name"]: match["value"] for text in bare.values() for match in _SET.finditer(text)}
     for path, text in bare.items():
@@ -125,6 +126,8 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
     except GitError:
         return
     addresses = _addresses(folder)
+    # A submodule is an entry of the tree whose object id is the commit of the other repository. So HEAD tells the pin
+    # even if the submodule was never checked out; .gitmodules only adds the address (gitsubmodules(7)).
     for mode, object_id, path in listed:
         if mode == _SUBMODULE:
             span = Span(str(folder / ".gitmodules"))
@@ -133,6 +136,7 @@ def _submodules(folder: Path, consumer: str) -> Iterator[Pin]:
 
 def _addresses(folder: Path) -> dict[str, str]:
     """Return the address of each submodule in .gitmodules, by the path of the submodule."""
+    # git's format allows a section twice and a `%` in a value; configparser would raise in both cases.
     modules = configparser.ConfigParser(strict=False, interpolation=None)
     try:
         # git indents the lines of a section. For configparser, an indented line would continue the value before it.

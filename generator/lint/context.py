@@ -117,6 +117,7 @@ class Context:
 
     def taken(self) -> dict[int, str]:
         """Return every single number of the envelope that is used or must not be reused, with the reason."""
+        # From the weakest reason to the strongest: a later one replaces an earlier one for the same number.
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):

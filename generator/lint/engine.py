@@ -17,6 +17,7 @@ _OF_CHANGES = "WIR"
 
 def lint(context: Context, of_buf: Sequence[Diagnostic] = ()) -> list[Diagnostic]:
     """Return the diagnostics of all rules, and those of buf in ``of_buf``, with the severities that the table sets."""
+    # Two rules, or two earlier states, may say the same. A dict removes repetitions and keeps the order of the rules.
     found = dict.fromkeys(finding for module in modules().values() for finding in module.check(context))
     said = [*_without_repetitions(found, context.table.envelope.message), *unstated(of_buf, found)]
     counted = (_as_the_table_says(finding, context) for finding in said)

@@ -39,6 +39,7 @@ def next_enum_number(context: Context, full_name: str, taken: Iterable[int] = ()
 
     ``taken`` are numbers that help texts have already offered for other values.
     """
+    # With -1, the first value of an empty enum gets 0, which proto3 demands (Language Guide proto3, "Enumerations").
     known, closed = {-1, *taken}, list[Range]()
     for enum in (schema.enums[full_name] for schema in _schemas(context) if full_name in schema.enums):
         known |= {value.number for value in enum.values}

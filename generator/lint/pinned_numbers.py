@@ -87,6 +87,7 @@ def _numbers_at(repository: Repository, commit: str, envelope: str) -> dict[int,
     protos = [file for file in repository.files(commit) if file.endswith(".proto")]
     found: dict[str, dict[int, tuple[str, str]]] = {}
     for _, data in repository.contents(commit, protos):
+        # A file without the envelope's name cannot declare it, and need not be parsed.
         if name.encode() in data:
             for message in parse(data.decode("utf-8", errors="replace")).messages:
                 if message.name == name:

@@ -74,4 +74,6 @@ class Ledger:
 
 def checksum(text: str) -> str:
     """Return the checksum for the last line of mapping.lock, given the text before it."""
+    # 64 bits are plenty against accidents: an editor, a bad merge, a copy that was cut short. Nothing here stops an
+    # attacker, who could write the checksum as well.
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -17,6 +17,7 @@ _CONFLICT_END = ">>>>>>>"
 _CONFLICT_MARKERS = ("<<<<<<<", "|||||||", "=======", _CONFLICT_END)
 _RESTORE = "restore the file from version control; only `roverlink generate` writes it"
 _TYPE = r"[A-Za-z_][\w.]*"
+# Field numbers have at most nine digits (2**29 - 1), enum values ten and a sign (int32). A longer number is no entry.
 _ENTRY = re.compile(
     rf"  (?P<number>[0-9]{{1,9}}): (?P<name>\w+) (?P<proto>{_TYPE})(?: on (?P<topic>\S+))?(?P<end> retired| gone)?"
 )
@@ -101,6 +102,8 @@ class _Type:
                     name=match["name"],
                     type=kind or type,
                     type_name=type if kind else "",
+                    # The ledger leaves out the label where presence follows from the type (`ProtoField.on_the_wire`);
+                    # protoc writes it.
                     label="optional" if not label and (kind == "message" or oneof) else label,
                     oneof=oneof,
                 )
@@ -156,6 +159,7 @@ class _Reader:
     def line(self, line: str, span: Span) -> None:
         """Read one line of the file. A merge conflict may begin in one section and end in another."""
         if line.startswith(_CONFLICT_MARKERS):
+            # The checksum of a file with conflict markers belongs to neither side, so it is not compared.
             self._in_conflict, self.merged = not line.startswith(_CONFLICT_END), True
         elif match := _ENTRY.fullmatch(line):
             self._add_entry(match, span)

@@ -8,6 +8,18 @@ from roverlink.generator import ir
 from roverlink.generator.lock.ledger import Burned, Ledger, checksum
 from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 
+# An excerpt, in which row 7 was deleted without being retired, and the field y of Imu as well:
+#
+#     numbers:
+#       1: imu_info Imu on imu_data
+#       6: wind Wind retired
+#       7: gps_info Gps gone
+#     schema:
+#       message Imu:
+#         1 x float
+#         2 y float gone
+#
+# No line depends on another one. So a merge conflict, which the checksum always gives, is read line by line.
 _HEADER = """\
 # The ledger of {table}: every envelope number ever published, and the wire schema as of the last generate.
 # Written by `roverlink generate`; never edited. After a merge conflict in here, run it again.
@@ -48,6 +60,8 @@ def _number_lines(bridge: ir.Bridge, published: Ledger) -> list[str]:
     lines |= {(row.number, row.proto): f"{row.name} {row.proto} retired" for row in bridge.envelope.retired}
     taken = {number for number, _ in lines}
     for entry in published.entries:
+        # One branch had published the number, and the merged table gives it to another payload: the other branch lost.
+        # Its entry must not stay as `gone`, which would report a reuse for ever.
         settled = entry.contested and entry.number in taken
         if not settled:
             lines.setdefault((entry.number, entry.proto), f"{entry.name} {entry.proto} gone")
@@ -64,6 +78,8 @@ def _gone(
     used = {line.split()[0] for line in now}
     for one in published:
         line = _fact_line(one.on_the_wire())
+        # A fact that was gone before stays gone, although its number may be in use again; unless the same fact came
+        # back.
         if str(one.number) not in used or (one in gone and line not in now):
             yield line
 

@@ -8,6 +8,12 @@ from dataclasses import dataclass
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 
+# The size of a field is its tag (a varint of number << 3) and its value, both at their longest:
+# - An integer takes seven bits in each byte. int32 and int64 may be negative, and then take ten bytes; unsigned and
+#   ZigZag ones only as many as their bits need.
+# - A string, bytes and a message have a length in front, which is a varint itself.
+# - A repeated field takes its largest count of values. Members of a oneof share a union, so only the largest one
+#   counts.
 _NEGATIVE = 10  # int32, int64 and enums extend a negative number to 64 bits: ten bytes of seven bits (encoding guide)
 _FIXED = {
     "int32": _NEGATIVE,

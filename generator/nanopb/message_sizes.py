@@ -63,6 +63,7 @@ def envelope_size(schema: Schema, bounds: Bounds, envelope: str, number: int, pa
 
     The payload has ``payload`` bytes and the field number ``number``. All fields outside of the oneof are counted.
     """
+    # The tag, the length and the payload of the oneof's member, and every other field of the envelope at its largest.
     message = schema.messages.get(envelope)
     alone = {field.name for field in message.fields if not field.oneof} if message else set()
     beside = sum(size for name, size in field_sizes(schema, bounds, envelope) if name in alone) if alone else 0

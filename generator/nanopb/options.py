@@ -17,6 +17,7 @@ from roverlink.generator.nanopb.vocabulary import EXTENSION, vocabulary
 Values = Mapping[str, Any]  # nanopb.proto declares the type of each option
 """The options that are set, by nanopb's name. The value of an enum option is the name of the enum value."""
 
+# protobuf's parser starts its messages with `line:column : 'the whole line': `. The diagnostic has its own place.
 _POSITION = re.compile(r"\d+:\d+ : (?:'.*': )?(?=\w)", re.DOTALL)
 _UNKNOWN = re.compile(r'Message type "[^"]+" has no field named "(?P<name>[^"]*)"')
 

@@ -62,6 +62,8 @@ def vocabulary() -> Vocabulary:
 def has_options(serialized: bytes) -> bool:
     """Return True if a declaration's serialized options contain options of nanopb, or cannot be read."""
     try:
+        # Empty has no fields, so everything in the bytes is an unknown field. No declaration of nanopb's options is
+        # needed.
         fields = UnknownFieldSet(Empty.FromString(serialized))
     except DecodeError:
         return True

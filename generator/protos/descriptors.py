@@ -75,6 +75,8 @@ class _FileReader:
         full_name, features = prefix + message.name, overridden(inherited, message.options.features)
         declared = self._itself(message, full_name, path, features, place)
         self.messages.append(declared)
+        # A map is sugar for a nested message `XxxEntry` with key and value, and a repeated field of it
+        # (descriptor.proto, `map_entry`). Diagnostics about the entry have to point to the map that the user wrote.
         maps = {field.type_name: field.at("type_name") for field in declared.fields}
         for index, nested in enumerate(message.nested_type):
             of_map = maps.get(f"{full_name}.{nested.name}") if nested.options.map_entry else None
@@ -101,6 +103,7 @@ class _FileReader:
             ),
             oneofs=tuple(one.name for index, one in enumerate(message.oneof_decl) if index in real_oneofs),
             map_entry=message.options.map_entry,
+            # Ranges of messages exclude their end, those of enums include it (descriptor.proto).
             extension_ranges=tuple((range.start, range.end - 1) for range in message.extension_range),
             reserved=tuple((range.start, range.end - 1) for range in message.reserved_range),
             reserved_names=tuple(message.reserved_name),
@@ -110,6 +113,7 @@ class _FileReader:
     def _extensions(self, fields: Iterable[FieldDescriptorProto], scope: str, path: Path, inherited: Features) -> None:
         for index, field in enumerate(fields):
             declared = self._field(field, DescriptorProto(), (*path, index), inherited)
+            # protoc resolves every name to a full one, and marks it with a leading dot (descriptor.proto, `type_name`).
             extendee = field.extendee.removeprefix(".")
             self.extensions.append(ProtoExtension(extendee, scope, declared, self._file.name))
 

@@ -40,6 +40,7 @@ def syntax_of_file(file: FileDescriptorProto) -> Syntax:
 
 def overridden(inherited: Features, own: FeatureSet) -> Features:
     """Return the features of a declaration: the inherited ones, replaced by those that it sets itself."""
+    # Unset features are not in ListFields: protoc writes into the options only what the file sets itself.
     given = {
         field.name: field.enum_type.values_by_number[value].name for field, value in own.ListFields() if field.enum_type
     }
@@ -48,6 +49,7 @@ def overridden(inherited: Features, own: FeatureSet) -> Features:
 
 def label_of(field: FieldDescriptorProto, features: Features) -> str:
     """Return the label of a field: ``repeated``, ``required``, ``optional`` (absent differs from zero), or empty."""
+    # Only proto2 uses LABEL_REQUIRED. In an edition, such a field has the feature LEGACY_REQUIRED instead.
     if label := _LABELS.get(field.label):
         return label
     always = field.proto3_optional or field.HasField("oneof_index")

@@ -53,6 +53,8 @@ def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list
         findings.append(UNREADABLE_PROTO.at(Span(folder), f"cannot be listed: {error.strerror}"))
 
     found: list[str] = []
+    # os.walk does not remember where it has been: with followlinks, a link to a folder above it would be followed again
+    # and again. A link to a folder elsewhere is fine; people share protos that way.
     above: dict[str, frozenset[str]] = {str(root): frozenset([os.path.realpath(root)])}
     for folder, folders, files in os.walk(root, followlinks=True, onerror=unreadable):
         here = Path(folder).relative_to(root)
@@ -71,6 +73,8 @@ def proto_files(root: Path, shown_root: str, findings: list[Diagnostic]) -> list
 
 def _is_text(name: str, shown_root: str, findings: list[Diagnostic]) -> bool:
     """Return True if a file's name is UTF-8, which protoc and JSON need; report it otherwise."""
+    # os.walk returns bytes that are not UTF-8 as lone surrogates (PEP 383). They cannot be written to JSON or to a
+    # terminal.
     readable = os.fsencode(name).decode("utf-8", errors="backslashreplace")
     if readable != name:
         span = Span(shown(shown_root, readable))

@@ -52,6 +52,7 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
             target = over / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
+        # protoc takes a file from the first -I folder that contains it, so the overlay hides the file on disk.
         folders = [over, root] if overlay else [root]
         options = [f"--python_out={out}", f"--pyi_out={out}", f"--descriptor_set_out={result}"]
         # protoc generates modules for the files in its arguments only, not for their imports.
@@ -94,6 +95,8 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     """
     findings: list[Diagnostic] = []
     left = list(files)
+    # protoc writes nothing if one file has an error. So leave out the files that its errors name, and try again. Each
+    # turn leaves out at least one file, or all of them if no error names a known one.
     while left:
         try:
             schema = schema_of(compile_descriptors(root, left, shown_root), shown_root)
@@ -119,6 +122,7 @@ def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> Fi
 def _protoc(
     folders: Sequence[Path], files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str
 ) -> None:
+    # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
     includes = [f"-I{folder}" for folder in [*folders, _WELL_KNOWN]]
     command = [sys.executable, "-c", _RUN, *includes, *options, "--include_imports", "--include_source_info", *files]
     # `python -c` imports from the current folder first. In an empty folder, no module of the user hides a standard one.
@@ -128,6 +132,9 @@ def _protoc(
         raise DiagnosticsError(_protoc_findings(said, folders, shown_root))
 
 
+# protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file
+# that is missing has no line. An import that is broken or missing repeats in every file behind it: without the patterns
+# below, one typing error would give as many diagnostics as there are files.
 _PROTOC_MESSAGE = re.compile(r"(?P<file>[^:\s][^:]*\.proto):(?:(?P<line>\d+):(?P<column>\d+):)? *(?P<text>.*)")
 _BROKEN_IMPORT = re.compile(r'Import "(?P<file>[^"]+)" was not found or had errors\.')
 _UNDEFINED = re.compile(r'"(?P<name>[^"]+)" (is not defined|seems to be defined)\b.*')

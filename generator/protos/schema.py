@@ -90,6 +90,7 @@ class ProtoField(Declared):
 
         Message fields and members of a oneof always have presence, so their label is left out.
         """
+        # A label says nothing where presence follows from the type, and the two readers would disagree about it.
         plain = self.label == "optional" and (self.type in ("message", "group") or self.oneof)
         label = "" if plain else self.label
         return ir.WireField(self.number, self.name, self.wire_type, label, self.oneof, commented(self))
@@ -254,6 +255,7 @@ class Schema:
         for file in self.descriptors.file:
             copy = bare.file.add()
             copy.CopyFrom(file)
+            # Comments and places change with every edit, and the generated code embeds these descriptors.
             copy.ClearField("source_code_info")
         return bare.SerializeToString(deterministic=True)
 

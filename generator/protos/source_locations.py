@@ -40,6 +40,7 @@ class Places:
     def span(self, path: Path) -> Span:
         """Return the place of the declaration at a path; the whole file if the place is unknown."""
         location = self._locations.get(path)
+        # SourceCodeInfo counts lines and columns from 0 (descriptor.proto, `span`); editors count from 1.
         return Span(self._shown, location.span[0] + 1, location.span[1] + 1) if location else Span(self._shown)
 
     def comment(self, path: Path) -> str:
@@ -77,5 +78,6 @@ class Places:
 
 def _clean(comment: str) -> str:
     """Return a comment's text without the space behind the slashes, and without empty lines at both ends."""
+    # protoc removes the `//`, but keeps the space behind it (descriptor.proto, `leading_comments`).
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
     return "\n".join(lines).strip("\n")

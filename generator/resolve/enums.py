@@ -65,6 +65,8 @@ def constants_of(
     If two constants share a name, those of an enum get the enum's name as a prefix. `span` is the place of the message.
     """
     enums, others = tuple(enums), tuple(dict.fromkeys(others))
+    # All constants of a ROS message share one scope. Enums that are declared in different messages may use the same
+    # names.
     names = [other.name for other in others]
     names += [name for enum in enums for name in {ros_names.constant_name(value.name) for value in enum.values}]
     seen: dict[str, ir.RosConstant] = {}

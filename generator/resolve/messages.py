@@ -77,6 +77,8 @@ class RosMessages:
         if message.extendable:
             fault = f"extensions of {proto} are lost, because they have no ROS fields"
             self.report(EXTENSIONS.at(message.span, fault, "make them ordinary fields of the message"))
+        # A message that is found again while it is in progress contains itself. Protobuf allows that, a ROS message
+        # cannot: its size in memory would be infinite (rosidl generates C structs by value).
         self._in_progress.append(proto)
         builder = MessageBuilder(self, message, shape)
         builder.add_fields(message, ())
@@ -141,6 +143,7 @@ class RosMessages:
         source = f"{message.full_name}.{field.name}"
         self.claim(ros, f"{source} of {ros}", field.span)
         which = ir.RosField("which", ir.RosType(smallest(len(types))), "The message that it contains.", source)
+        # 0 is NONE: a ROS message that nobody filled has zeros everywhere, and must not claim to hold a message.
         fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
         members: list[ir.AnyMember] = []
         for number, type in enumerate(types, start=1):

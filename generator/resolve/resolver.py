@@ -72,6 +72,7 @@ def resolve(
         with_safety_settings(
             _completed(messages.route(row), standard_topics.of(row), sizes.get(row.name)), row, schema, findings
         )
+        # By number, and not in the order of the table: moving a row must not change any generated file.
         for row in sorted(located, key=lambda row: row.number)
     )
     carried = {route.conversion.ros for route in routes if route.conversion}

@@ -34,6 +34,7 @@ _INTEGERS = {
     "fixed64": range(2**64),
 }
 _FLOATS = {"float": "f", "double": "d"}
+# The largest uint64 has 20 digits. int() takes quadratic time, and raises for more than 4,300 digits.
 _LONGEST_NUMBER = 40  # characters
 
 
@@ -156,6 +157,7 @@ def _number(type: str, text: str) -> int | float | None:
             number = int(text) if len(text) <= _LONGEST_NUMBER else None
             return number if number is not None and number in _INTEGERS[type] else None
         value = float(text)
+        # Raises OverflowError for a double that is too large for a float.
         struct.pack(_FLOATS[type], value)
     except (ValueError, OverflowError):
         return None

@@ -155,6 +155,7 @@ class FieldTypes:
         self, message: ProtoMessage, field: ProtoField, path: tuple[str, ...], name: str
     ) -> ir.FieldConversion | None:
         entry = self._schema.messages[field.type_name]
+        # ROS has no maps. A map becomes a list of entries with key and value, which is what protobuf sends, too.
         ros = f"{self._ros}{_camel(path)}Entry"
         self._messages.claim(ros, f"{self._ros}.{'.'.join(path)}", field.span)
         types = FieldTypes(self._messages, ros)

@@ -10,9 +10,14 @@ from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNo
 from roverlink.generator.diagnostics import DiagnosticsError, Span
 from roverlink.generator.table.edit_rules import NO_PLACE_FOR_A_ROW, NO_SUCH_ROW
 
+# `yaml.load` and `yaml.dump` would lose every comment, the order of keys and the style of each row; a library that
+# keeps them would be one more dependency. So the YAML parser only tells where nodes start and end, and the edits are
+# changes of lines. A style that is not known is refused, and never guessed.
+
 Edit = tuple[int, int, list[str]]
 """Change of a text: the first line to replace, the line behind the last one to replace (from 0), and the new lines."""
 
+# The indicators of YAML 1.1 (section 5.3). Not all of them are special at every place, but quotes do no harm.
 _MARKS = frozenset("{}[],:#&*!|>'\"%@`")
 _KEPT = ("number", "name", "proto")
 """Keys of a row that its entry under `retired` contains as well."""
@@ -58,6 +63,8 @@ def with_retired(text: str, number: int, file: str) -> str:
 
 def scalar(text: str) -> str:
     """Return a text as YAML writes it, so that YAML reads the same string. It is quoted only if necessary."""
+    # `yes`, `012`, `1:30` and `2026-01-01` have no indicator, and are not strings in YAML 1.1. The parser itself is the
+    # judge.
     return quoted(text) if not text or set(text) & _MARKS or yaml.safe_load(text) != text else text
 
 
@@ -91,6 +98,7 @@ def _retired(lines: list[str], retired: Node | None, entry: str) -> Edit:
         last = _last_line(retired) + 1
         return last, last, [f"{' ' * retired.start_mark.column}- {entry}\n"]
     first, last = retired.start_mark.line, retired.end_mark.line
+    # A list in brackets: the entry goes before the closing bracket, whatever follows on that line.
     if retired.value:
         closing = retired.end_mark.column - 1
         line = lines[last]

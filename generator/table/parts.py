@@ -85,6 +85,8 @@ P = TypeVar("P", bound=Part)
 @cache
 def object_of(part: type[Any]) -> Object:
     """Return the keys that a part of the table declares: required keys first, own keys before inherited ones."""
+    # The annotations are texts (`from __future__ import annotations`); include_extras keeps what Annotated adds to a
+    # type.
     annotations = get_type_hints(part, include_extras=True)
     fields = {field.name: field for field in dataclasses.fields(part)}
     names = dict.fromkeys(name for base in part.__mro__ for name in inspect.get_annotations(base) if name in fields)

@@ -33,6 +33,7 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
     form = read_form(text, file, object_of(Table), "the table", findings)
     if form is None:
         raise DiagnosticsError(findings)
+    # The numbers of rows with mistakes count as used: a next number must not be theirs.
     table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
     rows = tuple(replace(row, ros=row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
     mistakes = [mistake for row in rows for mistake in _mistakes(row)]

@@ -68,6 +68,7 @@ def _compose(text: str, file: str) -> Node:
         raise DiagnosticsError(
             [SYNTAX.at(span, f"cannot parse the YAML: the character {error.character:#x} is not allowed")]
         ) from error
+    # PyYAML's composer calls itself for each level, so Python's recursion limit is its limit of nesting.
     except RecursionError as error:
         raise DiagnosticsError([SYNTAX.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
     if root is None:

@@ -176,6 +176,7 @@ class ScalarReader:
         # PyYAML gives plain scalars a tag by the rules of YAML 1.1: yes, no, on and off are booleans, 1:30 is 90.
         if node.tag != "tag:yaml.org,2002:str":
             kinds = {"bool": "true or false", "int": "a number", "float": "a number", "timestamp": "a time"}
+            # Behind `tag:yaml.org,2002:`, which is 18 characters long.
             kind = kinds.get(node.tag[18:], node.tag[18:])
             message = f"{subject} is {node.value}; YAML reads this as {kind}, not as a string"
             self.findings.append(SURPRISING_SCALAR.at(self.span(node), message, f'quote it: "{node.value}"'))

@@ -74,6 +74,8 @@ def run(arguments: argparse.Namespace) -> int:
         attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
+            # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
+            # it handle what has arrived, and send the stops.
             signal.signal(number, lambda *_: bridge.stop())
         with bridge, attached.monitor(bridge):
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)

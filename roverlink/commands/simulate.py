@@ -41,6 +41,7 @@ from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 _RATE_OF_A_ROW_HZ = 20.0
 _COMMANDS_HZ = 20.0
+# Making a datagram takes longer than sending it. At a high rate, a part of the stream is made in advance and repeated.
 _PREPARED = 5000
 _PREPARED_FROM_HZ = 1000.0
 _TICK_S = 0.002
@@ -183,6 +184,7 @@ def _repeated(stream: Stream, count: int) -> Stream:
     They are prepared, because making a datagram takes longer than sending it.
     """
     prepared = list(itertools.islice(stream, count))
+    # One interval behind the last datagram, so that the seam of two repetitions is not a burst.
     length = prepared[-1].at + prepared[-1].at / count
     for start in itertools.count():
         for emission in prepared:
@@ -208,6 +210,7 @@ def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, wo
         if not senders.send(emission):
             totals.unsendable += 1
             continue
+        # A prediction converts the datagram, as the bridge does. Repeated datagrams are predicted once.
         end = predictions.get(emission.datagram)
         if end is None:
             end = predict(emission.datagram, translator, world.longest)

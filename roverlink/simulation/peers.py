@@ -27,6 +27,8 @@ class Senders:
         key = emission.peer, emission.life
         sock = self._sockets.get(key)
         if sock is None:
+            # Not connected: a connected socket would report that the bridge is not there yet (ICMP) as an error of the
+            # next send.
             sock = self._sockets[key] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             sock.sendto(emission.datagram, self._bridge)

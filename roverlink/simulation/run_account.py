@@ -120,6 +120,7 @@ class RunTotals:
         dropped = self.account["dropped"]
         for reason in Reason:
             expected, counted = self.sent[reason.value], dropped.get(reason.value, 0)
+            # It is unknown which datagrams the kernel dropped, so each prediction may be too high by all of them.
             spared = self.account["kernel_drops"] + sum(dropped.get(other.value, 0) for other in _BEFORE_PARSING)
             if reason not in _OF_THE_BRIDGE and not expected - spared <= counted <= expected:
                 yield f"{expected} datagrams should be dropped as {reason.value}, but {counted} were"

@@ -76,6 +76,7 @@ def steady(world: World, rate: float) -> Stream:
 
 def lossy(stream: Stream, world: World) -> Stream:
     """Radio link: a tenth of the datagrams is lost, some arrive twice, late or out of order."""
+    # The index decides between equal times: emissions themselves have no order, and heapq would compare them.
     late: list[tuple[float, int, Emission]] = []
     for index, emission in enumerate(stream):
         while late and late[0][0] <= emission.at:

@@ -127,6 +127,7 @@ class Bridge:
         self._warn_of_small_buffer()
         self._timekeeper.__enter__()
         self._watch.__enter__()
+        # The receiver starts last: when the first datagram comes in, every topic is open and every timer runs.
         self._receiver.__enter__()
         return self
 

@@ -47,6 +47,7 @@ class Timekeeper:
         If a task raises an error, ``fail`` is called with the error.
         """
         self._tasks, self._fail = tasks, fail
+        # A socket and not a lock or an Event: poll can wait for it with a timeout on the monotonic clock (see above).
         self._wake, self._woken = socket.socketpair()
         # `wake` must never block its caller.
         self._wake.setblocking(False)
@@ -84,6 +85,8 @@ class Timekeeper:
                     one.run_due(now)
                 due = min(one.next_due for one in self._tasks)
                 wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
+                # poll takes whole milliseconds. Rounded down, it would wake before the task is due, and turn in circles
+                # until then.
                 if poll.poll(math.ceil(wait_s * 1000)):  # in milliseconds
                     self._woken.recv(_WAKES)
         except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it

@@ -24,6 +24,7 @@ from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
 """Number of stop datagrams at shutdown: nobody repeats them afterwards, and UDP may lose one."""
+# A full buffer or a moment without radio link usually takes neighbouring datagrams, so the copies go out apart.
 _STOP_PAUSE_S = 0.02
 
 Send = Callable[[Sequence[bytes]], int]

@@ -23,6 +23,8 @@ def holds(payload: Any, type: type[ProtoMessage]) -> bool:
 
     As in protobuf, only the part of the URL after the last slash is compared.
     """
+    # any.proto: "The last segment of the URL's path must represent the fully qualified name of the type". The part
+    # before it is the place of a type server, and senders choose it freely.
     _, slash, name = payload.type_url.rpartition("/")
     return bool(slash) and name == type.DESCRIPTOR.full_name
 

@@ -46,6 +46,7 @@ def angles(rotation: Quaternion) -> tuple[float, float, float]:
     if not square:
         return 0.0, 0.0, 0.0
     sine = 2 * (w * y - z * x) / square
+    # With roll 0 and pitch 90 degrees, w is cos(yaw / 2) and z is sin(yaw / 2), both times sqrt(1/2).
     if abs(sine) >= _STRAIGHT:
         return 0.0, copysign(pi / 2, sine), 2 * atan2(z, w)
     roll = atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)

@@ -17,6 +17,7 @@ from roverlink.runtime.core.errors import RegistryError
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor, EnumDescriptor
 
+# The descriptor of the running protobuf has numbers for the types (descriptor.proto, FieldDescriptorProto.Type).
 _SCALARS = {
     value: name.removeprefix("TYPE_").lower()
     for name, value in vars(FieldDescriptor).items()

@@ -25,9 +25,12 @@ def restore(datagram: bytes) -> bytes:
     # Only lengths are followed, nothing is parsed: the schema of the payload plays no role.
     for field in fields(datagram):
         end = field.end
+    # Zeros were stripped: the last field says how long it is, and everything behind the last byte that was sent is
+    # zero.
     if end > len(datagram):
         # A corrupt length field must not make us allocate gigabytes: the parser refuses it.
         return datagram + bytes(end - len(datagram)) if end <= _LARGEST_DATAGRAM else datagram
+    # Only zeros may be padding. Anything else is not understood, and stays for the parser to refuse.
     return datagram if datagram[end:].strip(b"\0") else datagram[:end]
 
 

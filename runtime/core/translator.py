@@ -39,6 +39,7 @@ class Translator:
         """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
         self._registry, self._peers = registry, peers
         self._parse = registry.envelope.FromString
+        # Looked up once: both are called for every datagram. See `_parsed` for why this is the class's method.
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
         self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
@@ -66,6 +67,8 @@ class Translator:
         """
         translation = Translation([])
         payloads = self._sort(datagrams, translation)
+        # Datagrams keep their order within a row, which is all that a topic promises. Between rows nobody can rely on
+        # it: each topic has its own writer.
         for name, run in payloads.items():
             messages, misfits = self._inbound[name].all_to_cdr(run, stamp)
             if misfits:

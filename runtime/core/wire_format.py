@@ -40,6 +40,7 @@ def fields(data: bytes) -> Iterator[Field]:
     while position < len(data) and data[position]:
         tag, position = varint(data, position)
         number, wire_type = tag >> 3, tag & 7
+        # Wire types 6 and 7 do not exist, so this is no envelope.
         if number == 0 or wire_type > FIXED32:
             return
         content, position = _extent(data, position, wire_type)

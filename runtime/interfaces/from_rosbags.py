@@ -38,6 +38,7 @@ def message_type(type_name: str) -> type[Message]:
 
         raise SetupError(f"unknown ROS 2 type {type_name!r}; {nearest(type_name, store.fielddefs)}")
     _, definitions = store.fielddefs[type_name]
+    # rosidl adds the placeholder to messages without fields; our codec writes it by itself.
     fields = [_field(name, definition) for name, definition in definitions if name != _PLACEHOLDER]
     name = type_name.rpartition("/")[2]
     known = {"__msgtype__": type_name, "__typehash__": store.hash_rihs01(type_name)}
@@ -71,6 +72,7 @@ def _annotation(definition: Any) -> Any:
         base, bound = detail
         if base in ("string", "wstring"):
             return _text(base, bound)
+        # rosbags uses the names of IDL, in which `byte` of a .msg file is `octet`.
         return PRIMITIVES["byte" if base == "octet" else base]
     element, count = _annotation(detail[0]), detail[1]
     container: Any = bytes if element is UInt8 else list.__class_getitem__(element)

@@ -43,6 +43,8 @@ _NO_LINGERING = (
     "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
 )
 _LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
+# All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
+# their turn.
 _TAKE = 64  # most samples taken at a time
 _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
@@ -114,6 +116,7 @@ class DdsMiddleware:
         raw_reader = RawReader(reader)
         read = _Topic(raw_reader, callback, priority)
         self._topics = tuple(sorted((*self._topics, read), key=lambda one: one.priority, reverse=True))
+        # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
         self._conditions.append(condition)
         self._waitset.attach(condition)
         self._announcer.add_reader(reader)
@@ -140,9 +143,12 @@ class DdsMiddleware:
         self.close()
 
     def _topic(self, topic: str, message_type: type[Message]) -> Topic[Any]:
+        # ROS 2 marks its topics with the prefix `rt`, and services with `rq` and `rr` (design.ros2.org, "Topic and
+        # Service name mapping to DDS"). `topic` begins with a slash.
         return Topic(self._participant, f"rt{topic}", dds_type(message_type))
 
     def _take_until_stopped(self) -> None:
+        # A guard condition stays triggered until it is taken, so a stop before the wait ends it, too.
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
             _serve(self._topics)

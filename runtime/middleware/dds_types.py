@@ -95,6 +95,7 @@ def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]
     """Return the class name, DDS type name and fields of a message's DDS type, following ROS 2's IDL."""
     package, kind, name = message_type.__msgtype__.split("/")
     fields = {field.name: _field_type(field.type) for field in fields_of(message_type)}
+    # ROS 2's IDL puts each type in a module `dds_`, and adds an underscore: comms::msg::dds_::Imu_.
     return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}
 
 

@@ -64,6 +64,7 @@ class GraphAnnouncer:
         topic = Topic(participant, "ros_discovery_info", dds_type(self._types.participant))
         self._entity: DataWriter[Any] = DataWriter(participant, topic, qos=dds_qos(_QOS, writing=True))
         self._writer = RawWriter(self._entity)
+        # Once without endpoints, so that the node is listed before its first topic.
         self._announce()
 
     def add_reader(self, reader: Entity) -> None:
@@ -78,6 +79,7 @@ class GraphAnnouncer:
 
     def _gid(self, entity: Entity) -> Any:
         """Return the GID of a DDS entity: its GUID, padded with zeros to the size of a GID."""
+        # The GUID of RTPS has 16 bytes: 12 of the participant and 4 of the entity. Humble's rmw has room for 24.
         return self._types.gid(entity.guid.bytes.ljust(self._gid_bytes, b"\0"))
 
     def _announce(self) -> None:

@@ -55,6 +55,7 @@ class RclpyMiddleware:
     """rclpy node with a thread that spins it: the thread waits for messages and calls the callbacks."""
 
     def __init__(self, node: NodeIdentity, parameters: Mapping[str, Any]) -> None:
+        # A context of its own: the default one may belong to a program that uses this package.
         self._context = rclpy.Context()
         # Signals, remappings and parameters stay with our command line, which has handled them already.
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
@@ -93,6 +94,7 @@ class RclpyMiddleware:
         if not self._open:
             return
         self._open = False
+        # First the thread, then the node: an executor that waits for what is destroyed may raise InvalidHandle.
         self._executor.shutdown()
         self._thread.join()
         self._node.destroy_node()

@@ -67,6 +67,7 @@ class _TappedPublisher:
 
     def publish(self, messages: Sequence[bytes], /) -> int:
         """Publish messages; pass those that the middleware accepted to the listener."""
+        # A message that no subscriber could get has not crossed the bridge, so it is not recorded either.
         accepted = self._publish(messages)
         self._tap(messages if accepted == len(messages) else messages[:accepted])
         return accepted

@@ -37,6 +37,7 @@ class Latencies:
         wanted, seen = share * self.total, 0
         for bound, count in zip(BOUNDS_S, self.counts):
             seen += count
+            # `wanted > 0` leaves out an empty histogram, for which every bound would be right.
             if seen >= wanted > 0:
                 return bound
         return None

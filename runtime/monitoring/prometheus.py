@@ -22,6 +22,7 @@ except ImportError as error:
         "--metrics needs the prometheus-client package; install it with `pip install 'roverlink[metrics]'`"
     ) from error
 
+# The version of the text format (prometheus.io, "Exposition formats").
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 
 Samples = list[tuple[Mapping[str, Any], float]]
@@ -95,6 +96,7 @@ def _histogram(latencies: Latencies) -> HistogramMetricFamily:
     return HistogramMetricFamily(
         "roverlink_handling_seconds",
         "Time from reading a datagram until its batch was published and forwarded.",
+        # Prometheus's buckets are cumulative: each holds everything up to its bound.
         buckets=list(zip(bounds, accumulate(latencies.counts))),
         sum_value=latencies.sum_s,
     )

@@ -26,6 +26,7 @@ class Destination:
     def __init__(self, peer: str, address: tuple[str, int]) -> None:
         self.peer, self.address = peer, address
         self._connected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        # Made now: switching is then one assignment, which is safe while other threads send.
         self._unconnected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._route: tuple[socket.socket, tuple[str, int] | None] = self._connected, None
         self._can_segment = _can_segment(self._connected)

@@ -19,6 +19,8 @@ from typing import Any
 AVAILABLE = sys.platform == "linux"
 
 
+# ctypes lays out these structures as C does, with the padding of the platform. iovec and msghdr are in recvmsg(2),
+# mmsghdr in recvmmsg(2).
 class _Iovec(ctypes.Structure):
     _fields_ = [("base", ctypes.c_void_p), ("length", ctypes.c_size_t)]
 
@@ -54,10 +56,13 @@ class BatchReader:
         self._headers = (_Mmsghdr * slots)()
         start = ctypes.addressof(self._buffer)
         for slot in range(slots):
+            # Set once: the kernel reads the iovecs, and writes only the buffer and the length of each header.
             self._iovecs[slot] = _Iovec(start + slot * size, size)
             self._headers[slot].header.iov = ctypes.pointer(self._iovecs[slot])
             self._headers[slot].header.iovlen = 1
         self._lengths = self._length_column()
+        # PyDLL(None) is dlopen(NULL): the program itself, with the C library in it. use_errno keeps a copy of errno,
+        # which other Python code could change before it is read.
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
 
     def _length_column(self) -> memoryview:
@@ -102,6 +107,8 @@ class SourceReader(BatchReader):
         start = ctypes.addressof(self._names)
         for slot in range(slots):
             self._headers[slot].header.name = start + slot * _SOCKADDR
+            # msg_namelen is a value-result argument (recvmsg(2)). For an IPv4 socket the result is always 16, so it
+            # stays right.
             self._headers[slot].header.namelen = _SOCKADDR
 
     def read_with_sources(self) -> list[tuple[bytes, bytes]]:

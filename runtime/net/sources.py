@@ -18,6 +18,8 @@ from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import Peer
 
 _REMEMBERED = 4096  # addresses; a forgotten one starts again with a full allowance
+# A board that was busy sends what it has at once. A quarter of a second of its rate passes, and at least some
+# datagrams.
 _BURST_S = 0.25
 _SMALLEST_BURST = 32
 

@@ -110,7 +110,8 @@ def socket_state(sock: socket.socket) -> SocketState:
         words = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_MEMINFO_DROPS + 1))
     except OSError:
         return SocketState()
-    counts = struct.unpack(f"{len(words) // 4}I", words)
+    # The kernel copies the counters that it has. Old kernels and emulators have fewer; theirs are 0.
+    counts = struct.unpack(f"{_MEMINFO_DROPS + 1}I", words.ljust(4 * (_MEMINFO_DROPS + 1), b"\0"))
     return SocketState(counts[0], counts[1], counts[_MEMINFO_DROPS])
 
 
@@ -125,6 +126,7 @@ def kernel_drops(sock: socket.socket) -> int:
 def resolve(host: str, port: int) -> tuple[str, int]:
     """Return the IPv4 address of a host, with the port. Raises `SetupError` if the name does not resolve."""
     try:
+        # Names are resolved once, at the start: a lookup can block for seconds.
         found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
         raise SetupError(f"the destination {host!r} does not resolve to an IPv4 address: {error}") from error

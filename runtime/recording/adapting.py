@@ -100,6 +100,7 @@ def same_meaning(then: Any, now: Any) -> bool:
         return False
     if then.message_type is None or now.message_type is None:
         return bool(then.name == now.name)
+    # A member that was renamed is the same payload if its message is; so is a message that was renamed.
     if then.name != now.name and then.message_type.name != now.message_type.name:
         return False
     return _same_message(then.message_type, now.message_type, frozenset())

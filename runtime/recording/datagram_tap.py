@@ -26,6 +26,7 @@ class DatagramTap:
         tap = self._received
 
         def received(batch: udp.Batch) -> None:
+            # Before the bridge handles it: a datagram that makes the bridge fail is the one that somebody needs to see.
             tap(batch)
             handle(batch)
 

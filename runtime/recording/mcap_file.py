@@ -32,6 +32,17 @@ try:
 except ImportError as error:
     raise SetupError("recordings need the mcap package; install it with `pip install 'roverlink[record]'`") from error
 
+# A file, from its beginning to its end (MCAP specification, File Structure):
+#
+#     magic, Header, Metadata
+#     Schema and Channel records, before the first message that needs them
+#     Chunk, and the Message Index of each of its channels; again and again
+#     Data End
+#     summary: Schema, Channel, Statistics, Chunk Index, Metadata Index; then Summary Offset
+#     Footer, magic
+#
+# Everything up to Data End is written as it comes, so a file that ends anywhere before it can still be read to the end
+# of its last whole record.
 CHUNK_BYTES = 1024 * 1024
 METADATA = "roverlink"
 """Name of the metadata record that identifies the table of the run."""
@@ -123,6 +134,7 @@ class McapFile:
     def add_channel(self, channel: Channel) -> None:
         """Declare a channel; call it before the channel's first message. Raises `OSError`."""
         made: list[_Record] = []
+        # 0 means that the channel has no schema; ids of schemas begin with 1 (MCAP specification, Channel and Schema).
         schema_id = 0
         if channel.schema_name:
             key = channel.schema_name, channel.schema
@@ -190,6 +202,7 @@ class McapFile:
         chunk, plain = self._chunk, b"".join(self._chunk.parts)
         start, end = chunk.span()
         packed = self._compressed(plain)
+        # The checksum covers the uncompressed records, so it also finds faults of the compression.
         crc = zlib.crc32(plain)
         record = _serialized(records.Chunk(self._compression, packed, end, start, crc, len(plain)))
         offsets: dict[int, int] = {}
@@ -223,8 +236,12 @@ class McapFile:
         return data
 
     def _write_summary(self) -> None:
+        # 0: there is no checksum of the whole data section. Each chunk has its own, and a checksum of everything would
+        # need a pass over a file of gigabytes.
         data_end = _serialized(records.DataEnd(0))
         start = self.size + len(data_end)
+        # The summary groups its records by opcode, and a Summary Offset record leads to each group (MCAP specification,
+        # Summary Section). A reader gets topics and counts from the end of the file, without its data.
         groups: list[tuple[Opcode, list[_Record]]] = [
             (Opcode.SCHEMA, list(self._schemas.values())),
             (Opcode.CHANNEL, list(self._channels)),
@@ -260,5 +277,6 @@ class McapFile:
 
 def _message_index(channel: int, column: list[int]) -> bytes:
     """Return the Message Index record of one channel in a chunk; ``column`` holds time and offset of each message."""
+    # An array of pairs (time, offset), 16 bytes each. An offset counts from the start of the uncompressed chunk.
     size = 8 * len(column)
     return struct.pack(f"<BQHI{len(column)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *column)

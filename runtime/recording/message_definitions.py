@@ -46,6 +46,7 @@ def definition_of(message_type: type[Message]) -> str:
 
 
 def _fields_text(message_type: type[Message]) -> str:
+    # Constants are left out: they do not change how a message is read.
     return "\n".join(f"{_short(type_name(field.type))} {field.name}" for field in fields_of(message_type))
 
 

@@ -123,5 +123,6 @@ class QueuedFile:
         path = file_names.part_of(self._path, self._kind, self._parts)
         self._parts += 1
         self._declared = 0
+        # The profile tells rosbag2 that all channels are ROS 2's; the datagrams' file has none.
         profile = "ros2" if self._kind == file_names.TOPICS else ""
         return McapFile(path, profile, self._settings.compression, self._metadata)

@@ -25,6 +25,7 @@ from roverlink.runtime.recording import file_names, mcap_file
 from roverlink.runtime.recording.mcap_file import Channel, McapError, ReadDataStream, lz4, records, zstandard
 from roverlink.runtime.recording.mcap_file import Opcode as Op
 
+# A record is an opcode, a length and its content; all integers are little endian (MCAP specification, Serialization).
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 

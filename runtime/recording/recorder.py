@@ -58,6 +58,8 @@ class Recorder:
         self._topics = QueuedFile(self.path, file_names.TOPICS, settings, metadata)
         self._datagrams = QueuedFile(self.path, file_names.DATAGRAMS, settings, metadata, self._plain_or_raw)
         self._files = (self._topics, self._datagrams)
+        # MCAP's schema encoding `protobuf` is a FileDescriptorSet with all imports, so any reader can decode the
+        # datagrams.
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
         self._ending = threading.Event()
@@ -185,6 +187,7 @@ class Recorder:
         """
         rate, self._bytes_seen = (self.bytes - self._bytes_seen) / _FLUSH_S, self.bytes
         disk = os.statvfs(self.path.parent)
+        # f_bavail and not f_bfree: some blocks are reserved for root (statvfs(3)).
         free = disk.f_bavail * disk.f_frsize
         if free >= rate * _NEARLY_FULL_S:
             self._warned = False

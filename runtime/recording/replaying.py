@@ -55,6 +55,7 @@ def paced(
         return
     start = clock()
     for message in itertools.chain([first], messages):
+        # Each message is due relative to the start, so that the error of a sleep does not add up.
         sleep(max(0.0, start + (message.time - first.time) / 1e9 / speed - clock()))
         yield message
 

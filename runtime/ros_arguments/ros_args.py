@@ -142,6 +142,7 @@ def _identity(options: list[tuple[str, str]], default_name: str) -> NodeIdentity
         if option == "remap":
             node, source, target = _assignment(text, "the remap")
             if node in ("", default_name):
+                # rcl's grammar accepts `__name` for `__node`.
                 given.setdefault("__node" if source == "__name" else source, target)  # the first rule decides
     name, namespace = given.get("__node", default_name), given.get("__ns", "/")
     if not _NODE_NAME.fullmatch(name):
@@ -214,6 +215,7 @@ def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[st
 def _matches(pattern: str, node: NodeIdentity) -> bool:
     if not pattern.startswith("/"):
         pattern = f"/{pattern}"
+    # rcl's wildcards: `/**` stands for any number of names, `*` for one.
     escaped = re.escape(pattern).replace(r"/\*\*", "(/[^/]+)*").replace(r"\*", "[^/]+")
     return re.fullmatch(escaped, node.full_name) is not None
 

@@ -133,6 +133,7 @@ def _scalar(text: str) -> Any:
     """
     try:
         read = strict_yaml.load(text)
+        # float() accepts it, so it is a number that YAML 1.1 did not recognize.
         return float(text) if read == text else read
     except ValueError:  # YamlTextError is a ValueError too
         return text

@@ -34,6 +34,7 @@ class YamlTextError(ValueError):
 def load(text: str) -> Any:
     """Parse a YAML text into plain Python values. Raises `YamlTextError` if the text is not valid."""
     node = compose(text)
+    # Each scalar by itself first, so that an error has the place of the scalar and not that of the whole document.
     for inner in _nodes(node):
         if isinstance(inner, yaml.ScalarNode):
             construct(inner)
@@ -48,6 +49,7 @@ def compose(text: str) -> yaml.Node:
     try:
         root = yaml.compose(text, yaml.SafeLoader)
         if root is None:
+            # An empty text has no node for yaml.compose, but it is a valid document: null.
             start = yaml.Mark("", 0, 0, 0, None, 0)
             return yaml.ScalarNode(_NULL, "", start, start)
         mappings = [node for node in _nodes(root) if isinstance(node, yaml.MappingNode)]

@@ -117,6 +117,7 @@ def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
     unknown type or a time out of range. A message that contains such a value is converted field by field.
     """
     try:
+        # Zeros included: a reader of an example has to see every field, and cannot see the fields that are left out.
         values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
     except (TypeError, ValueError, DecodeError, SerializeToJsonError):
         return {field.name: _field_to_value(field, value) for field, value in payload.ListFields()}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -290,6 +291,18 @@ def test_what_the_kernel_dropped_is_counted(sender: socket.socket, listener: soc
         taken += len(batch)
     assert 0 < taken < 500
     assert udp.kernel_drops(listener) == 500 - taken
+
+
+@needs_linux
+def test_a_kernel_with_fewer_counters_reports_no_drops() -> None:
+    """Old kernels and emulators answer with fewer counters than were asked for; the missing ones are 0."""
+
+    class OldKernel(socket.socket):
+        def getsockopt(self, *_: Any) -> Any:
+            return struct.pack("2I", 300, 4096)
+
+    with OldKernel(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        assert udp.socket_state(sock) == udp.SocketState(waiting=300, size=4096, drops=0)
 
 
 @needs_linux

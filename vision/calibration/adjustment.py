@@ -16,6 +16,12 @@ from numpy.typing import NDArray
 from roverlink.vision.camera.camera_model import CameraParameters, Floats
 from roverlink.vision.poses.pose import Pose, predict
 
+# OpenCV's calibrateCamera minimizes the same sum. This module exists because calibrateCamera takes neither weights nor
+# masks: leaving out a corner, or trusting a blurred view less, would need a new list of points and a new start. It also
+# keeps the derivatives to itself, from which the uncertainty is computed (`solver`).
+#
+# The unknowns are the camera (9 to 12 numbers) and 6 numbers for each view. The normal matrix of 20 views would be 132
+# x 132, but views do not touch each other: each one is eliminated by itself, and only the camera's part is left.
 CONVERGED = 1e-10
 _STEPS = 100
 _LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9  # range of Levenberg and Marquardt's damping factor
@@ -101,6 +107,8 @@ def information(view: Linearization) -> tuple[Floats, Floats]:
 
     The view's pose is eliminated from them.
     """
+    # A least squares solution of the derivatives themselves. The Schur complement of the normal matrices is the same on
+    # paper, but squares the condition number, and the result is inverted.
     free_of_pose = view.by_camera - view.by_pose @ np.linalg.lstsq(view.by_pose, view.by_camera, rcond=None)[0]
     return free_of_pose.T @ free_of_pose, free_of_pose.T @ view.residuals
 
@@ -149,6 +157,7 @@ def _step(
         normal += diagonal - by_both.T @ solved[:, :-1]
         right += by_camera.T @ one.residuals - by_both.T @ solved[:, -1]
         eliminated.append(solved)
+    # A focal length is about 1000 and k3 about 0.1: scaled to a unit diagonal, rounding affects both alike.
     scale = 1 / np.sqrt(normal.diagonal())
     change = np.zeros(free.size)
     change[free] = scale * np.linalg.solve(normal * scale[:, None] * scale, scale * right)
@@ -183,6 +192,7 @@ def _by_rational(rays: Floats, coefficients: Floats) -> Floats:
 
 def _by_fisheye(rays: Floats, coefficients: Floats) -> Floats:
     """Return the derivative (N, 2, 4) of distorted rays by the fisheye coefficients k1 k2 k3 k4."""
+    # In the centre of the image, angle / r is 1 as a limit.
     r = np.maximum(np.hypot(*rays.T), 1e-12)
     angle = np.arctan(r)
     powers = angle[:, None] ** (3 + 2 * np.arange(coefficients.size)) / r[:, None]

@@ -16,6 +16,7 @@ COLUMNS, ROWS = 11, 8
 """Number of squares; with squares of `SQUARE` the board fits on A4 in landscape."""
 SQUARE, MARKER = 0.024, 0.018
 """Sides of a square and of a marker in metres."""
+# Few and coarse modules: the board's markers are small, and 50 are enough for 100 squares.
 DICTIONARY = "DICT_4X4_50"
 """Dictionary of the board's markers. It differs from that of the landmarks, which may be in the same image."""
 

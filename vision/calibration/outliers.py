@@ -14,12 +14,18 @@ from roverlink.vision.calibration.start import residuals
 from roverlink.vision.calibration.views import FEWEST_CORNERS, View
 from roverlink.vision.camera.camera_model import Floats
 
+# Why leave out corners at all: before the corners were fitted (`saddles`), a few bad ones decided. Measured with
+# OpenCV's corners in 20 rendered views of 1280x720: with all corners, fx was wrong by 1.33 px, without the outliers by
+# 0.04 px. With one corrupted view among the 20, by 4.9 and 0.28 px. The standard deviations were up to three times too
+# small while the outliers were in.
 OUTLIER = 3.5
 """Length of a residual, in standard deviations of a coordinate, above which a corner is left out."""
 BAD_VIEW_RATIO = 4.0
 """Ratio of a view's median residual to that of all views above which the view is left out."""
+# With 1.345, the estimate has 95 % of the efficiency of least squares if there are no outliers at all.
 HUBER = 1.345
 """Residual, in standard deviations, from which the cost is linear instead of quadratic (Huber, 1964)."""
+# sqrt(2 ln 2)
 _RAYLEIGH_MEDIAN = 1.1774
 """Median of the Rayleigh distribution: of the length of a vector with two normal components of sigma 1."""
 

@@ -17,6 +17,13 @@ from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.markers.detection import Image
 from roverlink.vision.markers.pattern import look, make_pattern
 
+# Why not cv2.cornerSubPix: it takes every gradient in its window for one of the edges through the corner. On a ChArUco
+# board, markers stand close to the corners; a larger window, which averages more noise, catches their bits and makes
+# the result worse. It also gives no uncertainty. Here the pixels near a marker are left out, and all others are
+# compared with a model.
+#
+# The unknowns of a corner are 9: its position (2), the directions of both edges (2), the blur, and the brightness: a
+# level, a gradient (2) and the contrast.
 RADIUS = 7
 """Half the side in pixels of the window around a corner; within it, lens distortion does not bend an edge."""
 CLEAR = 1.6
@@ -136,6 +143,7 @@ def _step(state: _State, pixels: NDArray[np.intp], grey: Floats, real: NDArray[n
     variance = (left**2).sum(axis=1) / np.maximum(real.sum(axis=1) - _UNKNOWNS, 1)
     mean = grey.sum(axis=1) / np.maximum(real.sum(axis=1), 1)
     spread = ((grey - mean[:, None] * real) ** 2).sum(axis=1)
+    # Steps are limited: far from the solution, the linear model of an edge promises too much.
     moved = _State(
         state.places + np.clip(change[:, :2], -1, 1),
         state.angles + np.clip(change[:, 2:4], -_LARGEST_TURN, _LARGEST_TURN),
@@ -161,6 +169,8 @@ def _design(
         np.broadcast_to(_DIFFERENCES, (len(pixels), 3, 3)), distances / _FAR + 1, by_pixel, np.exp(state.log_blurs)
     )
     light = np.stack([np.ones_like(grey), offsets[:, 0], offsets[:, 1], seen.grey], axis=1) * real[:, None]
+    # Brightness is linear in the model, so it is solved exactly before each step (variable projection), and needs no
+    # start.
     level = np.linalg.solve(light @ light.transpose(0, 2, 1) + 1e-9 * np.eye(4), light @ grey[:, :, None])
     residuals = grey - (level[:, None, :, 0] @ light)[:, 0]
     by_distance = np.stack([seen.by_u, seen.by_v], axis=1) / _FAR  # (K, edge, N)

@@ -55,6 +55,8 @@ def _start(views: Sequence[View], board: CharucoBoard, model: Model) -> Estimate
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
     estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views))
     names = ("fx", "fy", "cx", "cy", *COEFFICIENTS[model])
+    # First the parameters that matter most: from a rough start, k2 and k3 would explain what is still wrong with the
+    # focal length, and the minimum nearby could be a wrong one.
     for free in (("fx", "fy", "k1"), names):
         chosen = np.array([name in free for name in names])
         for _ in range(_ROBUST_PASSES):
@@ -137,6 +139,8 @@ def _covariance(observations: Sequence[Observation], estimate: Estimate) -> Floa
     # Scaled to a unit diagonal first: pixels and distortion coefficients differ by many orders of magnitude.
     root = np.linalg.inv(np.linalg.cholesky(normal * scale[:, None] * scale)) * scale  # root.T @ root: normal's inverse
     sides = np.stack([root @ side for _, side in said])
+    # For each view, its own push on the parameters. If the standard deviations of the corners told everything, these
+    # would add up to the identity in this basis; eigenvalues above 1 are what they do not tell.
     disagreement = sides.T @ sides * len(said) / max(len(said) - len(normal), 1)
     sizes, axes = np.linalg.eigh(disagreement)
     covariance: Floats = root.T @ (axes * np.maximum(sizes, 1)) @ axes.T @ root

@@ -55,6 +55,7 @@ def rough_pose(view: View, board: CharucoBoard, camera: CameraParameters) -> tup
     met = np.isfinite(rays).all(axis=1)
     if met.sum() < FEWEST_CORNERS:
         return Pose(np.eye(3), np.array([0, 0, 1.0])), math.inf
+    # Rays with a unit camera matrix: the lens was removed before, whatever its model.
     _, turns, shifts, _ = cv2.solvePnPGeneric(
         board.points[view.ids[met]], rays[met, None], np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
     )

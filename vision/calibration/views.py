@@ -66,6 +66,7 @@ class BoardDetector:
         """Return the view with the corners in an image, grey (H, W) or BGR (H, W, 3); it may have no corners."""
         image = to_grey(image)
         height, width = image.shape
+        # OpenCV identifies the corners; only their positions are fitted again.
         ids, corners = self._detect(image)
         axes = self._axes(ids, corners)
         if axes is None:
@@ -91,6 +92,8 @@ class BoardDetector:
         if len(ids) < 4:
             return None
         points = self.board.points[ids, :2]
+        # A homography and not the lens model, which is not known yet: within one board, it is off by some pixels at
+        # most, and only the directions of the edges are taken from it.
         homography, _ = cv2.findHomography(points, corners, cv2.RANSAC, _STRAY)
         if homography is None:
             return None

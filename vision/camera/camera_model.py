@@ -70,6 +70,9 @@ class CameraParameters:
 
         NaN for a pixel to which no ray leads; such pixels are far outside the calibrated area.
         """
+        # cv2.undistortPoints makes five steps of a fixed-point iteration by default, which converges slowly where a
+        # lens bends much: with k1 -0.35 and k2 0.12, the ray (0.8, 0.45) is still wrong by 0.8 px at a focal length of
+        # 1165.
         wanted: Floats = (np.asarray(pixels, dtype=float) - self.centre) / self.focal
         rays: Floats = wanted.copy()
         for _ in range(_NEWTON_STEPS):
@@ -109,6 +112,7 @@ class CameraParameters:
         factor = np.array(size) / self.size
         matrix = self.matrix.copy()
         matrix[:2] *= factor[:, None]
+        # (c + 0.5) * factor - 0.5, of which c * factor is done already.
         matrix[:2, 2] += (factor - 1) / 2
         return CameraParameters(matrix, self.distortion, size, self.fisheye)
 

@@ -102,6 +102,8 @@ def _known(sighting: Sighting, landmark: Landmark) -> _Known:
     seen = sighting.seen
     _, derivative = predict(sighting.pose, seen.points)
     by_landmark = derivative.reshape(-1, 6) * np.repeat([landmark.position_sigma, landmark.rotation_sigma], 3)
+    # With L L^T the covariance, L^-1 times the residuals has the identity as its covariance: their sum of squares is
+    # chi squared.
     whitening = np.linalg.inv(np.linalg.cholesky(seen.covariance + by_landmark @ by_landmark.T))
     return _Known(sighting, landmark.pose.apply(seen.points), whitening, chi2_limit(2 * len(seen.points)))
 

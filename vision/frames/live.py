@@ -68,6 +68,8 @@ class LiveSource:
         return self
 
     def __exit__(self, *_: object) -> None:
+        # Nothing interrupts a thread in grab(), and its capture must not be released meanwhile. So it is a daemon
+        # thread, and the wait for it is limited.
         self._closed.set()
         with self._news:
             self._news.notify_all()

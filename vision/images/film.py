@@ -51,6 +51,7 @@ class Film:
             raise SetupError(
                 f"{self._path}: the image size changed from {self._size} to {size_of(image)}; a video has one size"
             )
+        # A camera that was lost for an hour must not become an hour of one still image.
         self._start += max(stamp - self._stamp - round(LONGEST_STILL_S * 1e9), 0)
         self._stamp = stamp
         due = round((stamp - self._start) * self._rate / 1e9) + 1

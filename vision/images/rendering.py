@@ -230,6 +230,8 @@ def _ray_grid(lens: Lens, left: int, top: int, width: int, height: int) -> Float
     They are exact at the corners of pixels and linearly interpolated between them.
     """
     x, y = np.meshgrid(np.arange(width + 1) + left - 0.5, np.arange(height + 1) + top - 0.5)
+    # The inverse of the distortion needs many steps. Within a pixel, the lens is linear to some ten-thousandths of
+    # a pixel.
     corners = lens.rays(np.stack([x, y], axis=-1))
     return _between(_between(corners, 0), 1)
 

@@ -21,6 +21,9 @@ Image = NDArray[np.uint8]
 
 CELL = 8
 """Pixels to which OpenCV resamples a bit before reading it; with its default of 4 it misses markers below 30 pixels."""
+# Time of OpenCV's detector on one thread, for a textured scene with 4 markers: 54 to 98 ms for a frame of 1080p, 15 to
+# 43 at half resolution, 1 to 2 for a region of 200x200 pixels. useAruco3Detection is about as fast as half resolution,
+# but loses markers of 40 pixels at 720p and of 60 at 1080p. APRILTAG refinement takes half a second.
 _WINDOWS = (7, 23, 16)
 """Adaptive threshold at full resolution: smallest window, largest window, and step in pixels."""
 _HALF_WINDOWS = (5, 13, 8)

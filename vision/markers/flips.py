@@ -13,6 +13,9 @@ from collections.abc import Sequence
 from roverlink.vision.poses.pnp import Solution
 from roverlink.vision.poses.pose import Pose
 
+# How often one frame is wrong depends on the corners. Of 60 rendered poses at 32 px, the better fit was the wrong pose
+# in 28 percent with OpenCV's corners, in 17 with SUBPIX, in 7 with APRILTAG and in none with the edge fit. A marker
+# that is smaller, blurred or partly covered brings the doubt back.
 FORGETTING_S = 0.3
 """Time constant of the misfit's decay in seconds: after this time a misfit counts for a third."""
 JUMP = 6.0
@@ -49,6 +52,8 @@ class Flips:
         """Return, for each solution, the pose of the last frame that it continues, and the misfit of that pose."""
         if not self._followed:
             return [(one.pose, 0.0) for one in solutions]
+        # One solution became two: the new one starts with a penalty, so that it has to fit
+        # better for some frames before it wins.
         if len(self._followed) == 1 or len(solutions) == 1:
             pose, misfit = self._followed[0]
             nearest = min(range(len(solutions)), key=lambda index: solutions[index].pose.angle_to(pose))

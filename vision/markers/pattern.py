@@ -24,6 +24,7 @@ Singles = NDArray[np.float32]
 ALONG = (1 / 4, 3 / 4)
 """Positions along a module's edge at which pixels are taken, in modules."""
 
+# Tables, because numpy has no erf.
 _REACH = 5.0  # range of the tables, in standard deviations
 _RESOLUTION = 1600  # table entries per standard deviation: rounding errors are below 1/40 grey level
 _GRID = np.arange(-_REACH, _REACH + 0.5 / _RESOLUTION, 1 / _RESOLUTION)

@@ -14,6 +14,7 @@ import numpy as np
 from roverlink.vision.camera.camera_model import Floats
 from roverlink.vision.opencv import cv2
 
+# Near 180 degrees the antisymmetric part of the matrix vanishes, and with it the direction of the axis.
 _HALF_TURN = -0.99  # cosine of an angle near 180 degrees
 _TINY = 1e-150  # smallest half angle; it avoids 0 / 0 in sin(x) / x
 _CROSS = np.zeros((3, 9))  # maps a vector to its cross product matrix, row by row

@@ -52,6 +52,8 @@ def _file(objects: Sequence[str]) -> bytes:
     for number, text in enumerate(objects, 1):
         places.append(len(body))
         body += f"{number} 0 obj\n{text}\nendobj\n"
+    # Entries have exactly 20 bytes, with the space before the line feed (ISO 32000-1, 7.5.4): readers compute their
+    # places.
     table = "".join(f"{place:010} 00000 n \n" for place in places)
     size = len(objects) + 1
     body += f"xref\n0 {size}\n0000000000 65535 f \n{table}"

@@ -42,6 +42,7 @@ def _with_resolution(png: bytes, pixels_a_metre: float) -> bytes:
 
     OpenCV does not write this chunk.
     """
+    # Pixels per unit in x and y; unit 1 is the metre. The checksum of a chunk covers its name and its data.
     data = b"pHYs" + struct.pack(">IIB", round(pixels_a_metre), round(pixels_a_metre), 1)
     chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
     return png[:_HEADER] + chunk + png[_HEADER:]

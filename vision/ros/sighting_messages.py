@@ -93,6 +93,8 @@ def camera_info_of(
         distortion_model=model_name(camera),
         d=_plain(camera.distortion),
         k=_plain(camera.matrix.ravel()),
+        # For a single camera: no rectification, and P is K with a fourth column of zeros (comments of
+        # sensor_msgs/CameraInfo).
         r=_plain(np.eye(3).ravel()),
         p=_plain(np.column_stack([camera.matrix, np.zeros(3)]).ravel()),
     )
@@ -128,6 +130,7 @@ def _detection(one: Sighting, header: Header, names: FrameNames) -> vision_msgs.
 
 def _score(solution: Solution, solutions: Sequence[Solution]) -> float:
     """Return the probability that one of several solutions is true, computed from chi squared of this frame only."""
+    # Relative to the best one: exp of a large chi squared alone would be 0 for all.
     least = min(one.chi2 for one in solutions)
     weights = [math.exp((least - one.chi2) / 2) for one in solutions]
     return math.exp((least - solution.chi2) / 2) / sum(weights)

@@ -57,6 +57,7 @@ template<typename Sequence, typename Source, typename Make>
 void fill(Sequence & target, const Source & source, const char * field, Make make)
 {
   const auto count = static_cast<std::size_t>(source.size());
+  // rosidl's BoundedVector has its bound as max_size(); that of a std::vector is larger than any message.
   if (count > target.max_size()) {
     throw ConversionError(field, std::to_string(count) + " values are more than " + std::to_string(target.max_size()));
   }

@@ -30,6 +30,7 @@ std::string digits(Wide value);
 template<typename To, typename From>
 To narrow(From value, const char * field)
 {
+  // Compared as Wide: between a signed and an unsigned type, C++ would convert the negative number to a large one.
   const Wide number = wide(value);
   if (number < wide(std::numeric_limits<To>::min()) || number > wide(std::numeric_limits<To>::max())) {
     const std::string kind = std::is_signed_v<To> ? " does not fit int" : " does not fit uint";
@@ -56,6 +57,7 @@ float single(double value, const char * field);
 /// Return the quotient of two integers, rounded down. `divisor` must be positive.
 constexpr Wide floored(Wide value, Wide divisor)
 {
+  // Division in C++ rounds towards zero, so a negative value with a remainder is one too high.
   return value / divisor - (value % divisor < 0 ? 1 : 0);
 }
 

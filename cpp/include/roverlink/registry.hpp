@@ -73,6 +73,7 @@ public:
     if (found == handlers_.end()) {
       return 0;
     }
+    // The first error is kept until every handler had its turn: one topic must not silence another one.
     std::exception_ptr refused;
     for (const auto & handler : found->second) {
       try {

@@ -29,6 +29,7 @@ struct Quaternion
   {
   }
 
+  // A template instead of the message's type: this library is built without ROS 2, and its tests run without it.
   template<typename Message, typename = decltype(Message::w)>
   Quaternion(const Message & message)
   : x(message.x),

@@ -13,6 +13,8 @@ from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 IMPLICIT, EXPLICIT, REQUIRED = "singular without presence", "singular with presence", "required"
 REPEATED, MAP = "repeated", "a map"
 
+# Presence changes what a sender leaves out (zero, or nothing), but not how a record is encoded. A map field is encoded
+# as `repeated` entries of key 1 and value 2 (Language Guide, "Maps", backwards compatibility).
 _ON_THE_WIRE = {IMPLICIT: EXPLICIT, MAP: REPEATED}
 
 
@@ -22,6 +24,7 @@ def cardinality(field: ProtoField, schema: Schema, extension: bool = False) -> s
         return MAP if is_map(field, schema) else REPEATED
     if field.label == "required":
         return REQUIRED
+    # These have presence in every syntax (Application Note: Field Presence).
     always_explicit = extension or field.oneof or field.type in ("message", "group")
     return EXPLICIT if always_explicit or field.label == "optional" else IMPLICIT
 
@@ -37,6 +40,7 @@ def is_map_entry(message: ProtoMessage) -> bool:
 
     The ledger does not store this. A message from the ledger counts as an entry if its fields are `key` and `value`.
     """
+    # A descriptor says it. A ledger has no file, and no such option.
     if message.file:
         return message.map_entry
     form = [(1, "key"), (2, "value")]

@@ -25,6 +25,8 @@ def default(field: ProtoField, schema: Schema) -> Value:
     if field.type == "string":
         return text
     if field.type == "bytes":
+        # In a descriptor, the default of a bytes field is C-escaped; all other defaults are plain text
+        # (descriptor.proto, `default_value`).
         return CUnescape(text)
     if field.type in ("double", "float"):
         value = float(text or 0)
@@ -50,12 +52,17 @@ def default_changed(pair: FieldPair) -> bool:
     if pair.change.of_ledger or not (_may_have_default(pair.old) and _may_have_default(pair.new)):
         return False
     old, new = default(pair.old, pair.change.before), default(pair.new, pair.change.after)
+    # 0, 0.0, "", b"" and false are all the value of an absent field without default; a type change between them is not
+    # a change of the default.
     if not old and not new:
         return False
     if isinstance(old, (str, bytes)) or isinstance(new, (str, bytes)):
         return _encoded(old) is None or _encoded(old) != _encoded(new)
+    # 0.1 as float and as double differ, although the file has the same text. A receiver with float reads the rounded
+    # value.
     if "float" in (pair.old.type, pair.new.type) and {pair.old.type, pair.new.type} <= {"float", "double"}:
         old, new = _as_float32(old), _as_float32(new)
+    # NaN is not equal to itself.
     return old != new and not (math.isnan(old) and math.isnan(new))
 
 
@@ -77,6 +84,7 @@ def _encoded(value: Value) -> bytes | None:
 def _as_float32(value: float) -> float:
     """Return the 32-bit floating point number that is nearest to a value; infinity if the value is too large."""
     try:
+        # Python has no 32-bit float; packing rounds to the nearest one, as a C++ receiver does.
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
     except OverflowError:
         return math.copysign(math.inf, value)

@@ -15,6 +15,12 @@ from roverlink.generator.lint.comparison.pairing import FieldPair
 from roverlink.generator.lint.comparison.schema_change import SchemaChange
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
 
+# The groups of the guide. Within a group, a value that fits both types is read as sent; a larger one is cut off, as by
+# a cast in C++. sint32 and sint64 are varints too, but ZigZag encoded: -1 is sent as 1 (encoding guide, "Signed
+# Integers"). An enum goes with integers and not with bool. float and double stand alone.
+#
+# The guide also calls a message compatible with bytes that contain its encoding. It is reported here: the other side
+# gets bytes that its code does not decode.
 _VARINTS = frozenset({"int32", "int64", "uint32", "uint64", "bool"})
 _ENUM_LIKE = frozenset({"enum", "int32", "int64", "uint32", "uint64"})
 _SAME_BYTES = (
@@ -100,6 +106,8 @@ class _Comparison:
         fields = {one.number: one for one in after.fields}
         for old in before.fields:
             new = fields.pop(old.number, None)
+            # Unlike in the field's own message, a deleted field counts as broken here: it shows that the two types are
+            # different ones, and not one type under a new name.
             yield new is None or self.types(old, new) or broken_by_cardinality(*self._cardinalities(old, new))
         yield any(new.label == "required" for new in fields.values())
 

@@ -16,6 +16,7 @@ def broken_by_oneof(pair: FieldPair) -> bool:
     if pair.messages is None or pair.old.oneof == pair.new.oneof:
         return False
     old, new = pair.messages.old, pair.messages.new
+    # A new member is no break: only a sender that knows it sends it, and a receiver that does not know it skips it.
     shared = {field.number for field in old.fields} & {field.number for field in new.fields}
     return partners(old, pair.old) & shared != partners(new, pair.new) & shared
 

@@ -102,6 +102,8 @@ def fields(change: SchemaChange) -> Iterator[FieldPair]:
     """
     for pair in messages(change):
         for one in fields_of_messages(pair):
+            # Entries are found by the map's name (`ScalesEntry` of `scales`), so an entry may pair maps with different
+            # numbers. Bytes of those never meet.
             by_hand = written(one)
             if by_hand.old.number == by_hand.new.number:
                 yield one

@@ -35,10 +35,12 @@ def declaration_of_old(pair: MessagePair, field: ProtoField) -> str:
 
 
 def _label(field: ProtoField, schema: Schema, syntax: Syntax) -> str:
+    # A map takes no label (Language Guide, "Maps": map fields cannot be repeated).
     if is_map(field, schema):
         return ""
     if field.repeated:
         return "repeated "
+    # Members of a oneof take no label, and editions express presence as a feature (below, `_options`).
     if field.oneof or syntax.is_edition:
         return ""
     if field.label == "required":
@@ -111,6 +113,8 @@ def from_within(owner: str, full_name: str) -> str:
     return full_name
 
 
+# The record types of the encoding guide ("Message Structure"): VARINT, I32, I64, LEN, and SGROUP with EGROUP. A parser
+# reads the record type from the tag. If it is not the expected one, the record becomes an unknown field.
 _WIRE_TYPES = {
     **dict.fromkeys(("int32", "int64", "uint32", "uint64", "sint32", "sint64", "bool", "enum"), "varint"),
     **dict.fromkeys(("fixed32", "sfixed32", "float"), "four bytes"),

@@ -64,6 +64,7 @@ def names_in_use(new: ProtoMessage | ProtoEnum) -> dict[str, int]:
 def put_back_or_reserve(pair: MessagePair, field: ProtoField) -> str:
     """Return the help text for a deleted field: put it back, or reserve its number and name."""
     put = put_back(pair, field)
+    # A parser rejects a message that lacks a required field, so reserving the number would not help old receivers.
     if field.label == "required":
         return put
     return _or_reserve(pair, put, field.number, [field.name])

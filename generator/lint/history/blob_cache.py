@@ -31,6 +31,7 @@ class BlobCache:
     """The cache file of one repository."""
 
     def __init__(self, repository: Path) -> None:
+        # A path may be longer than a file's name may be, and contains slashes. Its hash has neither fault.
         name = hashlib.sha256(os.fsencode(repository.resolve())).hexdigest()[:32]
         self._file = cache_folder() / "history" / f"{name}.json"
 
@@ -41,6 +42,8 @@ class BlobCache:
         """
         try:
             said, _, body = self._file.read_bytes().partition(b"\n")
+            # The time of the file is the time of its last use, for `_remove_oldest`. The access time does not tell:
+            # most systems mount with relatime, and update it once a day (mount(8)).
             os.utime(self._file)
         except OSError:
             return {}
@@ -53,7 +56,12 @@ class BlobCache:
             return
         with contextlib.suppress(OSError):
             folder = self._file.parent
+            # 0700 as the XDG Base Directory Specification asks: names in a private repository do not concern other
+            # users.
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            # Two runs may save at the same time. rename(2) replaces the file in one step, so a reader finds the old
+            # cache or the new one. It works in one file system only, therefore the temporary file is in the same
+            # folder.
             descriptor, temporary = tempfile.mkstemp(dir=folder)
             try:
                 with open(descriptor, "wb") as file:
@@ -82,6 +90,7 @@ def _checksum(body: bytes) -> bytes:
 @cache
 def _version() -> bytes:
     """Return a checksum of the code whose results the cache contains: the parser, its model, and this package."""
+    # The parser's `\w` and `isidentifier` depend on the Unicode tables, which come with Python.
     checksum = hashlib.sha256(sys.version.encode())
     for module in (parser, schema, sys.modules[__package__]):
         path = Path(inspect.getfile(module))
@@ -92,6 +101,8 @@ def _version() -> bytes:
 
 def _encoded(known: Mapping[str, NumberedTypes]) -> bytes:
     """Return the content of the cache as JSON. Each distinct fact is stored once, and blobs refer to it by index."""
+    # A commit usually changes one field of a file, so its state repeats all other facts of the state before. JSON and
+    # not pickle: unpickling a file that somebody else could have written runs code of that file.
     index: dict[Fact, int] = {}
     blobs = {
         blob: [

@@ -18,6 +18,7 @@ _DEFAULTS = tuple(f"{place}{name}" for name in ("main", "master") for place in (
 
 def branches(refs: Sequence[Ref]) -> dict[str, str]:
     """Return the commit of each local and remote branch, by ref. HEAD is included if it is not on a branch."""
+    # A symbolic ref, such as refs/remotes/origin/HEAD, is a second name of a branch that is listed itself.
     return {
         ref.name: ref.commit
         for ref in refs
@@ -28,6 +29,8 @@ def branches(refs: Sequence[Ref]) -> dict[str, str]:
 def default_branch(refs: Sequence[Ref]) -> str | None:
     """Return the full ref of the default branch, into which others are merged; None if there is none."""
     names = branches(refs)
+    # `git clone` writes refs/remotes/<remote>/HEAD: a symbolic ref to the default branch of the remote (git-remote(1),
+    # set-head). A repository that was made with `git init` has none, and then the usual names decide.
     heads = {ref.name: ref.target for ref in refs if ref.name.startswith(_REMOTE) and ref.name.endswith("/HEAD")}
     told = [heads.pop(f"{_REMOTE}origin/HEAD", ""), *heads.values()]
     return next((name for name in (*told, *_DEFAULTS) if name in names), None)
@@ -74,9 +77,12 @@ class Branches:
         Payloads that existed when the branches diverged are left out.
         """
         graph = self._record.graph
+        # Criss-cross merges have several merge bases (git-merge-base(1)). What one of them declares, both branches have
+        # seen.
         known = set().union(*(self._facts(base) for base in graph.merge_bases(one, other)))
         ours, theirs = self._facts(one) - known, self._facts(other) - known
         old = {fact.number for fact in known}  # both sides may have renamed a payload that existed before
+        # A fact on both sides is an agreement: one branch picked it from the other one.
         for fact in sorted(ours - theirs):
             for rival in sorted(rival for rival in theirs - ours if rival.number == fact.number):
                 new = fact.number not in old and fact.name != rival.name

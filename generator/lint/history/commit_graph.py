@@ -10,6 +10,17 @@ from dataclasses import dataclass
 
 from roverlink.generator.lint.history.commits import Revision
 
+# A state of the .proto files can have two parents (a merge), and branches that never meet again. So "before" and
+# "after" are questions about a graph; dates do not answer them, because clocks differ and a rebase keeps the author's
+# date.
+#
+# The graph is made once and asked often: every pair of usages of every number asks if one precedes the other. Two
+# choices keep this cheap:
+# - Commits that change no .proto file have no node. Few commits of a robot's repository change the protos.
+# - The ancestors of a node are a bit set in one integer. n nodes take about n * n / 16 bytes: 6 MB for 10,000 nodes.
+#
+# Nodes are numbered in the order of `git log --date-order`, reversed: parents always have smaller numbers.
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
@@ -57,13 +68,17 @@ class Graph:
         common = self._ancestors[one] & self._ancestors[other]
         bases = []
         while common:
+            # Children have larger numbers than their parents. So no other common ancestor descends from the largest
+            # one, and it is a merge base. Its ancestors are none: a merge base is not reachable from another one.
             latest = common.bit_length() - 1
             bases.append(latest)
             common &= ~self._ancestors[latest]
         return bases
 
     def _add(self, revision: Revision) -> int:
+        # Parents without changes of their own share one node, and then the merge has one parent here.
         parents = tuple(dict.fromkeys(self.node_of(id) for id in revision.parents)) or (self.BEGINNING,)
+        # A merge without edits still joins two lines, unless the first parent already descends from the others.
         if not revision.edits and all(self.precedes(parent, parents[0]) for parent in parents):
             return parents[0]
         index = len(self)

@@ -12,12 +12,20 @@ from itertools import islice
 
 from roverlink.generator.git import Commit, GitError, Repository, commit_of, environment
 
+# %P lists the parents. %ct is the committer's time, which tells when a state appeared on its branch; %at, the author's
+# time, is the date that people know the change by.
 _FIELDS = ("%H", "%P", "%ct", "%at", "%s")
 _LOG = (
+    # The user's configuration must not change the output (git-config(1)): log.showRoot=false hides the files of the
+    # first commit, log.showSignature adds lines, log.follow follows one file over renames, diff.renames writes two
+    # paths in a line.
     *("-c", "log.showRoot=true", "-c", "log.showSignature=false"),
     # --sparse keeps commits that change no .proto file: without them, the graph would fall apart.
+    # --exclude works on the next --all only, so it stands before it (git-rev-list(1)). A stash is nobody's published
+    # state. --date-order shows no parent before all of its children: reversed, parents come before children.
     *("log", "--exclude=refs/stash", "--all", "--date-order", "--full-history", "--sparse", "--no-follow"),
     # Compare a merge with its first parent only. The commits of its other parents are listed themselves.
+    # --raw gives the blobs' ids, which the cache knows, instead of texts. -z: no path is quoted.
     *("--raw", "--diff-merges=first-parent", "--no-renames", "--no-abbrev", "--relative", "-z", "--no-color"),
     *("--encoding=UTF-8", "--no-show-signature", f"--format={'%x00'.join(_FIELDS)}", "--", "*.proto"),
 )
@@ -73,6 +81,8 @@ class PastRepository(Repository):
             id, parents, time, written, subject = words[at : at + len(_FIELDS)]
             at += len(_FIELDS)
             edits = []
+            # A raw line is `:<old mode> <new mode> <old id> <new id> <status>`, then NUL and the path (git-diff(1), RAW
+            # OUTPUT FORMAT). git puts a line feed between the commit's format and the first of them.
             while at + 1 < len(words) and words[at].lstrip("\n").startswith(":"):
                 edits.append(_edit(words[at].lstrip("\n"), words[at + 1]))
                 at += 2
@@ -82,6 +92,7 @@ class PastRepository(Repository):
 
     def refs(self) -> list[Ref]:
         """Return all refs with their commits, sorted by name. If HEAD is on no branch, HEAD comes first."""
+        # `*objectname` is the object that an annotated tag points to (git-for-each-ref(1)).
         said = self._run("for-each-ref", "--format=%(refname)%00%(objectname)%00%(*objectname)%00%(symref)")
         fields = [line.split("\0") for line in said.splitlines()]
         refs = [Ref(name, peeled or id, target) for name, id, peeled, target in fields]
@@ -96,6 +107,8 @@ class PastRepository(Repository):
         """Return the commits at which a shallow clone ends; none for a full clone."""
         if self._run("rev-parse", "--is-shallow-repository").strip() != "true":
             return frozenset()
+        # The file lists the commits whose parents the clone lacks. In a linked worktree it is in the main repository's
+        # folder, which --git-path knows.
         file = self.folder / self._run("rev-parse", "--git-path", "shallow").strip()
         return frozenset(file.read_text(encoding="ascii").split())
 
@@ -131,6 +144,7 @@ def _answers(git: subprocess.Popen[bytes], ids: Sequence[str]) -> Iterator[tuple
         head = git.stdout.readline().split()
         if not head:
             raise GitError("git cat-file ended early")
+        # The head is `<id> <type> <size>`, or `<id> missing` (git-cat-file(1), BATCH OUTPUT).
         if len(head) < 3:  # "missing"
             yield id, None
             continue

@@ -98,15 +98,21 @@ class _Sweep:
 
     def visit(self, node: Node) -> None:
         """Find the facts that begin or end at a node. The node's parents must have been visited."""
+        # The edits are against the first parent (`--diff-merges=first-parent`), so the declarations of the other
+        # parents are not needed. Their lifetimes are.
         others = [self._release(parent) for parent in node.parents[1:]]
         alive_there = [state.alive for state in others]
         state = self._take(node.parents[0])
         changed = self._edit(node, state)
         here = state.alive
+        # Lines of history share the mappings of all messages that neither has changed since they diverged. So the
+        # identity of two mappings tells that there is nothing to merge, without a look at their facts.
         for there in alive_there:
             if there is not here:
                 changed |= {owner for owner, alive in there.items() if here.get(owner) is not alive}
                 changed |= here.keys() - there.keys()
+        # Sorted, because indices of lifetimes are handed out here, and the hash order of strings differs from run to
+        # run.
         for owner in sorted(changed):
             befores = [alive.get(owner, _NOTHING) for alive in (here, *alive_there)]
             after = self._settle(node, owner, befores, state.declared.get(owner, {}))

@@ -54,6 +54,8 @@ class Record:
         """
         if not type or type in SCALARS or type.startswith("map<"):
             return None
+        # protobuf searches a name from the innermost scope outwards; a leading dot starts at the outermost one
+        # (Language Guide, "Packages and Name Resolution").
         scope = "" if type.startswith(".") else owner
         while True:
             candidate = f"{scope}.{type}".lstrip(".")
@@ -79,6 +81,8 @@ class Record:
         """Return the latest node, up to a given one, that changed the declarations of a message or enum."""
         if owner not in self._last_changes:
             changes, last = self.lineage.changes[owner], [Graph.BEGINNING]
+            # One pass over the graph answers this for all nodes: a node without a change has the state of its first
+            # parent.
             for each in self.graph.nodes:
                 last.append(each.index if each.index in changes else last[each.parents[0]])
             self._last_changes[owner] = last
@@ -115,6 +119,7 @@ class Record:
             for index, declared in self.lineage.changes[name].items()
             if declared
         ]
+        # The version just before the node, on its own line of history: larger numbers are later.
         before = max((each for each in versions if self.graph.precedes(each[0], node)), default=None)
         found = before or min((each for each in versions if self.graph.precedes(node, each[0])), default=None)
         content = self.content(found[1], found[0]) if found else None

@@ -124,13 +124,18 @@ def _types(
     types = {blob: known[blob] for blob in blobs if blob in known}
     new, unread = [blob for blob in blobs if blob not in known], set[str]()
     for done, (blob, data) in enumerate(git.blobs(new), len(types)):
+        # A NUL byte means a binary file for git, too (gitattributes(5), `diff`: git looks at the beginning of the
+        # content).
         if data is None or b"\0" in data:
             unread.add(blob)
         else:
+            # Comments of old files are often in another encoding. A declaration is ASCII, so replaced characters do no
+            # harm.
             types[blob] = numbered_types(parse(data.decode("utf-8", errors="replace")))
         if done % _SOME == 0:
             report(done, len(blobs))
     report(len(blobs), len(blobs))
+    # Nothing new was read: do not write the same cache again.
     if len(unread) < len(new):
         blob_cache.save(types)
     return types, frozenset(unread)

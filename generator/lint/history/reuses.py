@@ -22,6 +22,18 @@ from roverlink.generator.lint.history.usages import TracedUsage
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact
 
+# A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
+# and split them into files. A rule that reports each of these would be turned off. So two usages of a number are
+# compared in this order:
+# - Both scalars, or an enum and an integer: the encoding decides first (encoding guide, "Message Structure"), then the
+#   names. `speed` in place of `speed_mps` is the same meaning; `angle` in place of `speed` is not.
+# - Both messages: their fields decide. A message that kept most of its fields was renamed. Bytes carry no name of a
+#   type, so content is all that counts for a receiver.
+# - One message at different times: it kept its name, but most of its fields were replaced under the same numbers.
+#
+# Every judgement is about the nodes at which one usage ended and the other one began, because a message has other
+# fields at other times.
+
 _MOST = 16  # each usage of a number is compared with this many usages before it
 
 
@@ -51,9 +63,12 @@ class Reuses:
         meaning = list(range(len(uses)))
         found: list[tuple[int, int, Reuse]] = []
         for one, other in combinations(range(len(uses)), 2):
+            # The comparison of all pairs would be quadratic in the usages of a number, which a generated or merged file
+            # may have hundreds of.
             if other - one > _MOST:
                 continue
             reuse = self._compare(uses[one], uses[other])
+            # If A was renamed to B and B to C, then A and C are one meaning, although their names may share no word.
             if reuse is None or not reuse.real:
                 old, new = meaning[other], meaning[one]
                 meaning = [new if each == old else each for each in meaning]
@@ -65,6 +80,7 @@ class Reuses:
         """Return the reuse that two usages of a number make; None if both have the same meaning."""
         old, new = earlier.usage.fact, later.usage.fact
         before, after = self._relations.nodes(earlier, later)
+        # Both are enum values. Two names with one number in one state are an alias (`allow_alias`), which is no reuse.
         if not (old.type or new.type):
             alias = self._relations.together(old, new)
             kind = None if alias or self._values.share_a_word(old.name, new.name) else Kind.MEANING
@@ -146,8 +162,10 @@ class Reuses:
             new = self._content(use, node)
             if new is None or not new.facts or new.enum:
                 continue
+            # Only earlier states on the same line of history: two branches may each hold their own version.
             past = [old for earlier, old in versions if self._record.graph.precedes(earlier, node)]
             versions.append((node, new))
+            # A change that was reverted is the old content, not a third one.
             known = any(old.facts == new.facts for old in past)
             if past and not known and replaced(past[-1], new, self._surviving(past[-1], new)):
                 yield from filter(None, [self._reuse(Kind.REPLACED, use, use, past[-1], new)])

@@ -18,6 +18,8 @@ _ENUM_LIKE = frozenset({"int32", "int64", "uint32", "uint64"})
 
 def same_field(old: Fact, new: Fact) -> bool:
     """Return True if two fields have the same meaning: compatible bytes, and names that share a word."""
+    # A packed list is one LEN record, a single number is a VARINT, I32 or I64 record (encoding guide, "Repeated
+    # Elements").
     if (old.label == "repeated") != (new.label == "repeated"):
         return False
     return _types_agree(old, new) and alike(old.name, new.name)
@@ -72,6 +74,7 @@ def nearly_the_same(old: Content, new: Content, left: int) -> bool:
 
     ``left`` is the result of `survivors`.
     """
+    # The smaller content counts: a message that only got more fields, as protobuf allows, is still the same one.
     return left * 3 >= 2 * min(len(old.facts), len(new.facts))
 
 
@@ -87,6 +90,7 @@ def replaced(old: Content, new: Content, left: int) -> bool:
     """
     numbers = {fact.number for fact in new.facts}
     gone = [fact for fact in old.facts if fact.number not in numbers]
+    # A message that lost fields without replacement is misread by nobody: its old numbers are unknown fields.
     return len(old.facts) >= _FEWEST and left * 3 < len(old.facts) and left + len(gone) < len(old.facts)
 
 
@@ -94,6 +98,8 @@ class ValueNames:
     """The names of an enum's values, without the words that most of the names share."""
 
     def __init__(self, owner: str, names: Collection[str]) -> None:
+        # Protobuf's style guide asks for the enum's name as prefix of every value (`GPS_FIX_NONE`). Such a word would
+        # make all values of an enum alike.
         of_owner = frozenset(words(simple(owner)))
         counts: dict[str, int] = {}
         for name in set(names):

@@ -26,6 +26,7 @@ class Relations:
 
     def _note_together(self, declared: Declared) -> None:
         facts = {fact for declaration in declared.values() for fact in declaration.facts if not fact.claimed}
+        # Almost every state gives each number once. This test spares the pairs of all other states.
         if len({fact.number for fact in facts}) == len(facts):
             return
         uses: dict[int, list[Fact]] = {}
@@ -94,6 +95,8 @@ class Relations:
 
     def _time(self, stretch: Stretch) -> tuple[float, float]:
         lifetime = stretch.lifetime
+        # Separate branches have no order in the graph, so only the clocks of the committers can tell if both were in
+        # use at once.
         ends = [self._graph[node].revision.time for node in (*lifetime.went, *lifetime.faded)]
         lasts = stretch.live_at or not ends
         return self._graph[lifetime.came].revision.time, float("inf") if lasts else max(ends)

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 _DEGREE = math.pi / 180
+# The size of a unit in SI units. All definitions are exact: 1 inch = 0.0254 m, 1 mph = 0.44704 m/s, and the standard
+# gravity 9.80665 m/s^2. The spellings are the ones that people use in fields' names, where `°` and `/` cannot stand.
 _OF_DIMENSION: dict[str, dict[str, float]] = {
     "length": {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1, "km": 1e3, "inch": 0.0254, "ft": 0.3048}
     | {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1, "metres": 1, "kilometers": 1e3},
@@ -75,6 +77,7 @@ def measure(words: Sequence[str]) -> Measure:
 
     Units stand at the end, after at least one other word.
     """
+    # At least one word has to remain as the measured quantity: a field may be called `delta` or `rpm`.
     subject = [word for word in words if word not in _RELATIVE | _ABSOLUTE] or list(words)
     relative = len(subject) < len(words) and not _RELATIVE.isdisjoint(words)
     end = len(subject)
@@ -88,6 +91,8 @@ def measure(words: Sequence[str]) -> Measure:
 
 def disagree(old: Measure, new: Measure) -> bool:
     """Return True if unit, scale or reference differ. A unit does not count if only one of the names has a unit."""
+    # A unit that was added to a name documents the meaning that the number already had. With `per`, the value is
+    # another quantity (a rate) in any case.
     units = old.units != new.units and bool((old.units and new.units) or old.rate != new.rate)
     return units or old.scale != new.scale or old.relative != new.relative
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 
 from roverlink.generator.lint.names.name_units import measure
 
+# In this order: the scale of `angle_x100`; an acronym, which ends before the last capital of `GPSInfo`; a word; a
+# number.
 _WORD = re.compile(r"X\d+|[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _EMPTY = frozenset(
     {"a", "an", "and", "the", "of", "to", "in", "on", "is", "has", "value", "data", "info", "new", "old"}
@@ -21,6 +23,7 @@ def words(name: str) -> list[str]:
 
 
 def _words_of_part(part: str) -> list[str]:
+    # `x100` is a scale, `m2` and `s2` are powers of a unit; cut at the digit they would be a letter and a number.
     return [part] if re.fullmatch(r"[xX]\d+|[a-z]{1,3}[23]", part) else _WORD.findall(part)
 
 

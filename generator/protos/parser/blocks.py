@@ -20,7 +20,10 @@ class Block:
         first = opening.tokens[0] if opening.tokens else source.tokens[opening.end]
         visibility = first.text in VISIBILITIES and len(opening.tokens) > 1
         self.source = source
-        self.opening = opening.tokens[1] if visibility else first  # as in protoc
+        # protoc gives `export message X` the place of the word `message`.
+        self.opening = opening.tokens[1] if visibility else first
+        # 0 means unknown: a block that opens in the middle of a line tells nothing about the column of its closing
+        # brace.
         self.indentation = first.column if first.first else 0
         self.unclosed = opening.end in source.tokens.unclosed
         self.depth = 0
@@ -92,6 +95,7 @@ class EnumBlock(Block):
         if head == "option":
             read_option(self.source, statement)
         elif head == "reserved":
+            # Numbers of enum values are int32 and may be negative; field numbers may not.
             read_ranges(self.source, statement, self.reserved, self.reserved_names, signed=True)
         elif value := read_value(self.source, statement):
             self.values.append(value)

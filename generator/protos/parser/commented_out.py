@@ -17,6 +17,8 @@ from roverlink.generator.protos.schema import ProtoEnumValue, ProtoField
 _DECORATION = re.compile(r"[\s/*!-]*")
 _SPACE = re.compile(r"\s*")
 _BLOCK = re.compile(r"(?P<kind>message|enum|extend|service|rpc|oneof)\s+(?P<name>[\w.]+)[^{};=]*\{")
+# A comment is prose until it proves to be a declaration. Therefore both patterns need everything up to the `;` or the
+# `[` of options: "the speed = 4 m/s" is prose, "float speed = 4;" is a claim.
 _FIELD = re.compile(
     r"(?:(?:optional|required|repeated)\s+)?(?P<type>map\s*<[^<>]*>|\.?[A-Za-z_][\w.]*)\s+"
     r"(?P<name>[A-Za-z_]\w*)\s*=\s*(?P<number>[0-9]\w*)\s*[;\[]"
@@ -87,6 +89,7 @@ class _Reader:
                 offset += 1
             elif match := self._claim.match(line, offset):
                 yield match
+                # Go on behind the options, if there are any; several declarations may share a line.
                 offset = line.find(";", match.end() - 1) + 1 or len(line)
             else:
                 return

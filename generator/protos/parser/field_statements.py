@@ -22,6 +22,7 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
     All faults of the statement are reported as problems of the file.
     """
     words = Words(statement.tokens)
+    # `optional = 1` is a field without a type, whose name is `optional`; `optional .pkg.Type x = 1` has a label.
     label = words.take(*LABELS) if words.next(1).kind is Kind.NAME or words.next(1).is_symbol(".") else ""
     key_type, value_type = words.map_types()
     type = f"map<{key_type}, {value_type}>" if value_type else words.type_name()
@@ -40,6 +41,8 @@ def read_field(source: Source, statement: Statement, oneof: str) -> ProtoField |
         source.unreadable(statement, "a group without a body")
     if number is None:
         return None
+    # `optional group Result = 1 {}` declares the message Result and the field `result` (Language Guide proto2,
+    # "Groups").
     name = name.lower() if group else name
     return ProtoField(span=source.span(statement), number=number, name=name, type=type, label=label, oneof=oneof)
 

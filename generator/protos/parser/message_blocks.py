@@ -108,6 +108,8 @@ class MessageBlock(Scope):
         elif head in BLOCKS:
             self.source.unreadable(statement, "a block without braces")
         elif head == "option":
+            # In a message set, the number of an extension is not limited by the tag: it is a field of its own
+            # (MessageSet's type_id). So `extensions 4 to max` means more numbers there.
             if read_option(self.source, statement) == ("message_set_wire_format", "true"):
                 self.largest = LARGEST_MESSAGE_SET_NUMBER
         elif head == "reserved":

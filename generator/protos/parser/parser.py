@@ -12,6 +12,21 @@ from roverlink.generator.protos.parser.source_text import Source
 from roverlink.generator.protos.parser.statements import BLOCKS, VISIBILITIES, Statement, StatementReader
 from roverlink.generator.protos.parser.tokens import Kind, Token
 
+# Braces decide where blocks end, as long as every brace has a partner; then this parser agrees with protoc. A file with
+# a missing or a surplus brace has several readings, and the braces do not tell which one was meant. People do, by
+# layout:
+# - A closing brace that starts a line closes the block whose declaration starts at the same column. All blocks inside
+#   that one were not closed.
+# - A top-level keyword (`message`, `enum`, `import`...) in column 1 is outside of all blocks, if the outermost open
+#   block is never closed. Otherwise one missing brace would nest the rest of the file in one message, with other full
+#   names.
+# - A surplus closing brace is dropped where it stands at an unusual place: in the middle of a line, or indented deeper
+#   than the block.
+# - A declaration without its opening brace opens a block if the next line is indented deeper.
+#
+# Old states in git matter as much as the file of today, so a wrong guess must stay small: it may misplace one block,
+# but never lose the numbers behind it.
+
 _DEEPEST = 32  # protoc's own limit of nested messages
 
 
@@ -27,6 +42,7 @@ class FileBlock(Scope):
     """The file as a block, which contains all other blocks."""
 
     def __init__(self, source: Source) -> None:
+        # A file is no statement; this one stands for its beginning, so that it has a place.
         super().__init__(source, Statement(0, -1, [source.tokens[0]], "", ()))
         self.indentation = 0
         self.messages, self.enums, self.extends = [], [], []
@@ -151,6 +167,8 @@ class _Parser:
         fitting = self._fitting(token)
         if not self._open or (fitting is None and self._is_surplus(token)):
             self._source.problem(token, "a surplus closing brace")
+        # Only a file in which the outermost block is never closed needs the indentation. Elsewhere braces count,
+        # whatever the layout.
         elif fitting is not None and self._open[0].unclosed:
             self._abandon(fitting + 1)
             self._open.pop()
@@ -173,6 +191,7 @@ class _Parser:
 
         This needs too many closing braces in the rest of the file, and an unusual place of this one.
         """
+        # Behind the last brace without a partner, every closing brace closes something.
         if self._index > self._tokens.last_unopened:
             return False
         if not token.first:

@@ -7,10 +7,14 @@ from collections.abc import Sequence
 
 from roverlink.generator.protos.parser.tokens import Kind, Token
 
+# The integers of protobuf's grammar (Language Specification, "Integer literals"): hexadecimal, octal with a leading 0,
+# decimal. Python's int() would accept `1_000`, and read `010` as ten.
 _DIGITS = re.compile(r"0[xX][0-9A-Fa-f]+|0[0-7]*|[1-9][0-9]*")
 _LONGEST_NUMBER = (
     24  # 64 bits in octal have 23 digits; Python is slow with thousands of digits, and refuses more than 4,300
 )
+# The escapes of string literals (Language Specification, "String literals"). \U goes up to U+10FFFF, the last code
+# point.
 _ESCAPE = re.compile(r"\\(?:([0-7]{1,3})|[xX]([0-9A-Fa-f]{1,2})|u([0-9A-Fa-f]{4})|U00([01][0-9A-Fa-f]{5})|(.?))")
 _ESCAPED = {"a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v": "\v"}
 _OPENING, _CLOSING = "[{(<", "]})>"
@@ -135,6 +139,7 @@ class Words:
                 names.append(name)
             elif (start := self.number(signed)) is not None:
                 end = self._range_end(start, signed)
+                # protoc rejects such a range. Both ends were meant, so the numbers between them count as reserved.
                 if end is not MAX and end < start:
                     start, end = end, start
                 ranges.append((start, end))

@@ -35,6 +35,7 @@ class Source:
         """
         first = self.tokens[statement.start]
         last = statement.tokens[-1] if statement.tokens else first
+        # Joined in one line, and cut: the quote becomes part of a diagnostic's line.
         quote = " ".join(self.text[first.start : min(last.end, first.start + _LONGEST_QUOTE)].split())
         self.problem(first, f"{why}: {quote}")
 

@@ -7,6 +7,13 @@ from dataclasses import dataclass
 
 from roverlink.generator.protos.parser.tokens import Comment, Kind, Token
 
+# A statement ends with `;` or `{`. Where one of these is missing, the next line begins another statement, and its first
+# words have to tell. That is less simple than it looks, because protobuf has no reserved words: `message = 4` is an
+# enum value, `optional message x = 1` is a field of a type called `message`. So a keyword counts as the beginning of a
+# declaration only together with the tokens that it needs (`Tokens.declares`), and only at the beginning of a line.
+#
+# Everything is decided with four tokens of lookahead at most, which keeps the time linear in the length of the text.
+
 BLOCKS = frozenset(["message", "enum", "service", "oneof"])
 LABELS = frozenset(["optional", "required", "repeated"])
 VISIBILITIES = frozenset(["export", "local"])
@@ -18,6 +25,7 @@ class Tokens:
     """The tokens of a file, with the information which braces have no partner."""
 
     def __init__(self, tokens: Sequence[Token]) -> None:
+        # The end of the file is repeated, so that no lookahead has to test for it.
         self._tokens = [*tokens, *[tokens[-1]] * _AHEAD]
         opened: list[int] = []
         self.last_unopened = -1
@@ -76,6 +84,7 @@ def _needs(word: Token, second: Token, third: Token) -> bool:
     """Return True if the two tokens behind a keyword fit it: for example ``=`` and a string behind ``syntax``."""
     text = word.text
     if text in ("syntax", "edition"):
+        # Indented, `syntax = 1` may be an enum value or a field.
         return word.column == 1 and second.is_symbol("=") and third.kind is Kind.STRING
     if text == "package":
         return word.column == 1 and second.kind is Kind.NAME and third.text in (".", ";")
@@ -146,6 +155,8 @@ class StatementReader:
             if not self._braces:
                 if text == "}":
                     return ""
+                # An option's value in text format, `{ max: 3 }`, also has braces. They belong to the statement, in
+                # `option x = {...};` and inside of `[...]`.
                 if self._is_block or not (self._brackets or self._is_option):
                     return "{"
             self._braces += 1 if text == "{" else -1
@@ -153,6 +164,7 @@ class StatementReader:
             if text == ";":
                 return ";"
             if text in "[]":
+                # A surplus `]` must not make the next `[` invisible.
                 self._brackets = max(0, self._brackets + (1 if text == "[" else -1))
         return None
 

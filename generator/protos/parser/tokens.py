@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from roverlink.generator.protos.parser.parsed_file import Problem
 
+# The tab width of protoc's tokenizer. The places of both readers have to be the same.
 TAB_WIDTH = 8
 
 
@@ -88,6 +89,10 @@ class Place:
 
 
 # At every offset one alternative matches, and none of them backtracks. So time is linear in the length of any text.
+# - marker: git marks a conflict with at least seven of these characters at the beginning of a line (gitattributes(5),
+#   conflict-marker-size). It stands before `symbol`, which would take each character by itself.
+# - number: looser than protobuf's grammar, which `number_of` applies. `4x` becomes one token, not a number and a name.
+# - string: ends with its line at the latest, because an unclosed quote must not swallow the rest of the file.
 _PIECE = re.compile(
     r"[ \t\r\n\v\f]*(?:"
     r"(?P<name>[^\W\d]\w*)"
@@ -123,6 +128,7 @@ class Lexer:
 
     def run(self) -> None:
         """Fill the lists `tokens` and `problems`. The last token stands for the end of the file."""
+        # The byte order mark that some editors write; protoc skips it, too.
         offset = 1 if self._text.startswith("\ufeff") else 0
         while match := _PIECE.match(self._text, offset):
             name = match.lastgroup or ""
@@ -194,5 +200,6 @@ class Lexer:
         is skipped.
         """
         self._problem(start, f"a conflict marker: {marker[:40].rstrip()}")
+        # `|||||||` starts the common ancestor, which is neither side's state; it ends at `=======`.
         sides = self._find("\n=======", start) if marker.startswith("|") else -1
         return start + len(marker) if sides < 0 else sides + 1

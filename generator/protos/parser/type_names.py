@@ -28,6 +28,8 @@ def resolve_type(type_name: str, scope: str, declared_names: Set[str]) -> str | 
     if type_name in SCALARS:
         return None
     first, dot, rest = type_name.partition(".")
+    # The first part of a dotted name may be a package or an outer message, so these decide, too. A name without a dot
+    # can only be a type.
     deciding = declared | _scopes(declared) if dot else declared
     while True:
         candidate = f"{scope}.{first}" if scope else first

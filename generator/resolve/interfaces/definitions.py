@@ -24,6 +24,7 @@ class DistributionsDisagreeError(Exception):
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
     """Return marks and definition lines of each message, by full name. A mark ``@jazzy`` means: only in Jazzy."""
     blocks: dict[str, tuple[str, tuple[str, ...]]] = {}
+    # A message starts in the first column, and its lines are indented.
     for block in re.split(r"\n(?=\w)", FILE.read_text(encoding="utf-8"))[1:]:
         head, *lines = block.splitlines()
         name, _, marks = head.partition(" ")

@@ -84,6 +84,9 @@ class Scalings:
         if (found := self._units(source, place, options, span)) is None:
             return None
         unit = found
+        # The order of the table's documentation: scale, then offset, both in the unit of the proto field; then the
+        # conversion of the unit; then the sign of the axis. Fractions keep this exact, and only the generated code
+        # rounds.
         factor, shift = scale * unit.factor * sign, (offset * unit.factor + unit.offset) * sign
         return Scaling(factor, shift, unit.pi, unit.unit, unit.to)
 
@@ -103,6 +106,7 @@ class Scalings:
         if not wanted:
             return Scaling()
         into = self._parsed(wanted, options.at("to", span))
+        # Where a ratio is wanted, a number without a unit can only be a ratio.
         if not unit and into == units.parse("1"):
             unit = "1"
         if not unit:

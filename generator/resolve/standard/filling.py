@@ -131,6 +131,8 @@ class Filling:
         euler = entries["euler"]
         angles = euler.entries or {}
         options = _NO_OPTIONS.within(euler)
+        # Roll, pitch and yaw are about the fixed axes X, Y and Z, in this order (REP 103, "Rotation
+        # Representation").
         made = [self._angle(place, name, angles[name], options) for name in _ANGLES if name in angles]
         whole = [angle for angle in made if angle is not None]
         self.put(place.path, Rotation(*whole) if len(whole) == len(_ANGLES) else None, form.span)
@@ -162,6 +164,7 @@ class Filling:
             message = f"{place.shown} needs a single number that is always set, but {source.dotted} is not one"
             self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
             return None
+        # In nanoseconds: builtin_interfaces/Time has whole seconds and whole nanoseconds.
         return Moment(source, seconds * 10**9)
 
     def _seconds(self, place: Place, form: Form) -> Fraction | None:

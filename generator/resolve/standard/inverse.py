@@ -19,6 +19,16 @@ from roverlink.generator.ir.interfaces import (
     TargetField,
 )
 
+# A row to a peer goes the other way: the payload is computed from the message. Not every mapping can be read backwards:
+# - A scaled number can: the factor is never zero. But not if it was rounded to an integer, since several payloads give
+#   the same integer.
+# - A choice by an enum can, if no two values of the enum give the same constant.
+# - A rotation can: its three angles follow from the quaternion. So can a time.
+# - Constants and unset fields tell nothing about the payload.
+#
+# What remains is a check that the payload is determined: all of its fields are found (`told`), and at most one member
+# of each oneof.
+
 
 @dataclass(frozen=True, slots=True)
 class Inverse:

@@ -8,20 +8,10 @@ from collections.abc import Callable, Iterator
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
 from roverlink.generator.ir.interfaces import Path, Source
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
+from roverlink.generator.resolve import well_known
 from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_SOURCE
 
-_TYPES = {
-    "double": "float64",
-    "float": "float32",
-    "bool": "bool",
-    "string": "string",
-    "bytes": "bytes",
-    "enum": "int32",
-    **dict.fromkeys(("int32", "sint32", "sfixed32"), "int32"),
-    **dict.fromkeys(("int64", "sint64", "sfixed64"), "int64"),
-    **dict.fromkeys(("uint32", "fixed32"), "uint32"),
-    **dict.fromkeys(("uint64", "fixed64"), "uint64"),
-}
+_TYPES = {**well_known.SCALARS, "bytes": "bytes", "enum": "int32"}
 
 
 class Sources:
@@ -77,6 +67,7 @@ class Sources:
         for field in message.fields:
             nested = self._schema.messages.get(field.type_name)
             own = (*path, field.name)
+            # A message that contains itself would have endless paths; it ends at the first repetition.
             if nested is None or field.repeated or field.type_name in (*inside, message.full_name):
                 yield own
             else:

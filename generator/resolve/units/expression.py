@@ -9,9 +9,19 @@ from roverlink.generator.diagnostics import nearest
 from roverlink.generator.resolve.units import known
 from roverlink.generator.resolve.units.unit import Unit
 
+# The grammar, in which a product is read from left to right:
+#
+#     product = power { [ "*" | "·" | "/" ] power }
+#     power   = atom [ [ "^" | "**" ] integer ]
+#     atom    = symbol | "1" | "(" product ")"
+#
+# So `W/m^2 K` is (W/m^2) K. The SI brochure (section 5.2) asks for brackets instead of such a line: `W/(m^2 K)`.
+#
+# A minus sign is part of a number, since units have no subtraction. The 0 behind letters is for `g0` only.
 _TOKEN = re.compile(r"\s*(\*\*|[*/^()·]|-?\d+|%|[^\W\d_]+0?(?![^\W\d_])|°[CF]?)")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _RAISED = re.compile(r"[⁻⁰¹²³⁴-⁹]+")
+# No unit has a larger power; without a limit, `m^999999999` would compute for minutes.
 _LARGEST_POWER = 12
 
 
@@ -86,6 +96,7 @@ class _Reader:
         found = known.unit(token)
         if found is None:
             raise UnitError(f"unknown unit {token!r}; {nearest(token, known.symbols(), _EXAMPLES)}")
+        # 20 degC is 293.15 K, but 20 degC/s is 20 K/s: an offset makes sense for a whole unit only.
         if found.offset and not self._alone:
             raise UnitError(
                 f"{token} cannot be combined with other units, because it has its own zero; write K for differences"

@@ -49,6 +49,7 @@ _METRE, _KILOGRAM, _SECOND, _AMPERE, _KELVIN, _MOLE, _CANDELA, _RADIAN = map(_ba
 _GRAM = _KILOGRAM.scaled(_number("1/1000"))
 _MINUTE = _SECOND.scaled(_number("60"))
 _HOUR = _MINUTE.scaled(_number("60"))
+# pi/180 is no fraction, so the power of pi is counted by itself. deg to rev stays exact: pi cancels out.
 _DEGREE = Unit(_RADIAN.dimension, _number("1/180"), 1)
 _TURN = Unit(_RADIAN.dimension, _number("2"), 1)
 _NEWTON = _KILOGRAM * _METRE * _SECOND**-2
@@ -122,6 +123,7 @@ PLAIN = {
     "kn": (_METRE * _HOUR**-1).scaled(_number("1852")),
     "degC": Unit(_KELVIN.dimension, offset=_number("273.15")),
     "°C": Unit(_KELVIN.dimension, offset=_number("273.15")),
+    # 0 degF is 459.67 * 5/9 K = 45967/180 K.
     "degF": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
     "°F": Unit(_KELVIN.dimension, _number("5/9"), offset=_number("45967/180")),
 }

@@ -31,6 +31,7 @@ __all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "templ
 M = TypeVar("M", bound=Message)
 
 # The representation identifiers CDR_LE and CDR_BE (RTPS 2.2, 10.2). ROS 2 offers XCDR1 only.
+# ROS 2 writers use their machine's byte order, and a reader has to accept both.
 _BYTE_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 
 

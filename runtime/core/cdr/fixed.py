@@ -50,6 +50,8 @@ def layout(primitives: list[Primitive]) -> str:
     position, parts = 0, []
     for primitive in primitives:
         # XTypes 1.3, 7.4.1: alignment is that of the primitive, counted from the start of the body.
+        # So 8 bytes for float64 and int64. XCDR version 2 would align these to 4: the two versions give different
+        # bytes.
         padding = -position % primitive.size
         parts.append(f"{padding}x" if padding else "")
         parts.append(primitive.format)
@@ -70,6 +72,8 @@ def fixed_layout(message_type: type[Message]) -> struct.Struct:
 
 
 def _struct(order: str, leaves: list[Leaf]) -> struct.Struct:
+    # With an explicit byte order, `struct` adds no alignment of its own. So the four bytes of the header do not shift
+    # the body, in which alignment is counted.
     return struct.Struct(order + "4s" + layout([leaf.primitive for leaf in leaves]))
 
 

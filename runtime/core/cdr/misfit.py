@@ -10,6 +10,8 @@ from roverlink.runtime.core.cdr.variable import part_of
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 
+# struct raises struct.error for an integer out of range, OverflowError for a float; the others come from values of a
+# wrong type, such as None.
 UNWRITABLE = (struct.error, OverflowError, TypeError, ValueError, AttributeError)
 """Exceptions that writing a value may raise if it does not fit its type."""
 

@@ -12,6 +12,13 @@ from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive
 from roverlink.runtime.core.messages import Sequence as RosSequence
 
 
+# A sensor_msgs/Imu has 324 bytes, of which a board usually reports the stamp and six numbers. The rest is constant: the
+# frame's name, the covariances, the orientation. Serialized once, it is copied as it is:
+#
+#     constant | stamp | constant | angular velocity | constant | linear acceleration | constant
+#
+# The places of the varying fields depend on the length of the constant strings before them, so they are computed from
+# the message itself and not from its type.
 @dataclass(frozen=True, slots=True)
 class Template:
     """Precomputed form of a message whose constant fields are serialized already.

@@ -32,6 +32,7 @@ _TIMEOUT_S = 20.0
 _EVERYWHERE = ("", "0.0.0.0")  # noqa: S104  # only on request (--page-address)
 _FILES = {"/": "index.html", "/page.css": "page.css", "/page.js": "page.js"}
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+# Content Security Policy: nothing is loaded from elsewhere, and no other page may frame this one (clickjacking).
 _PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"

@@ -62,6 +62,7 @@ def _owners(context: Context) -> dict[int, Row]:
     """Return the owner of each number: the row for which it was published, or else the first row that has it."""
     owners: dict[int, Row] = {}
     published = {(entry.number, entry.proto) for entry in context.published}
+    # The row that had the number first is right, even if the other one stands above it in the file.
     for row in sorted(context.table.rows, key=lambda row: (row.number, row.proto) not in published):
         owners.setdefault(row.number, row)
     return owners

@@ -30,6 +30,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     past, envelope = context.past, context.table.envelope.message
     if past is None:
         return
+    # Every pair: the rover may agree with both of two boards which disagree with each other about a number it does not
+    # have.
     for one, other in combinations(past.pinned, 2):
         for number in one.disagreements(other):
             message = (
