@@ -18,7 +18,7 @@ from roverlink.runtime.interfaces import Time
 _SERIALIZED = cdr.template(
     sensor_msgs.NavSatFix(
         header=std_msgs.Header(frame_id="gps_link"),
-        status=sensor_msgs.NavSatStatus(service=1),
+        status=sensor_msgs.NavSatStatus(service=sensor_msgs.NavSatStatus.SERVICE_GPS),
     ),
     [
         "header.stamp",

@@ -89,6 +89,23 @@ class Interface:
 
 
 @dataclass(frozen=True, slots=True)
+class SourceEnum:
+    """Enum of a payload's field."""
+
+    name: str
+    """Full name."""
+    proto_package: str
+    """Proto package, the start of the full name; empty if there is none."""
+    file: str
+    """.proto file that declares it, relative to the proto root."""
+
+    @property
+    def local_name(self) -> str:
+        """Name without the package."""
+        return self.name.removeprefix(f"{self.proto_package}.")
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """Field of the payload, as the source of a value."""
 
@@ -98,8 +115,8 @@ class Source:
     repeated: bool = False
     optional: bool = False
     """True if the field distinguishes *absent* from *zero*."""
-    enum: str = ""
-    """Full name of the field's enum; empty if it has another type."""
+    enum: SourceEnum | None = None
+    """Enum of the field; None if it has another type."""
     oneof: str = ""
     """Oneof that contains the field, or a message that holds it; empty if there is none."""
 
@@ -141,6 +158,22 @@ class Scaling:
 
 
 @dataclass(frozen=True, slots=True)
+class Constant:
+    """Constant value, the same in every message."""
+
+    value: Value
+    name: str = ""
+    """Constant of a ROS message, if the table gives the value by this name; else empty."""
+    holder: str = ""
+    """Full name of that ROS message."""
+
+    @property
+    def shown(self) -> Value:
+        """Name, or else the value, as the table writes it."""
+        return self.name or self.value
+
+
+@dataclass(frozen=True, slots=True)
 class Taken:
     """Field of the payload after scaling."""
 
@@ -148,7 +181,7 @@ class Taken:
     scaling: Scaling = Scaling()
     rounded: bool = False
     """True if a fraction is rounded to the nearest integer."""
-    default: bool | int | float | str | None = None
+    default: Constant | None = None
     """Value for an absent field."""
 
 
@@ -158,9 +191,7 @@ class Case:
 
     number: int
     name: str
-    value: int | float | str | bool
-    constant: str
-    """Constant of the ROS message that has the value; empty if there is none."""
+    counterpart: Constant
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,17 +200,8 @@ class Chosen:
 
     source: Source
     cases: tuple[Case, ...]
-    holder: str
-    """Full name of the message that has the constants."""
-    default: Case | None = None
+    default: Constant | None = None
     """Value for every other enum value."""
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """Constant value, the same in every message."""
-
-    value: Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,6 +35,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
     module = spelling.proto_module(standard.file)
     imports: set[Import] = {
         *speller.imports,
+        *speller.table_imports,
         *spelling.route_imports(route),
         (spelling.proto_package(bridge.python_package, standard.file), module),
         ("roverlink.runtime.core.standard_handler", "StandardHandler"),

@@ -212,7 +212,7 @@ def _of_standard(
     proto_module = spelling.proto_module(standard.file)
     shared = {*speller.constants, *speller.tables}
     imports = {
-        *(found for found in speller.imports if found[1] != "Counterparts"),
+        *speller.imports,
         *((f"{own}.{module}", name) for name in (handler, *shared)),
         (spelling.proto_package(own, standard.file), proto_module),
         ("roverlink.runtime.core", "cdr"),
