@@ -37,7 +37,7 @@ _LAYOUT = _SERIALIZED.layout
 class FastGpsFixTopic(GpsFixTopic):
     """GpsFixTopic that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
