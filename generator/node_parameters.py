@@ -1,7 +1,7 @@
-"""Parameters that the node always has, whatever is in the table.
+"""Parameters of the node that do not depend on the table, read from runtime/ros_arguments/node_parameters.yaml.
 
-The runtime declares them in a YAML file, which is read here as data, because generator and runtime do not import each
-other.
+The file is read as data, because generator and runtime do not import each other. The generator writes the parameters to
+config/udp.yaml, and the lint refuses a peer whose port parameter has the name of one of them.
 """
 
 from __future__ import annotations

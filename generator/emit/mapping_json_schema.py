@@ -1,4 +1,4 @@
-"""JSON Schema of mapping.yaml. Editors complete and check the table with it."""
+"""JSON Schema of mapping.yaml, generated/mapping.schema.json. Editors complete and check the table with it."""
 
 from __future__ import annotations
 
