@@ -78,8 +78,8 @@ class StandardFields:
 
     def __init__(self, standard: StandardTopic) -> None:
         self._arithmetic = Arithmetic(_CPP)
-        self.obstacle = standard.obstacle and text_literal(standard.obstacle)
-        """Reason why no payload can be made, as a literal; empty if it can."""
+        self.refusal = standard.refusal and text_literal(standard.refusal)
+        """Error message if no payload can be made, as a literal; empty if one can."""
         self.headers = {cpp_names.runtime_header("values")}
         self.tables: dict[str, EnumTable] = {}
         """Functions by name."""

@@ -60,7 +60,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
         default_qos=ir.Qos(),
         proto=standard.local_name,
         ros=standard.message,
-        obstacle=standard.obstacle,
+        refusal=standard.refusal,
         lost=standard.lost,
         payload=f"{module}.{standard.local_name}",
         message=interfaces.reference(standard.message),
