@@ -52,7 +52,10 @@ _GRAVITY = -9.81  # m/s^2
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
-    """Return a payload without errors: its numbers oscillate, its flags toggle, its enums step through their values."""
+    """Return a payload: its numbers oscillate, its flags toggle, its enums step through their values.
+
+    An error code beside other fields reports no error.
+    """
     payload = payload_type()
     _fill(payload, seconds, frozenset())
     return payload
@@ -92,7 +95,7 @@ def _value(field: Any, seconds: float) -> Any:
     swing = math.sin(phase)
     if field.enum_type is not None:
         values = field.enum_type.values
-        if "error" in field.name.split("_"):
+        if "error" in field.name.split("_") and len(field.containing_type.fields) > 1:
             return next((value for value in values if _NO_ERROR & {*value.name.split("_")}), values[0]).number
         return values[int(seconds) % len(values)].number
     if field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
