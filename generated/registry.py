@@ -88,6 +88,6 @@ REGISTRY = Registry(
         FastPressureFluidPressureTopic(),
         FastPressureTemperatureTopic(),
     ),
-    fingerprint="fa57807d3fe8a6dff40e8a63d2c93f36cde3e03e659ba5c7b2403284da2b3093",
+    fingerprint="46bd19fec3d70d1b796c85c726b248c0973dab7d77153d6130bb2cb6bd7bfc41",
     retired={},
 )

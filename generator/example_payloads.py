@@ -32,13 +32,30 @@ _SIGNALS = {
     "confidence": (0.8, 0.15),
     "gyro": (0.0, 0.3),
     "mag": (0.0, 40.0),
+    "speed": (0.6, 0.5),
+    "distance": (6.0, 5.0),
+    "radius": (2.5, 1.5),
+    "length": (40.0, 20.0),
+    "width": (30.0, 15.0),
+    "height": (30.0, 15.0),
+    "force": (2.1, 0.2),
+    "scale": (0.01, 0.001),
+    "timestamp": (1_750_000_000.0, 3.0),
+    "index": (1.0, 1.0),
+    "total": (4.0, 1.0),
+    "id": (3.0, 2.0),
 }
 """Mean value and amplitude of a field, by a word in its name. Other float fields have 0 and 10, integers 50 and 50."""
+_NO_ERROR = frozenset({"NO", "NONE", "OK"})
+"""Words in the name of an error code that reports no error."""
 _GRAVITY = -9.81  # m/s^2
 
 
 def payload_at(payload_type: type[P], seconds: float) -> P:
-    """Return the payload of a time: its numbers oscillate, booleans toggle, and enums step through their values."""
+    """Return the payload of a time: its numbers oscillate, booleans toggle, and enums step through their values.
+
+    An error code beside other fields reports no error.
+    """
     payload = payload_type()
     _fill(payload, seconds, frozenset())
     return payload
@@ -81,6 +98,8 @@ def _value(field: Any, seconds: float) -> Any:
     swing = math.sin(phase)
     if field.enum_type is not None:
         values = field.enum_type.values
+        if "error" in field.name.split("_") and len(field.containing_type.fields) > 1:
+            return next((value for value in values if _NO_ERROR & {*value.name.split("_")}), values[0]).number
         return values[int(seconds) % len(values)].number
     if field.cpp_type in (field.CPPTYPE_FLOAT, field.CPPTYPE_DOUBLE):
         middle, width = _signal(field.name) or (0.0, 10.0)

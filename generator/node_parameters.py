@@ -1,7 +1,7 @@
-"""ROS parameters that the node has in every project, apart from those of the table.
+"""Parameters of the node that do not depend on the table, read from runtime/ros_arguments/node_parameters.yaml.
 
-The runtime declares them in a YAML file. This module reads the file as data, because generator and runtime do not
-import each other.
+The file is read as data, because generator and runtime do not import each other. The generator writes the parameters to
+config/udp.yaml, and the lint refuses a peer whose port parameter has the name of one of them.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.middleware import NAMES
 
 N = TypeVar("N", int, float)
 
@@ -74,6 +75,13 @@ def add_table(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help=f"the table (default: {TABLE} in this folder or the nearest one above it)",
+    )
+
+
+def add_middleware(parser: argparse.ArgumentParser) -> None:
+    """Add the option for the middleware."""
+    parser.add_argument(
+        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
     )
 
 

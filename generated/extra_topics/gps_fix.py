@@ -18,12 +18,12 @@ from roverlink.runtime.interfaces import Time
 FIX_QUALITY = Counterparts(
     "fix_quality",
     {
-        0: sensor_msgs.NavSatStatus.STATUS_NO_FIX,  # NO_FIX
-        1: sensor_msgs.NavSatStatus.STATUS_FIX,  # GPS_FIX
-        2: sensor_msgs.NavSatStatus.STATUS_SBAS_FIX,  # DGPS_FIX
-        3: sensor_msgs.NavSatStatus.STATUS_FIX,  # PPS_FIX
-        4: sensor_msgs.NavSatStatus.STATUS_GBAS_FIX,  # RTK_FIX
-        5: sensor_msgs.NavSatStatus.STATUS_GBAS_FIX,  # RTK_FLOAT
+        gps_sensor_pb2.GPSFixQuality.NO_FIX: sensor_msgs.NavSatStatus.STATUS_NO_FIX,
+        gps_sensor_pb2.GPSFixQuality.GPS_FIX: sensor_msgs.NavSatStatus.STATUS_FIX,
+        gps_sensor_pb2.GPSFixQuality.DGPS_FIX: sensor_msgs.NavSatStatus.STATUS_SBAS_FIX,
+        gps_sensor_pb2.GPSFixQuality.PPS_FIX: sensor_msgs.NavSatStatus.STATUS_FIX,
+        gps_sensor_pb2.GPSFixQuality.RTK_FIX: sensor_msgs.NavSatStatus.STATUS_GBAS_FIX,
+        gps_sensor_pb2.GPSFixQuality.RTK_FLOAT: sensor_msgs.NavSatStatus.STATUS_GBAS_FIX,
     },
 )
 
@@ -54,7 +54,8 @@ class GpsFixTopic(
         return sensor_msgs.NavSatFix(
             header=std_msgs.Header(stamp=stamp, frame_id="gps_link"),
             status=sensor_msgs.NavSatStatus(
-                status=FIX_QUALITY[payload.fix_quality], service=1
+                status=FIX_QUALITY[payload.fix_quality],
+                service=sensor_msgs.NavSatStatus.SERVICE_GPS,
             ),
             latitude=payload.latitude,
             longitude=payload.longitude,
@@ -66,5 +67,5 @@ class GpsFixTopic(
         """Raise `ConversionError`: the message does not determine the payload."""
         del message  # nothing of it is used
         raise ConversionError(
-            "status.status is STATUS_FIX for GPS_FIX and for PPS_FIX of fix_quality"
+            "sensor_msgs/msg/NavSatFix cannot be converted to SensorBoardGPSInfo: status.status is STATUS_FIX for GPS_FIX and for PPS_FIX of fix_quality"
         )

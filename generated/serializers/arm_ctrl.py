@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ArmBoardControlSignals)
 class FastArmCtrlHandler(ArmCtrlHandler):
     """ArmCtrlHandler that converts and serializes in one step."""
 
-    def pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
+    def _pack(self, payload: movement_control_in_pb2.ArmBoardControlSignals) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ArmBoardDiagnostics)
 class FastArmDiagHandler(ArmDiagHandler):
     """ArmDiagHandler that converts and serializes in one step."""
 
-    def pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
+    def _pack(self, payload: motor_diagnostics_pb2.ArmBoardDiagnostics) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         gripper_rotation_motor = payload.gripper_rotation_motor
         gripper_pitch_motor = payload.gripper_pitch_motor

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ArmBoardMovementFeedback)
 class FastArmFeedbackHandler(ArmFeedbackHandler):
     """ArmFeedbackHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: movement_software_feedback_pb2.ArmBoardMovementFeedback
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,9 @@ _LAYOUT = cdr.fixed_layout(ArmBoardObstructions)
 class FastArmObstructionsHandler(ArmObstructionsHandler):
     """ArmObstructionsHandler that converts and serializes in one step."""
 
-    def pack(self, payload: movement_software_target_pb2.ArmBoardObstructions) -> bytes:
+    def _pack(
+        self, payload: movement_software_target_pb2.ArmBoardObstructions
+    ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ArmBoardActualPositions)
 class FastArmPosHandler(ArmPosHandler):
     """ArmPosHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: movement_software_feedback_pb2.ArmBoardActualPositions
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ArmBoardTargetMovement)
 class FastArmTargetHandler(ArmTargetHandler):
     """ArmTargetHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: movement_software_target_pb2.ArmBoardTargetMovement
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

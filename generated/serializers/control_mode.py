@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationControlMode)
 class FastControlModeHandler(ControlModeHandler):
     """ControlModeHandler that converts and serializes in one step."""
 
-    def pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
+    def _pack(self, payload: control_mode_pb2.BasestationControlMode) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationDetectedObject)
 class FastDetectedObjectHandler(DetectedObjectHandler):
     """DetectedObjectHandler that converts and serializes in one step."""
 
-    def pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
+    def _pack(self, payload: detected_object_pb2.BasestationDetectedObject) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         bbox = payload.bbox
         return _LAYOUT.pack(

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardDiagnostics)
 class FastDriveDiagHandler(DriveDiagHandler):
     """DriveDiagHandler that converts and serializes in one step."""
 
-    def pack(self, payload: motor_diagnostics_pb2.DrivingBoardDiagnostics) -> bytes:
+    def _pack(self, payload: motor_diagnostics_pb2.DrivingBoardDiagnostics) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         front_left_motor = payload.front_left_motor
         middle_left_motor = payload.middle_left_motor

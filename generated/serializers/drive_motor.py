@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardMotorMessage)
 class FastDriveMotorHandler(DriveMotorHandler):
     """DriveMotorHandler that converts and serializes in one step."""
 
-    def pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
+    def _pack(self, payload: motor_msg_pb2.DrivingBoardMotorMessage) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

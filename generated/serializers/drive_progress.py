@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(DrivingBoardMotorPeriodicProgress)
 class FastDriveProgressHandler(DriveProgressHandler):
     """DriveProgressHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: motor_periodic_progress_pb2.DrivingBoardMotorPeriodicProgress
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ from roverlink.runtime.interfaces import Time
 _SERIALIZED = cdr.template(
     sensor_msgs.NavSatFix(
         header=std_msgs.Header(frame_id="gps_link"),
-        status=sensor_msgs.NavSatStatus(service=1),
+        status=sensor_msgs.NavSatStatus(service=sensor_msgs.NavSatStatus.SERVICE_GPS),
     ),
     [
         "header.stamp",
@@ -37,7 +37,7 @@ _LAYOUT = _SERIALIZED.layout
 class FastGpsFixTopic(GpsFixTopic):
     """GpsFixTopic that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: gps_sensor_pb2.SensorBoardGPSInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

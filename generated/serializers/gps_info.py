@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(SensorBoardGPSInfo)
 class FastGpsInfoHandler(GpsInfoHandler):
     """GpsInfoHandler that converts and serializes in one step."""
 
-    def pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
+    def _pack(self, payload: gps_sensor_pb2.SensorBoardGPSInfo) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -38,7 +38,7 @@ _LAYOUT = _SERIALIZED.layout
 class FastImuDataRawTopic(ImuDataRawTopic):
     """ImuDataRawTopic that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: imu_sensor_pb2.SensorBoardIMUInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(ImuSensorInformation)
 class FastImuInfoHandler(ImuInfoHandler):
     """ImuInfoHandler that converts and serializes in one step."""
 
-    def pack(self, payload: imu_sensor_pb2.SensorBoardIMUInfo) -> bytes:
+    def _pack(self, payload: imu_sensor_pb2.SensorBoardIMUInfo) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

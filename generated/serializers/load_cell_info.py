@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(SensorBoardLoadCellInfo)
 class FastLoadCellInfoHandler(LoadCellInfoHandler):
     """LoadCellInfoHandler that converts and serializes in one step."""
 
-    def pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
+    def _pack(self, payload: load_cell_pb2.SensorBoardLoadCellInfo) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

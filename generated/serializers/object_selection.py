@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationObjectSelection)
 class FastObjectSelectionHandler(ObjectSelectionHandler):
     """ObjectSelectionHandler that converts and serializes in one step."""
 
-    def pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
+    def _pack(self, payload: object_selection_pb2.BasestationObjectSelection) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(SensorBoardPHInfo)
 class FastPhInfoHandler(PhInfoHandler):
     """PhInfoHandler that converts and serializes in one step."""
 
-    def pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
+    def _pack(self, payload: ph_sensor_pb2.SensorBoardPHInfo) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -29,7 +29,7 @@ _LAYOUT = _SERIALIZED.layout
 class FastPhTemperatureTopic(PhTemperatureTopic):
     """PhTemperatureTopic that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: ph_sensor_pb2.SensorBoardPHInfo, stamp: Time = UNSTAMPED
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

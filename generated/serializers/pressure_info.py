@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(SensorBoardPressureInfo)
 class FastPressureInfoHandler(PressureInfoHandler):
     """PressureInfoHandler that converts and serializes in one step."""
 
-    def pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
+    def _pack(self, payload: pressure_sensor_pb2.SensorBoardPressureInfo) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         return _LAYOUT.pack(
             cdr.LITTLE_ENDIAN,

@@ -29,7 +29,7 @@ _LAYOUT = _SERIALIZED.layout
 class FastPressureTemperatureTopic(PressureTemperatureTopic):
     """PressureTemperatureTopic that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self,
         payload: pressure_sensor_pb2.SensorBoardPressureInfo,
         stamp: Time = UNSTAMPED,

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureRequest)
 class FastRockMeasureRequestHandler(RockMeasureRequestHandler):
     """RockMeasureRequestHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: rock_measure_request_pb2.BasestationRockMeasureRequest
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationRockMeasureResult)
 class FastRockMeasureResultHandler(RockMeasureResultHandler):
     """RockMeasureResultHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: rock_measure_result_pb2.BasestationRockMeasureResult
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(BasestationRoverLocalization)
 class FastRoverLocalizationHandler(RoverLocalizationHandler):
     """RoverLocalizationHandler that converts and serializes in one step."""
 
-    def pack(
+    def _pack(
         self, payload: rover_localization_pb2.BasestationRoverLocalization
     ) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""

@@ -18,7 +18,7 @@ _LAYOUT = cdr.fixed_layout(SensorBoardDiagnostics)
 class FastSensorDiagHandler(SensorDiagHandler):
     """SensorDiagHandler that converts and serializes in one step."""
 
-    def pack(self, payload: diagnostics_pb2.SensorBoardDiagnostics) -> bytes:
+    def _pack(self, payload: diagnostics_pb2.SensorBoardDiagnostics) -> bytes:
         """Serialize the message of a payload as CDR: its fields in the order of the .msg."""
         ph_sensor = payload.ph_sensor
         imu_sensor = payload.imu_sensor

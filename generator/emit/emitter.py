@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, nearest
-from roverlink.generator.emit import envelope_file, mapping_schema, targets, user_templates
+from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, user_templates
 from roverlink.generator.emit.output_rules import FORBIDDEN_PATH, TARGET_FAILED, UNKNOWN_TARGET
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files
@@ -30,7 +30,7 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
     `DiagnosticsError` with all mistakes in targets and templates.
     """
     collected = _Collected()
-    collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_schema.FILE}", mapping_schema.text())])
+    collected.add(Span(bridge.table), [(f"{bridge.folder}/{mapping_json_schema.FILE}", mapping_json_schema.text())])
     collected.add(Span(bridge.table), [(lock.NAME, lock.render(bridge, published))])
     if bridge.envelope.ours:
         path = f"{table.proto.root}/{bridge.envelope.file}"

@@ -38,8 +38,8 @@ def _words(value: Expression) -> str:
     if isinstance(value, Taken):
         return _taken(value)
     if isinstance(value, Chosen):
-        cases = ", ".join(f"{case.name}: {case.constant or case.value}" for case in value.cases)
-        default = f"; else {value.default.constant or value.default.value}" if value.default else ""
+        cases = ", ".join(f"{case.name}: {case.counterpart.shown}" for case in value.cases)
+        default = f"; else {value.default.shown}" if value.default else ""
         return f"`{value.source.dotted}` ({cases}{default})"
     if isinstance(value, Rotation):
         return "roll {}, pitch {}, yaw {}".format(*(_words(part) for part in (value.roll, value.pitch, value.yaw)))
@@ -51,7 +51,7 @@ def _words(value: Expression) -> str:
 
 
 def _taken(value: Taken) -> str:
-    default = f"; {value.default} if it is absent" if value.default is not None else ""
+    default = f"; {value.default.shown} if it is absent" if value.default else ""
     return f"`{value.source.dotted}`{_scaled(value.scaling)}{default}"
 
 
@@ -68,4 +68,6 @@ def _scaled(scaling: Scaling) -> str:
 def _constant(value: Constant) -> str:
     if isinstance(value.value, tuple):
         return f"[{', '.join(map(str, value.value))}]"
+    if value.name:
+        return f"{value.name} ({value.value})"
     return f"`{value.value}`" if isinstance(value.value, str) else str(value.value)

@@ -89,6 +89,23 @@ class Interface:
 
 
 @dataclass(frozen=True, slots=True)
+class SourceEnum:
+    """Enum of a payload's field."""
+
+    name: str
+    """Full name."""
+    proto_package: str
+    """Proto package, the start of the full name; empty if there is none."""
+    file: str
+    """.proto file that declares it, relative to the proto root."""
+
+    @property
+    def local_name(self) -> str:
+        """Name without the package."""
+        return self.name.removeprefix(f"{self.proto_package}.")
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """Field of the payload from which a value is taken."""
 
@@ -98,8 +115,8 @@ class Source:
     repeated: bool = False
     optional: bool = False
     """True if the field distinguishes *absent* from *zero*."""
-    enum: str = ""
-    """Full name of the field's enum; empty if it has another type."""
+    enum: SourceEnum | None = None
+    """Enum of the field; None if it has another type."""
     oneof: str = ""
     """Name of the oneof that contains the field, or that contains a message around the field; empty if there is none.
     """
@@ -142,6 +159,22 @@ class Scaling:
 
 
 @dataclass(frozen=True, slots=True)
+class Constant:
+    """Constant value, the same in every message."""
+
+    value: Value
+    name: str = ""
+    """Constant of a ROS message, if the table gives the value by this name; else empty."""
+    holder: str = ""
+    """Full name of that ROS message."""
+
+    @property
+    def shown(self) -> Value:
+        """Name, or else the value, as the table writes it."""
+        return self.name or self.value
+
+
+@dataclass(frozen=True, slots=True)
 class Taken:
     """Value of a payload field, after the conversion of its unit."""
 
@@ -149,7 +182,7 @@ class Taken:
     scaling: Scaling = Scaling()
     rounded: bool = False
     """True if the result is rounded to the nearest integer."""
-    default: bool | int | float | str | None = None
+    default: Constant | None = None
     """Value that is used if the payload does not contain the field; None if there is none."""
 
 
@@ -159,9 +192,8 @@ class Case:
 
     number: int
     name: str
-    value: int | float | str | bool
-    constant: str
-    """Constant of the ROS message with this value; empty if the table gives the value as a number."""
+    counterpart: Constant
+    """Value in the ROS message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,17 +202,8 @@ class Chosen:
 
     source: Source
     cases: tuple[Case, ...]
-    holder: str
-    """Full name of the ROS message that declares the constants."""
-    default: Case | None = None
+    default: Constant | None = None
     """Result for every enum value that is not listed; None if such a value is an error."""
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """Value that is the same in every message."""
-
-    value: Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -282,6 +282,11 @@ class StandardTopic:
         """Name of the proto message without its package."""
         return self.proto.removeprefix(f"{self.proto_package}.")
 
+    @property
+    def refusal(self) -> str:
+        """Error message of the conversion to the payload; empty if it is possible."""
+        return self.obstacle and f"{self.message} cannot be converted to {self.local_name}: {self.obstacle}"
+
 
 @dataclass(frozen=True, slots=True)
 class WireSize:

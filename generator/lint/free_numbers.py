@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
+from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 from roverlink.generator.lint.comparison import EnumPair, FieldPair, MessagePair, SchemaChange
 from roverlink.generator.lint.comparison.misplaced_fields import misplaced_fields
 from roverlink.generator.lint.comparison.pairing import written
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import declaration
-from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve
+from roverlink.generator.lint.fixits.put_back_or_reserve import back, reserve, was
 from roverlink.generator.protos.number_ranges import Range
 from roverlink.generator.protos.parser import LARGEST_ENUM_NUMBER, LARGEST_FIELD_NUMBER
-from roverlink.generator.protos.schema import Schema
+from roverlink.generator.protos.schema import ProtoField, Schema
 from roverlink.generator.table import IMPLEMENTATION_NUMBERS
 
 _IMPLEMENTATION = (IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1)
@@ -99,6 +100,20 @@ def back_or_renumber(numbers: NewNumbers, pair: FieldPair, undo: str = "") -> st
     moved = declaration(new, pair.change.after, owner, pair.syntax, number)
     freed = reserve(message, pair.syntax, [(old.number, old.number)], [old.name])
     return f"{undo}; or give it the free number {number}: `{moved} {freed}`"
+
+
+def changed_field(
+    rule: Rule, numbers: NewNumbers, pair: FieldPair, message: str, place: Callable[[ProtoField], Span]
+) -> Diagnostic:
+    """Return the diagnostic for a change that makes old values of a field unreadable."""
+    return rule.at(
+        place(pair.new),
+        message,
+        back_or_renumber(numbers, pair),
+        pair.change.earlier(place(pair.old), f"it was `{was(pair)}` here"),
+        type=pair.owner,
+        number=pair.new.number,
+    )
 
 
 def _schemas(context: Context) -> Iterator[Schema]:

@@ -9,11 +9,21 @@ import time
 from collections.abc import Sequence
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    command,
+    count,
+    project_folder,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.text.values import message_to_values
 
 
@@ -34,9 +44,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--best-effort", action="store_true", help="subscribe with best-effort reliability, as sensor drivers publish"
     )
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.set_defaults(run=run)
 
 

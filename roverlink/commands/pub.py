@@ -7,11 +7,11 @@ import sys
 import time
 
 from roverlink import topic_types
-from roverlink.console import OK, Subparsers, add_project, command, count, project_folder, rate, seconds
+from roverlink.console import OK, Subparsers, add_middleware, add_project, command, count, project_folder, rate, seconds
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
+from roverlink.runtime.middleware import Publisher, open_middleware
 from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.values import message_from_values
 
@@ -44,9 +44,7 @@ def add(commands: Subparsers) -> None:
         metavar="S",
         help="longest time to wait for a subscriber, in seconds (default: 3)",
     )
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.set_defaults(run=run)
 
 

@@ -13,10 +13,21 @@ from typing import TYPE_CHECKING
 
 from roverlink import topic_types
 from roverlink.commands.send import destination_of
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, counted, project_folder, rate, seconds
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    command,
+    counted,
+    project_folder,
+    rate,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import SetupError
-from roverlink.runtime.middleware import NAMES, Publisher, open_middleware
+from roverlink.runtime.middleware import Publisher, open_middleware
 from roverlink.runtime.ros_arguments import parameters
 
 if TYPE_CHECKING:
@@ -63,9 +74,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--wait", type=seconds, default=3.0, metavar="S", help="as ros: seconds to wait for a subscriber (default: 3)"
     )
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.set_defaults(run=run)
 
 

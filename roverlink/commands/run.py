@@ -10,11 +10,21 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from roverlink import observers
-from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, counted, node_logger, project_folder
+from roverlink.console import (
+    LOG_FORMATS,
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    command,
+    counted,
+    node_logger,
+    project_folder,
+)
 from roverlink.generated_code import load_project
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
-from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
@@ -44,9 +54,7 @@ def add(commands: Subparsers) -> None:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of a bridge to a parser. `roverlink run` and `roverlink record` have the same options."""
     add_project(parser)
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.add_argument(
         "--json",
         action="store_true",

@@ -14,11 +14,11 @@ from rich.console import Console
 from rich.live import Live
 
 from roverlink import top_screen, topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, command, seconds
+from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, command, seconds
 from roverlink.runtime import NODE
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.monitoring import diagnostic_array
 
 _REFRESH_S = 0.5
@@ -43,9 +43,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--timeout", type=seconds, default=10.0, metavar="S", help="seconds to wait for the bridge (default: 10)"
     )
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.set_defaults(run=run)
 
 

@@ -25,9 +25,9 @@ class Account:
     """Datagrams read from the socket."""
     published: Counter[str] = field(default_factory=Counter)
     """Messages published on the rows' own topics, by payload."""
-    fed: Counter[str] = field(default_factory=Counter)
+    extra_published: Counter[str] = field(default_factory=Counter)
     """Messages published on extra topics, by topic."""
-    unfed: Counter[str] = field(default_factory=Counter)
+    extra_unpublished: Counter[str] = field(default_factory=Counter)
     """Messages not published on an extra topic because a value did not fit or a subscriber was too slow, by topic."""
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
@@ -66,8 +66,8 @@ class Account:
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "unsent": dict(sorted(self.unsent.items())),
-            "fed": dict(sorted(self.fed.items())),
-            "unfed": dict(sorted(self.unfed.items())),
+            "extra_published": dict(sorted(self.extra_published.items())),
+            "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "kernel_drops": self.kernel_drops,
             "by_payload": {
                 "published": dict(sorted(self.published.items())),

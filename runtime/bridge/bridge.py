@@ -216,8 +216,8 @@ class Bridge:
     def _publish(self, translation: Translation) -> None:
         for name, messages in translation.messages.items():
             self._inbound_rows[name].take(messages)
-        if translation.fed:
-            self._extra_topics.publish(translation.fed)
+        if translation.extra_topics:
+            self._extra_topics.publish(translation.extra_topics)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)

@@ -27,20 +27,20 @@ class ExtraTopics:
         """Add an extra topic; ``publish`` returns how many messages it accepted."""
         self._publish[handler] = publish
 
-    def publish(self, fed: Iterable[tuple[AnyStandardHandler, Serialized]]) -> None:
+    def publish(self, batch: Iterable[tuple[AnyStandardHandler, Serialized]]) -> None:
         """Publish the messages of a batch, with one call of the publisher for each topic.
 
-        ``fed`` holds the handler of each extra topic with the serialized messages for the topic.
+        ``batch`` holds the handler of each extra topic with the serialized messages for the topic.
         """
         # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.
-        for handler, (messages, misfits) in fed:
+        for handler, (messages, misfits) in batch:
             for error in misfits.values():
                 self._missed(handler, 1, str(error))
             accepted = self._publish[handler](messages) if messages else 0
-            self._account.fed[handler.route.topic] += accepted
+            self._account.extra_published[handler.route.topic] += accepted
             if accepted < len(messages):
                 self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
 
     def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
-        self._account.unfed[handler.route.topic] += count
-        self._warnings.warn(f"unfed {handler.route.topic}", f"not published: {why}")
+        self._account.extra_unpublished[handler.route.topic] += count
+        self._warnings.warn(f"unpublished {handler.route.topic}", f"not published: {why}")

@@ -111,14 +111,6 @@ class Handler(ABC, Generic[P, M]):
     def from_ros(message: M) -> P:
         """Convert a ROS 2 message to its payload."""
 
-    def pack(self, payload: P) -> bytes:
-        """Serialize the ROS 2 message of a payload: ``cdr.encode(to_ros(payload))``.
-
-        The bridge calls this for every datagram. Handlers of fixed-size messages therefore override it with one
-        `struct` call. It may raise `struct.error`; use `to_cdr` for an error that names the field.
-        """
-        return cdr.encode(self.to_ros(payload))
-
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:  # noqa: ARG002  # standard messages need it
         """Convert a payload to its serialized ROS 2 message (CDR).
 
@@ -126,38 +118,9 @@ class Handler(ABC, Generic[P, M]):
         row and field.
         """
         try:
-            return self.pack(payload)
+            return self._pack(payload)
         except MISFITS:
             return self._explained(payload)
-
-    def all_to_cdr(self, payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
-        """Convert several payloads to serialized ROS 2 messages; collect the errors instead of raising them.
-
-        If every payload fits, this takes no longer than calling `pack` for each payload.
-        """
-        try:
-            return Serialized(self._pack_all(payloads, stamp), {})
-        except MISFITS:
-            return self._one_by_one(payloads, stamp)
-
-    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # standard messages need it
-        return list(map(self.pack, payloads))
-
-    def _one_by_one(self, payloads: Sequence[P], stamp: Time) -> Serialized:
-        messages: list[bytes] = []
-        misfits: dict[int, ConversionError] = {}
-        for index, payload in enumerate(payloads):
-            try:
-                messages.append(self.to_cdr(payload, stamp))
-            except ConversionError as error:
-                misfits[index] = error
-        return Serialized(messages, misfits)
-
-    def _explained(self, payload: P) -> bytes:
-        try:
-            return cdr.encode(self.to_ros(payload))
-        except MISFITS as error:
-            raise self._named(error) from error
 
     def from_cdr(self, data: bytes) -> P:
         """Parse a serialized ROS 2 message into a payload. Raises `ConversionError` that names row and field."""
@@ -166,8 +129,46 @@ class Handler(ABC, Generic[P, M]):
         except MISFITS as error:
             raise self._named(error) from error
 
+    # Generated handlers of fixed-size messages override this with one `struct` call, since the bridge does it for every
+    # datagram. It may raise any of `MISFITS`; the error of `to_cdr` names the field.
+    def _pack(self, payload: P) -> bytes:
+        """Serialize the ROS 2 message of a payload."""
+        return cdr.encode(self.to_ros(payload))
+
+    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # standard messages need it
+        return list(map(self._pack, payloads))
+
+    def _explained(self, payload: P) -> bytes:
+        try:
+            return cdr.encode(self.to_ros(payload))
+        except MISFITS as error:
+            raise self._named(error) from error
+
     def _named(self, error: Exception) -> ConversionError:
         """Return a `ConversionError` whose text begins with the row's name and, if known, the field's path."""
         # "imu_info.accel_x: ..." for a field, "imu_info: ..." for an error of the whole message.
         names_field = isinstance(error, ConversionError) and error.field
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")
+
+
+# A function, not a method: `help` of a generated handler shows only what programs call.
+def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
+    """Serialize several payloads of a row; collect the errors instead of raising them.
+
+    It costs no more than the serialization of each payload, unless one does not fit.
+    """
+    try:
+        return Serialized(handler._pack_all(payloads, stamp), {})
+    except MISFITS:
+        return _one_by_one(handler, payloads, stamp)
+
+
+def _one_by_one(handler: Handler[P, M], payloads: Sequence[P], stamp: Time) -> Serialized:
+    messages: list[bytes] = []
+    misfits: dict[int, ConversionError] = {}
+    for index, payload in enumerate(payloads):
+        try:
+            messages.append(handler.to_cdr(payload, stamp))
+        except ConversionError as error:
+            misfits[index] = error
+    return Serialized(messages, misfits)

@@ -33,21 +33,13 @@ class StandardHandler(Handler[P, M]):
     def to_ros(payload: P, stamp: Time = UNSTAMPED) -> M:
         """Convert a payload to the standard message; ``stamp`` is the time for its header."""
 
-    def pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """Serialize the ROS 2 message of a payload: ``cdr.encode(to_ros(payload, stamp))``.
-
-        Handlers whose varying fields have a fixed size override this with one `struct` call. It may raise any of the
-        exceptions in `MISFITS`; use `to_cdr` for an error that names the field.
-        """
-        return cdr.encode(self.to_ros(payload, stamp))
-
     def to_cdr(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
         """Convert a payload to its serialized ROS 2 message (CDR).
 
         Raises `ConversionError` that names row, topic and field.
         """
         try:
-            return self.pack(payload, stamp)
+            return self._pack(payload, stamp)
         # The fast path gives no field name. Repeat on the slow path, which does; this happens only for errors.
         except MISFITS:
             pass
@@ -56,8 +48,13 @@ class StandardHandler(Handler[P, M]):
         except MISFITS as error:
             raise self._named(error) from error
 
+    # Generated handlers whose varying fields have a fixed size override this with one `struct` call.
+    def _pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
+        """Serialize the message of a payload."""
+        return cdr.encode(self.to_ros(payload, stamp))
+
     def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:
-        return [self.pack(payload, stamp) for payload in payloads]
+        return [self._pack(payload, stamp) for payload in payloads]
 
     def _named(self, error: Exception) -> ConversionError:
         return ConversionError(f"{self.route.name} on {self.route.topic}: {error}")

@@ -11,7 +11,7 @@ from google.protobuf.message import DecodeError, EncodeError
 
 from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
-from roverlink.runtime.core.handler import UNSTAMPED, Serialized
+from roverlink.runtime.core.handler import UNSTAMPED, Serialized, all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.interfaces import Time
 
@@ -27,7 +27,7 @@ class Translation:
     """Payload name of each datagram; None if it was refused."""
     messages: dict[str, list[bytes]] = field(default_factory=dict)
     """Serialized messages of each row, by payload name."""
-    fed: list[tuple[AnyStandardHandler, Serialized]] = field(default_factory=list)
+    extra_topics: list[tuple[AnyStandardHandler, Serialized]] = field(default_factory=list)
     """Messages for extra topics. A value that does not fit one topic does not affect the others."""
     refusals: list[DatagramError] = field(default_factory=list)
 
@@ -70,13 +70,14 @@ class Translator:
         # Datagrams keep their order within a row, which is all that a topic promises. Between rows nobody can rely on
         # it: each topic has its own writer.
         for name, run in payloads.items():
-            messages, misfits = self._inbound[name].all_to_cdr(run, stamp)
+            messages, misfits = all_to_cdr(self._inbound[name], run, stamp)
             if misfits:
                 self._refuse(name, misfits, translation)
                 run = [payload for index, payload in enumerate(run) if index not in misfits]
             if run:
                 translation.messages[name] = messages
-                translation.fed += [(handler, handler.all_to_cdr(run, stamp)) for handler in self._extra_topics[name]]
+                extra_topics = self._extra_topics[name]
+                translation.extra_topics += [(handler, all_to_cdr(handler, run, stamp)) for handler in extra_topics]
         return translation
 
     def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:

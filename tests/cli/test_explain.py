@@ -40,7 +40,7 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
     assert "row        imu_info, number 13 in PBEnvelope" in said
     assert "size       at most 51 bytes, 53 in the envelope" in said
     assert "float accel_x = 1" in said
-    assert "6a 33             imu_info = 13, SensorBoardIMUInfo of 51 bytes" in said
+    assert "6a 31             imu_info = 13, SensorBoardIMUInfo of 49 bytes" in said
     assert "    68 01           is_calibrated = 13: true" in said
 
 

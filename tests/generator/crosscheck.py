@@ -94,7 +94,7 @@ def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: 
         except RefusedError:
             _must_refuse(handler, payload)
             return
-        serialized = handler.pack(payload)
+        serialized = handler._pack(payload)
         assert handler.to_cdr(payload) == cdr.encode(handler.to_ros(payload)) == serialized
         theirs = store.deserialize_cdr(serialized, type_name)
         _must_be(plain(theirs, store), expected)

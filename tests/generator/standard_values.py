@@ -61,7 +61,7 @@ def _value(value: Expression, type: InterfaceType, payload: Payload, stamp: Time
     if isinstance(value, Rotation):
         return _quaternion(*(_angle(part, payload) for part in (value.roll, value.pitch, value.yaw)))
     if isinstance(value, Chosen):
-        found = [case.value for case in value.cases if case.number == _of(payload, value.source)]
+        found = [case.counterpart.value for case in value.cases if case.number == _of(payload, value.source)]
         return found[0] if found else (value.default.value if value.default else DOES_NOT_FIT)
     assert isinstance(value, Taken)
     return _taken(value, type, payload)
@@ -73,8 +73,8 @@ def _of(payload: Payload, source: Source) -> Any:
 
 def _taken(value: Taken, type: InterfaceType, payload: Payload) -> Any:
     *holders, name = value.source.path
-    if value.default is not None and not reduce(getattr, holders, payload).HasField(name):
-        return value.default
+    if value.default and not reduce(getattr, holders, payload).HasField(name):
+        return value.default.value
     raw = _of(payload, value.source)
     if value.source.type == "bytes":
         return list(raw)

@@ -89,8 +89,8 @@ def _account() -> Account:
         superseded=Counter(drive_motor=1),
         failed=Counter(drive_motor=1),
         stops=Counter(drive_motor=3),
-        fed=Counter({"imu/mag": 4}),
-        unfed=Counter({"gps/fix": 1}),
+        extra_published=Counter({"imu/mag": 4}),
+        extra_unpublished=Counter({"gps/fix": 1}),
         kernel_drops=7,
     )
 
@@ -111,8 +111,8 @@ def test_the_account_as_plain_values() -> None:
         "failed": {"drive_motor": 1},
         "stops": {"drive_motor": 3},
         "unsent": {"hardware": 1},
-        "fed": {"imu/mag": 4},
-        "unfed": {"gps/fix": 1},
+        "extra_published": {"imu/mag": 4},
+        "extra_unpublished": {"gps/fix": 1},
         "kernel_drops": 7,
         "by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}},
     }

@@ -73,7 +73,7 @@ def test_a_datagram_feeds_every_topic_of_its_row(bridged: _Bridged) -> None:
     """An IMU's sample is on its own topic and on both of the standard ones, stamped when it was received."""
     before = time.time_ns()
     bridged.send(imu_info={"gyro_z": 90.0, "accel_x": 9.5, "mag_y": 50.0})
-    wait_until(lambda: bridged.bridge.account.fed["imu/mag"] == 1, "a magnetic field")
+    wait_until(lambda: bridged.bridge.account.extra_published["imu/mag"] == 1, "a magnetic field")
     (imu,), (mag,) = bridged.on("imu/data_raw"), bridged.on("imu/mag")
     assert bridged.on("imu_data")[0].gyro_z == 90.0
     assert imu.angular_velocity.z == pytest.approx(math.pi / 2)
@@ -81,16 +81,20 @@ def test_a_datagram_feeds_every_topic_of_its_row(bridged: _Bridged) -> None:
     assert mag.magnetic_field.y == pytest.approx(5e-5)
     assert imu.header == mag.header
     assert before <= imu.header.stamp.sec * 10**9 + imu.header.stamp.nanosec <= time.time_ns()
-    assert bridged.bridge.account.fed == {"imu/data_raw": 1, "imu/mag": 1}
+    assert bridged.bridge.account.extra_published == {"imu/data_raw": 1, "imu/mag": 1}
 
 
 def test_what_does_not_fit_a_feed_is_counted_there(bridged: _Bridged, caplog: pytest.LogCaptureFixture) -> None:
     """The row's own topic has the message; the handler's has not, which is counted and warned of."""
     bridged.send(gps_info={"fix_quality": 9, "latitude": 1.5})
     bridged.send(gps_info={"fix_quality": 1, "latitude": 2.5})
-    wait_until(lambda: bridged.bridge.account.fed["gps/fix"] == 1, "a fix")
+    wait_until(lambda: bridged.bridge.account.extra_published["gps/fix"] == 1, "a fix")
     assert [message.latitude for message in bridged.on("gps_data")] == [1.5, 2.5]
     assert [message.latitude for message in bridged.on("gps/fix")] == [2.5]
     account = bridged.bridge.account.as_dict()
-    assert (account["unfed"], account["fed"], account["dropped"]) == ({"gps/fix": 1}, {"gps/fix": 1}, {})
+    assert (account["extra_unpublished"], account["extra_published"], account["dropped"]) == (
+        {"gps/fix": 1},
+        {"gps/fix": 1},
+        {},
+    )
     assert "not published: gps_info on gps/fix: fix_quality: 9 is not among the values that" in caplog.text

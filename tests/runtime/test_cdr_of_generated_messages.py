@@ -30,7 +30,7 @@ def test_payload_to_cdr(handler: Any, data: st.DataObject) -> None:
     payload = data.draw(payloads(handler.payload_type, sparse=data.draw(st.booleans())))
     message = handler.to_ros(payload)
     expected = oracle.serialize(message)
-    assert handler.pack(payload) == expected
+    assert handler._pack(payload) == expected
     assert handler.to_cdr(payload) == expected
     assert cdr.encode(message) == expected
 
@@ -101,6 +101,13 @@ def test_an_enum_value_that_does_not_fit_names_route_and_field(handler: Any) -> 
         for value in (-1, 300):
             payload = handler.payload_type(**{field.name: value})
             with pytest.raises(struct.error):
-                handler.pack(payload)
+                handler._pack(payload)
             with pytest.raises(ConversionError, match=rf"^{handler.route.name}\.{field.name}.*: {value} does not fit"):
                 handler.to_cdr(payload)
+
+
+@_HANDLERS
+def test_help_shows_what_a_program_uses(handler: Any) -> None:
+    """A generated handler has no public name beside its row, its two types and its conversions."""
+    public = {name for name in dir(handler) if not name.startswith("_")}
+    assert public == {"route", "payload_type", "message_type", "to_ros", "from_ros", "to_cdr", "from_cdr"}

@@ -154,7 +154,7 @@ def test_a_feed_that_fails_leaves_the_others_alone() -> None:
     ((name, (message,)),) = translation.messages.items()
     assert cdr.decode(REGISTRY.by_name["gps_info"].message_type, message).speed == 2.0
     assert name == "gps_info"
-    ((handler, serialized),) = translation.fed
+    ((handler, serialized),) = translation.extra_topics
     assert (handler.route.topic, serialized.messages) == ("gps/fix", [])
     assert {place: type(misfit) for place, misfit in serialized.misfits.items()} == {0: ConversionError}
 

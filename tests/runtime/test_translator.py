@@ -17,6 +17,7 @@ from strategies import delimited, payloads, varint
 from generated.registry import REGISTRY
 from roverlink.runtime import ConversionError, DatagramError, Reason, Registry, Translator
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.handler import all_to_cdr
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.interfaces import Time
 
@@ -204,7 +205,7 @@ def test_however_a_payload_misfits_it_alone_is_told(error: type[Exception]) -> N
 
     class Particular(handler_type):  # type: ignore[misc,valid-type]  # its class is generated
         @staticmethod
-        def pack(payload: Any) -> bytes:
+        def _pack(payload: Any) -> bytes:
             return bytes(cdr.encode(Particular.to_ros(payload)))
 
         @staticmethod
@@ -214,7 +215,7 @@ def test_however_a_payload_misfits_it_alone_is_told(error: type[Exception]) -> N
             return handler_type.to_ros(payload)
 
     payloads = [handler_type.payload_type(error_code=code) for code in (1, 7, 2, 7)]
-    messages, misfits = Particular().all_to_cdr(payloads)
+    messages, misfits = all_to_cdr(Particular(), payloads)
     assert messages == [REGISTRY.by_name["imu_info"].to_cdr(payload) for payload in payloads[::2]]
     assert {place: str(misfit) for place, misfit in misfits.items()} == dict.fromkeys((1, 3), "imu_info: not this one")
 
@@ -227,7 +228,7 @@ def test_a_payload_that_misfits_leaves_those_around_it_alone(translator: Transla
     assert [error.reason for error in batch.refusals] == [Reason.CONVERSION] * 2
     fits = [imu[0], imu[2]]
     assert batch.messages == {"imu_info": [translator.receive(_envelope(imu_info=values))[1] for values in fits]}
-    assert {handler.route.topic: len(serialized.messages) for handler, serialized in batch.fed} == {
+    assert {handler.route.topic: len(serialized.messages) for handler, serialized in batch.extra_topics} == {
         "imu/data_raw": 2,
         "imu/mag": 2,
     }

@@ -71,6 +71,11 @@ def type_of(field: ProtoField, schema: Schema, owner: str) -> str:
     return from_within(owner, field.type_name) if field.type_name else field.type
 
 
+def name_place(field: ProtoField) -> Span:
+    """Return the place of a field's name."""
+    return field.at("name")
+
+
 def type_place(field: ProtoField) -> Span:
     """Return the place of the type in a field's declaration."""
     return field.places.get("type") or field.at("type_name")

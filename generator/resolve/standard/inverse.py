@@ -99,10 +99,10 @@ def _obstacle(value: Expression, path: Path) -> str:
     if isinstance(value, Chosen):
         seen: dict[object, str] = {}
         for case in value.cases:
-            if (first := seen.setdefault(case.value, case.name)) != case.name:
-                shared = case.constant or case.value
+            if (first := seen.setdefault(case.counterpart.value, case.name)) != case.name:
+                shared = case.counterpart.shown
                 return f"{dotted} is {shared} for {first} and for {case.name} of {value.source.dotted}"
         if value.default is not None and value.default.value in seen:
-            shared = value.default.constant or value.default.value
+            shared = value.default.shown
             return f"{dotted} is {shared} for {seen[value.default.value]} and for every other {value.source.dotted}"
     return ""

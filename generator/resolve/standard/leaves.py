@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from fractions import Fraction
@@ -36,7 +37,8 @@ class Leaves:
             return None
         options = options.signed(text.startswith("-"))
         if source.enum:
-            help = f"list the result of each value under `enum`: {{{', '.join(self._sources.values_of(source.enum))}}}"
+            values = ", ".join(self._sources.values_of(source.enum))
+            help = f"list the result of each value under `enum`: {{{values}}}"
             message = f"{source.dotted} is an enum, whose numbers have no meaning in {place.shown}"
             self._report(standard_rules.WRONG_FORM.at(span, message, help))
             return None
@@ -95,7 +97,7 @@ class Leaves:
             )
             return None
         default = self._value(place, options.forms["default"])
-        return None if default is None else Taken(source, taken.scaling, taken.rounded, default.value)
+        return None if default is None else dataclasses.replace(taken, default=default)
 
     # --- constants ---
 
@@ -105,11 +107,11 @@ class Leaves:
         If the field cannot hold the constant, this is reported, and the result is None.
         """
         if form.items is None:
-            case = None if place.type.is_many else self._value(place, form, negated)
             if place.type.is_many:
                 message = f"{place.shown} is a {place.type}, so a single value does not fit"
                 self._report(standard_rules.WRONG_FORM.at(form.span, message))
-            return None if case is None else Constant(case.value)
+                return None
+            return self._value(place, form, negated)
         length, bound = place.type.length, place.type.bound
         if not place.type.is_many or len(form.items) != (len(form.items) if length is None else length):
             message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
@@ -119,10 +121,11 @@ class Leaves:
             message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
-        values = [self._value(place, item) for item in form.items]
-        return None if None in values else Constant(tuple(case.value for case in values if case is not None))
+        items = [self._value(place, item) for item in form.items]
+        values = [value for item in items if item is not None and not isinstance(value := item.value, tuple)]
+        return Constant(tuple(values)) if len(values) == len(items) else None
 
-    def _value(self, place: Place, form: Form, negated: bool = False) -> Case | None:
+    def _value(self, place: Place, form: Form, negated: bool = False) -> Constant | None:
         """Return a value of the table, converted to the type of a message field.
 
         The value may be the name of a constant that the message declares. A value that does not fit is reported, and
@@ -130,24 +133,24 @@ class Leaves:
         """
         type, value = place.type.name, form.value
         if isinstance(value, str) and type == "string":
-            return Case(0, "", value, "")
+            return Constant(value)
         if isinstance(value, bool) and type == "bool":
-            return Case(0, "", value, "")
+            return Constant(value)
         if isinstance(value, str) and _is_number(type):
             return self._constant_of(place, value, form.span)
         if isinstance(value, (int, float, Fraction)) and not isinstance(value, bool) and _is_number(type):
             number = numeric_ranges.constant(-value if negated else value, type)
             if number is not None:
-                return Case(0, "", number, "")
+                return Constant(number)
         shown = _shown(value)
         self._report(standard_rules.WRONG_FORM.at(form.span, f"{shown} does not fit {place.shown}, of type {type}"))
         return None
 
-    def _constant_of(self, place: Place, name: str, span: Span) -> Case | None:
+    def _constant_of(self, place: Place, name: str, span: Span) -> Constant | None:
         holder = self._definition(place.holders[-1])
         constants = {constant.name: constant.value for constant in holder.constants}
         if name in constants:
-            return Case(0, "", constants[name], name)
+            return Constant(constants[name], name, holder.name)
         help = nearest(name, constants, f"known constants: {', '.join(constants) or 'none'}")
         self._report(standard_rules.UNKNOWN_VALUE.at(span, f"{short(holder.name)} has no constant {name!r}", help))
         return None
@@ -167,12 +170,13 @@ class Leaves:
             return None
         declared, cases = self._sources.values_of(source.enum), []
         for name, entry in (form.entries or {}).items():
-            case = self._value(place, entry)
+            counterpart = self._value(place, entry)
             if name not in declared:
                 help = nearest(name, declared, f"known values: {', '.join(declared)}")
-                self._report(standard_rules.UNKNOWN_VALUE.at(entry.span, f"{source.enum} has no value {name!r}", help))
-            elif case is not None:
-                cases.append(Case(declared[name], name, case.value, case.constant))
+                message = f"{source.enum.name} has no value {name!r}"
+                self._report(standard_rules.UNKNOWN_VALUE.at(entry.span, message, help))
+            elif counterpart is not None:
+                cases.append(Case(declared[name], name, counterpart))
         default = self._value(place, options.forms["default"]) if "default" in options.forms else None
         numbers_given = {declared[name] for name in form.entries or {} if name in declared}
         missing = [name for name, number in declared.items() if number not in numbers_given]
@@ -181,13 +185,13 @@ class Leaves:
                 standard_rules.ENUM_TABLE.at(span, f"{place.shown} has no entries under `enum` for {source.dotted}")
             )
         if missing and default is None:
-            message = f"{', '.join(missing)} of {source.enum} have no entry under `enum` for {place.shown}"
+            message = f"{', '.join(missing)} of {source.enum.name} have no entry under `enum` for {place.shown}"
             self._report(
                 standard_rules.ENUM_TABLE.at(
                     span, message, "add the missing entries, or a `default` for all other values"
                 )
             )
-        return Chosen(source, tuple(sorted(cases, key=lambda case: case.number)), place.holders[-1], default)
+        return Chosen(source, tuple(sorted(cases, key=lambda case: case.number)), default)
 
 
 def _is_number(type: str) -> bool:

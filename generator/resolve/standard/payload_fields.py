@@ -6,7 +6,7 @@ import keyword
 from collections.abc import Callable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Span, nearest
-from roverlink.generator.ir.interfaces import Path, Source
+from roverlink.generator.ir.interfaces import Path, Source, SourceEnum
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage, Schema
 from roverlink.generator.resolve import well_known
 from roverlink.generator.resolve.standard.standard_rules import UNKNOWN_SOURCE
@@ -37,7 +37,7 @@ class Sources:
         elif why := _obstacle(fields):
             self._report(UNKNOWN_SOURCE.at(span, f"{dotted} {why}"))
         else:
-            return _source(fields)
+            return self._source(fields)
         return None
 
     def leads_somewhere(self, dotted: str) -> bool:
@@ -73,9 +73,24 @@ class Sources:
             else:
                 yield from self._leaves(nested, own, (*inside, message.full_name))
 
-    def values_of(self, enum: str) -> dict[str, int]:
+    def values_of(self, enum: SourceEnum) -> dict[str, int]:
         """Return the number of each declared value of an enum, by the value's name."""
-        return {value.name: value.number for value in self._schema.enums[enum].values}
+        return {value.name: value.number for value in self._schema.enums[enum.name].values}
+
+    def _source(self, fields: list[ProtoField]) -> Source:
+        field = fields[-1]
+        return Source(
+            tuple(field.name for field in fields),
+            _TYPES[field.type],
+            field.repeated,
+            (field.optional or bool(field.oneof)) and not field.repeated,
+            self._enum(field.type_name) if field.type == "enum" else None,
+            next((holder.oneof for holder in fields if holder.oneof), ""),
+        )
+
+    def _enum(self, name: str) -> SourceEnum:
+        file = self._schema.enums[name].file
+        return SourceEnum(name, self._schema.packages.get(file, ""), file)
 
 
 def _obstacle(fields: list[ProtoField]) -> str:
@@ -90,15 +105,3 @@ def _obstacle(fields: list[ProtoField]) -> str:
     if field.repeated and field.type in ("enum", "string", "bytes"):
         return f"is a repeated {field.type}, which mappings do not support yet"
     return ""
-
-
-def _source(fields: list[ProtoField]) -> Source:
-    field = fields[-1]
-    return Source(
-        tuple(field.name for field in fields),
-        _TYPES[field.type],
-        field.repeated,
-        (field.optional or bool(field.oneof)) and not field.repeated,
-        field.type_name if field.type == "enum" else "",
-        next((holder.oneof for holder in fields if holder.oneof), ""),
-    )

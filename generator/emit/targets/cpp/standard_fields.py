@@ -10,7 +10,6 @@ from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.literals import literal, text_literal
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
-    Case,
     Chosen,
     Constant,
     InterfaceType,
@@ -79,7 +78,7 @@ class StandardFields:
 
     def __init__(self, standard: StandardTopic) -> None:
         self._arithmetic = Arithmetic(_CPP)
-        self.obstacle = standard.obstacle and text_literal(standard.obstacle)
+        self.refusal = standard.refusal and text_literal(standard.refusal)
         """Reason, as a C++ literal, why ``from_ros`` cannot make a payload; empty if it can."""
         self.headers = {cpp_names.runtime_header("values")}
         self.tables: dict[str, EnumTable] = {}
@@ -108,10 +107,10 @@ class StandardFields:
     def _value(self, value: _Leaf, type: InterfaceType, path: Path) -> str:
         """Return the C++ expression for a single value of the ROS message; ``path`` leads to its field."""
         if isinstance(value, Constant):
-            return literal(value.value)
+            return self._constant(value)
         if isinstance(value, Taken):
             made = self._made(value, cpp_names.getter(value.source.path), type, path)
-            return made if value.default is None else f"{_has(value.source)} ? {made} : {literal(value.default)}"
+            return f"{_has(value.source)} ? {made} : {self._constant(value.default)}" if value.default else made
         if isinstance(value, Chosen):
             return f"{self._table(value, path, type, to_number=False)}({cpp_names.getter(value.source.path)})"
         if isinstance(value, Rotation):
@@ -199,14 +198,14 @@ class StandardFields:
 
     def _table(self, value: Chosen, path: Path, type: InterfaceType, *, to_number: bool) -> str:
         """Return the name of the C++ function that converts an enum's values, and add the function to `tables`."""
-        cases = {case.value if to_number else case.number: case for case in value.cases}
+        cases = {case.counterpart.value if to_number else case.number: case for case in value.cases}
         table = EnumTable(
             to_number,
             ".".join(path),
             value.source.dotted,
             cpp_names.primitive(type.name),
-            tuple((case.number, case.name, self._case(case, value.holder)) for case in cases.values()),
-            self._case(value.default, value.holder) if value.default else "",
+            tuple((case.number, case.name, self._constant(case.counterpart)) for case in cases.values()),
+            self._constant(value.default) if value.default else "",
         )
         target = "_".join(path)
         name = f"{'_'.join(value.source.path)}_from_{target}" if to_number else f"{target}_of"
@@ -214,12 +213,12 @@ class StandardFields:
             name += "_"
         return name
 
-    def _case(self, case: Case, holder: str) -> str:
-        """Return the C++ expression that replaces an enum value in ROS: a constant of the ROS message, or a literal."""
-        if not case.constant:
-            return literal(case.value)
-        self.headers.add(cpp_names.interface_header(holder))
-        return f"{cpp_names.interface_struct(holder)}::{case.constant}"
+    def _constant(self, constant: Constant) -> str:
+        """Return the C++ expression for a constant: the name of a ROS constant, or a literal."""
+        if not constant.name:
+            return literal(constant.value)
+        self.headers.add(cpp_names.interface_header(constant.holder))
+        return f"{cpp_names.interface_struct(constant.holder)}::{constant.name}"
 
 
 def _leaves(field: TargetField, holders: Path) -> Iterator[tuple[Path, _Leaf, InterfaceType]]:

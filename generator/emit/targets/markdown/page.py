@@ -20,6 +20,7 @@ class Topic:
     name: str
     message: str
     qos: str
+    """Quality of service in words; empty for the default."""
     fields: tuple[tuple[str, str], ...] = ()
 
 
@@ -84,6 +85,7 @@ class Page:
 
     table: str
     package: str
+    default_qos: str
     envelope: ir.Envelope
     peers: tuple[ir.Peer, ...]
     diagram: Diagram
@@ -102,6 +104,7 @@ def page(bridge: ir.Bridge) -> Page:
     return Page(
         table=bridge.table,
         package=bridge.package,
+        default_qos=_qos_words(ir.Qos()),
         envelope=bridge.envelope,
         peers=bridge.peers,
         diagram=diagram(bridge),
@@ -162,9 +165,12 @@ def _extra_topic(standard: ir.StandardTopic) -> Topic:
 
 
 def _qos(qos: ir.Qos) -> str:
+    return "" if qos == ir.Qos() else _qos_words(qos)
+
+
+def _qos_words(qos: ir.Qos) -> str:
     depth = f" {qos.depth}" if qos.history == "keep_last" else ""
-    words = f"{qos.reliability}, {qos.durability}, {qos.history}{depth}".replace("_", " ")
-    return f"{words} (the defaults)" if qos == ir.Qos() else words
+    return f"{qos.reliability}, {qos.durability}, {qos.history}{depth}".replace("_", " ")
 
 
 def _helpers(bridge: ir.Bridge) -> Iterator[Helper]:

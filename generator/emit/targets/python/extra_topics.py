@@ -35,6 +35,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
     module = spelling.proto_module(standard.file)
     imports: set[Import] = {
         *speller.imports,
+        *speller.table_imports,
         *spelling.route_imports(route),
         (spelling.proto_package(bridge.python_package, standard.file), module),
         ("roverlink.runtime.core.standard_handler", "StandardHandler"),
@@ -59,7 +60,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
         default_qos=ir.Qos(),
         proto=standard.local_name,
         ros=standard.message,
-        obstacle=standard.obstacle,
+        refusal=standard.refusal,
         lost=standard.lost,
         payload=f"{module}.{standard.local_name}",
         message=interfaces.reference(standard.message),

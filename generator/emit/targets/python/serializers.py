@@ -45,6 +45,28 @@ class Serializer:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class _Extended:
+    """Handler class that a serializer extends."""
+
+    route: ir.Route
+    name: str
+    module: str
+    file: str
+    """Name of the serializer's module."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Constants:
+    """Constant parts of a standard message, which are serialized only once."""
+
+    message: str
+    """Expression of a message with all constant values."""
+    names: list[str]
+    """Names of the constant bytes, in order."""
+    varying_paths: list[str]
+
+
 @dataclass
 class _Body:
     """Arguments of the `struct` call, and the module's needs for them."""
@@ -64,19 +86,19 @@ def serializers(bridge: ir.Bridge) -> dict[str, Serializer]:
     by_ros = bridge.conversions()
     found: dict[str, Serializer | None] = {}
     for route in bridge.routes:
-        handler, file = spelling.handler_class(route), spelling.module(route.name)
+        file = spelling.module(route.name)
+        handler = _Extended(route, spelling.handler_class(route), f"{bridge.python_package}.handlers.{file}", file)
         if route.conversion:
-            found[handler] = _of_conversion(bridge, route, route.conversion, by_ros)
+            found[handler.name] = _of_conversion(bridge, handler, route.conversion, by_ros)
         elif route.standard:
-            found[handler] = _of_standard(bridge, route, route.standard, handler, f"handlers.{file}", file)
+            found[handler.name] = _of_standard(bridge, handler, route.standard)
     rows = {spelling.module(route.name) for route in bridge.routes}
     for extra in named_extra_topics(bridge):
         file = f"{extra.file}_topic"
         while file in rows:
             file += "_"
-        found[extra.name] = _of_standard(
-            bridge, extra.route, extra.standard, extra.name, f"extra_topics.{extra.file}", file
-        )
+        module = f"{bridge.python_package}.extra_topics.{extra.file}"
+        found[extra.name] = _of_standard(bridge, _Extended(extra.route, extra.name, module, file), extra.standard)
     return {name: serializer for name, serializer in found.items() if serializer}
 
 
@@ -88,44 +110,55 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
     yield "generated/serializers/__init__.py", f'{header(bridge.table)}\n"""{docstring}"""\n'
 
 
-# --- messages of the package ------------------------------------------------------------------------------------
-
-
-def _of_conversion(
-    bridge: ir.Bridge, route: ir.Route, conversion: ir.Conversion, by_ros: Mapping[str, ir.Conversion]
-) -> Serializer | None:
-    own, file = bridge.python_package, spelling.module(route.name)
-    flattener = _Flattener(conversion, by_ros, f"{own}.handlers.{file}")
-    try:
-        flattener.add(conversion, "payload", ())
-    except _VariableSizeError:
-        return None
-    body = flattener.body
-    handler, message = spelling.handler_class(route), spelling.message_class(conversion.ros)
-    module = spelling.proto_module(conversion.file)
-    body.values.insert(0, "cdr.LITTLE_ENDIAN")
-    body.imports |= {
-        (f"{own}.handlers.{file}", handler),
-        (f"{own}.messages", message),
-        (spelling.proto_package(own, conversion.file), module),
+def _serializer(
+    bridge: ir.Bridge,
+    handler: _Extended,
+    source: ir.Conversion | StandardTopic,
+    ros: str,
+    message: str,
+    body: _Body,
+    constants: _Constants | None = None,
+) -> Serializer:
+    own, module = bridge.python_package, spelling.proto_module(source.file)
+    imports = {
+        *body.imports,
+        (handler.module, handler.name),
+        (spelling.proto_package(own, source.file), module),
         ("roverlink.runtime.core", "cdr"),
     }
     text = render(
         "serializer.py.j2",
-        header=header(f"{bridge.table} (row {route.name}) and {conversion.file}"),
-        imports=import_lines(body.imports),
-        uses_math=False,
-        proto=conversion.local_name,
-        ros=f"{bridge.package}/msg/{conversion.ros}",
+        header=header(f"{bridge.table} (row {handler.route.name}) and {source.file}"),
+        imports=import_lines(imports),
+        uses_math=constants is not None and any("math." in text for text in (constants.message, *body.values)),
+        takes_stamp=any("stamp." in value for value in body.values),
+        proto=source.local_name,
+        ros=ros,
         handler=handler,
-        payload=f"{module}.{conversion.local_name}",
+        payload=f"{module}.{source.local_name}",
         message=message,
-        handler_module=f"{own}.handlers.{file}",
-        constant_message="",
+        constants=constants,
         assignments=body.locals,
         packed_values=body.values,
     )
-    return Serializer(file, f"Fast{handler}", text)
+    return Serializer(handler.file, f"Fast{handler.name}", text)
+
+
+# --- messages of the package ------------------------------------------------------------------------------------
+
+
+def _of_conversion(
+    bridge: ir.Bridge, handler: _Extended, conversion: ir.Conversion, by_ros: Mapping[str, ir.Conversion]
+) -> Serializer | None:
+    flattener = _Flattener(conversion, by_ros, handler.module)
+    try:
+        flattener.add(conversion, "payload", ())
+    except _VariableSizeError:
+        return None
+    body, message = flattener.body, spelling.message_class(conversion.ros)
+    body.values.insert(0, "cdr.LITTLE_ENDIAN")
+    body.imports.add((f"{bridge.python_package}.messages", message))
+    return _serializer(bridge, handler, conversion, f"{bridge.package}/msg/{conversion.ros}", message, body)
 
 
 class _Flattener:
@@ -191,10 +224,7 @@ class _Flattener:
 # --- standard messages ------------------------------------------------------------------------------------------
 
 
-def _of_standard(
-    bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, handler: str, module: str, file: str
-) -> Serializer | None:
-    own = bridge.python_package
+def _of_standard(bridge: ir.Bridge, handler: _Extended, standard: StandardTopic) -> Serializer | None:
     definitions = {interface.name: interface for interface in bridge.interfaces}
     try:
         leaves = list(_leaves(standard.fields, (), definitions))
@@ -202,43 +232,21 @@ def _of_standard(
         return None
     if not any(varies for _, varies in leaves):
         return None
-    speller = StandardSpeller(standard, own)
+    speller = StandardSpeller(standard, bridge.python_package)
     gaps = list(_gaps(leaves))
     body = _StandardBody(speller, gaps, definitions)
     body.add(standard.fields)
-    values = [*body.values, *gaps[-1:]] if gaps[-1] else body.values
+    body.values += filter(None, gaps[-1:])
     fixed = ", ".join(f"{field.name}={field.value}" for field in speller.arguments(standard.fields, varying=False))
-    takes_stamp = any("stamp." in value for value in values)
-    proto_module = spelling.proto_module(standard.file)
-    shared = {*speller.constants, *speller.tables}
-    imports = {
-        *(found for found in speller.imports if found[1] != "Counterparts"),
-        *((f"{own}.{module}", name) for name in (handler, *shared)),
-        (spelling.proto_package(own, standard.file), proto_module),
-        ("roverlink.runtime.core", "cdr"),
+    body.imports |= {
+        *speller.imports,
+        *((handler.module, name) for name in (*speller.constants, *speller.tables)),
         ("roverlink.runtime.core.standard_handler", "UNSTAMPED"),
         ("roverlink.runtime.interfaces", "Time"),
     }
-    constant_message = f"{interfaces.reference(standard.message)}({fixed})"
-    text = render(
-        "serializer.py.j2",
-        header=header(f"{bridge.table} (row {route.name}) and {standard.file}"),
-        imports=import_lines(imports),
-        uses_math=any("math." in text for text in (constant_message, *values)),
-        proto=standard.local_name,
-        ros=standard.message,
-        handler=handler,
-        payload=f"{proto_module}.{standard.local_name}",
-        message=interfaces.reference(standard.message),
-        takes_stamp=takes_stamp,
-        handler_module=f"{own}.{module}",
-        constant_message=constant_message,
-        varying_paths=list(_varying(standard.fields, ())),
-        constant_names=[gap for gap in gaps if gap],
-        assignments=body.locals,
-        packed_values=values,
-    )
-    return Serializer(file, f"Fast{handler}", text)
+    message = interfaces.reference(standard.message)
+    constants = _Constants(f"{message}({fixed})", [gap for gap in gaps if gap], list(_varying(standard.fields, ())))
+    return _serializer(bridge, handler, standard, standard.message, message, body, constants)
 
 
 def _leaves(

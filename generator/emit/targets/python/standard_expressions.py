@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import itertools
+import keyword
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
+
 from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
-from roverlink.generator.emit.targets.python import interfaces
+from roverlink.generator.emit.targets.python import interfaces, spelling
 from roverlink.generator.emit.targets.python.expressions import Argument, mapping
 from roverlink.generator.emit.targets.python.imports import Import
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
-    Case,
     Chosen,
     Constant,
     InterfaceType,
@@ -23,15 +25,26 @@ from roverlink.generator.ir.interfaces import (
     Path,
     Recovered,
     Rotation,
+    Scalar,
     Source,
+    SourceEnum,
     Taken,
     TargetField,
     Unset,
-    Value,
 )
 
 _NANOSECONDS = 1_000_000_000  # in a second
 _PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", constant="{name}")
+
+
+@dataclass(frozen=True, slots=True)
+class TableCase:
+    """Value of an enum and its counterpart, as expressions."""
+
+    key: str
+    counterpart: str
+    comment: str
+    """Name of the value if the key is its number; else empty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +54,7 @@ class Table:
     name: str
     field: str
     """Payload's field in error messages."""
-    cases: tuple[tuple[int, str, str], ...]
-    """Number, counterpart and name of each value."""
+    cases: tuple[TableCase, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +76,9 @@ class StandardSpeller:
         self.tables: dict[str, Table] = {}
         self.inverse_tables: dict[str, InverseTable] = {}
         self.imports: set[Import] = {interfaces.import_of(standard.message, generated)}
+        self.table_imports: set[Import] = set()
+        self._enum_modules = {spelling.proto_module(standard.file): standard.file}
+        """.proto file of each module of protobuf's classes."""
         self.takes_stamp = False
         """True if a value is the time of reception."""
 
@@ -87,7 +102,9 @@ class StandardSpeller:
             inside = ", ".join(f"{part.name}={part.value}" for part in parts)
             return self._made(field.type.name, inside) if inside or varying else ""
         if isinstance(value, Constant):
-            return _constant(value.value, field.type)
+            if isinstance(value.value, tuple):
+                return _list(value.value, field.type)
+            return self._constant(value, self.imports)
         if isinstance(value, Unset) or not varying:
             return ""
         if isinstance(value, Rotation):
@@ -115,7 +132,8 @@ class StandardSpeller:
         if value.default is None:
             return taken
         *holders, name = value.source.path
-        return f'{taken} if {".".join(("payload", *holders))}.HasField("{name}") else {_literal(value.default)}'
+        default = self._constant(value.default, self.imports)
+        return f'{taken} if {".".join(("payload", *holders))}.HasField("{name}") else {default}'
 
     def items(self, value: Taken) -> str:
         """Spell the values of a repeated field as an iterable."""
@@ -131,23 +149,42 @@ class StandardSpeller:
         name = self._table(value)
         if value.default is None:
             return f"{name}[{_payload(value.source)}]"
-        default = self._case(value.default, value.holder)
+        default = self._constant(value.default, self.imports)
         return f"{name}.get({_payload(value.source)}, {default})"
 
     def _table(self, value: Chosen) -> str:
         """Return the name of an enum's table."""
-        self.imports |= {
-            ("roverlink.runtime.core.standard_handler", "Counterparts"),
-            interfaces.import_of(value.holder, self._generated),
-        }
-        cases = tuple((case.number, self._case(case, value.holder), case.name) for case in value.cases)
+        self.table_imports.add(("roverlink.runtime.core.standard_handler", "Counterparts"))
+        cases = tuple(self._cases(value))
         name = "_".join(value.source.path).upper()
         while (table := Table(name, value.source.dotted, cases)) != self.tables.setdefault(name, table):
             name += "_"
         return name
 
-    def _case(self, case: Case, holder: str) -> str:
-        return f"{interfaces.reference(holder)}.{case.constant}" if case.constant else _literal(case.value)
+    def _cases(self, value: Chosen) -> Iterator[TableCase]:
+        enum = self._enum(value.source.enum) if value.source.enum else ""
+        for case in value.cases:
+            counterpart = self._constant(case.counterpart, self.table_imports)
+            if enum and _is_attribute(case.name):
+                yield TableCase(f"{enum}.{case.name}", counterpart, "")
+            else:
+                yield TableCase(str(case.number), counterpart, case.name)
+
+    def _enum(self, enum: SourceEnum) -> str:
+        """Spell an enum's class; empty if its name, or the module of another file, prevents it."""
+        module = spelling.proto_module(enum.file)
+        is_usable = not any(map(keyword.iskeyword, enum.local_name.split(".")))
+        if not is_usable or self._enum_modules.setdefault(module, enum.file) != enum.file:
+            return ""
+        self.table_imports.add((spelling.proto_package(self._generated, enum.file), module))
+        return f"{module}.{enum.local_name}"
+
+    def _constant(self, constant: Constant, imports: set[Import]) -> str:
+        """Spell a single value."""
+        if not constant.name:
+            return _literal(constant.value)
+        imports.add(interfaces.import_of(constant.holder, self._generated))
+        return f"{interfaces.reference(constant.holder)}.{constant.name}"
 
     def rotation(self, value: Rotation) -> str:
         """Spell a call that returns a quaternion as x, y, z and w."""
@@ -250,14 +287,17 @@ def _message(path: Path) -> str:
     return ".".join(("message", *path))
 
 
-def _constant(value: Value, type: InterfaceType) -> str:
-    if not isinstance(value, tuple):
-        return _literal(value)
+def _list(values: tuple[Scalar, ...], type: InterfaceType) -> str:
     if type.name == "uint8":
-        return f"bytes([{', '.join(map(str, value))}])" if any(value) else f"bytes({len(value)})"
-    if len(set(value)) == 1 and len(value) > 1:
-        return f"[{_literal(value[0])}] * {len(value)}"
-    return f"[{', '.join(map(_literal, value))}]"
+        return f"bytes([{', '.join(map(str, values))}])" if any(values) else f"bytes({len(values)})"
+    if len(set(values)) == 1 and len(values) > 1:
+        return f"[{_literal(values[0])}] * {len(values)}"
+    return f"[{', '.join(map(_literal, values))}]"
+
+
+def _is_attribute(name: str) -> bool:
+    """Return True if an enum's class in Python gives a value by this name."""
+    return not keyword.iskeyword(name) and name not in dir(EnumTypeWrapper)
 
 
 def _literal(value: object) -> str:

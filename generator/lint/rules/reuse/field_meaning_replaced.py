@@ -21,8 +21,8 @@ from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.field_renames import Rename, names_another_field, rename
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.fixits.put_back_or_reserve import was
-from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+from roverlink.generator.lint.fixits.declarations import name_place
+from roverlink.generator.lint.free_numbers import NewNumbers, changed_field
 
 RULE = Rule("WIR114", "field-meaning-replaced", __doc__)
 
@@ -40,14 +40,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in fields(change):
         # The meaning of a payload is its type. Other rules check that.
         if rename(pair) is Rename.MEANING and pair.owner != context.table.envelope.message:
-            yield RULE.at(
-                pair.new.at("name"),
-                _message(pair),
-                back_or_renumber(numbers, pair),
-                change.earlier(pair.old.at("name"), f"it was `{was(pair)}` here"),
-                type=pair.owner,
-                number=pair.new.number,
-            )
+            yield changed_field(RULE, numbers, pair, _message(pair), name_place)
 
 
 def _message(pair: FieldPair) -> str:

@@ -16,13 +16,13 @@ Good::
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison import FieldPair, SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, cardinalities, only_required, shown
 from roverlink.generator.lint.context import Context
-from roverlink.generator.lint.fixits.put_back_or_reserve import was
-from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+from roverlink.generator.lint.free_numbers import NewNumbers, changed_field
 
 RULE = Rule("WIR103", "field-cardinality-changed-on-the-wire", __doc__)
 _WITHOUT_PACKED_LISTS = frozenset({"string", "bytes", "message", "group"})
@@ -41,14 +41,10 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in fields(change):
         old, new = cardinalities(pair)
         if broken_by_cardinality(old, new) and not only_required(old, new):
-            yield RULE.at(
-                pair.new.span,
-                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}",
-                back_or_renumber(numbers, pair),
-                change.earlier(pair.old.span, f"it was `{was(pair)}` here"),
-                type=pair.owner,
-                number=pair.new.number,
+            message = (
+                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}"
             )
+            yield changed_field(RULE, numbers, pair, message, attrgetter("span"))
 
 
 def _consequence(pair: FieldPair) -> str:

@@ -22,8 +22,7 @@ from roverlink.generator.lint.comparison import SchemaChange, each_once, fields
 from roverlink.generator.lint.comparison.field_type_changes import broken_by_type
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.fixits.declarations import retyping, type_place
-from roverlink.generator.lint.fixits.put_back_or_reserve import was
-from roverlink.generator.lint.free_numbers import NewNumbers, back_or_renumber
+from roverlink.generator.lint.free_numbers import NewNumbers, changed_field
 
 RULE = Rule("WIR101", "field-type-changed-on-the-wire", __doc__)
 
@@ -37,11 +36,4 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
     numbers = NewNumbers(context, change)
     for pair in fields(change):
         if broken_by_type(pair):
-            yield RULE.at(
-                type_place(pair.new),
-                retyping(pair),
-                back_or_renumber(numbers, pair),
-                change.earlier(type_place(pair.old), f"it was `{was(pair)}` here"),
-                type=pair.owner,
-                number=pair.new.number,
-            )
+            yield changed_field(RULE, numbers, pair, retyping(pair), type_place)

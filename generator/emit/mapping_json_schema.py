@@ -1,4 +1,4 @@
-"""JSON Schema of mapping.yaml. Editors use it to complete and to check the table."""
+"""JSON Schema of mapping.yaml, generated/mapping.schema.json. Editors complete and check the table with it."""
 
 from __future__ import annotations
 
