@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Registry: the envelope, the peers, and a handler for every row and every extra topic.
 
-Where a message has a fixed size, its handler is the fast subclass in `generated.serializers`.
+Where a message has a fixed size, its handler is the fast subclass in
+`generated.serializers`.
 """
 
 from __future__ import annotations
@@ -89,5 +90,4 @@ REGISTRY = Registry(
         FastPressureTemperatureTopic(),
     ),
     fingerprint="fa57807d3fe8a6dff40e8a63d2c93f36cde3e03e659ba5c7b2403284da2b3093",
-    retired={},
 )

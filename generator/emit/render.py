@@ -9,6 +9,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from roverlink.generator.emit.python_format import literal
+
 Files = Iterator[tuple[str, str]]
 """Output of a target: each file's path, relative to the table, and its text."""
 
@@ -36,7 +38,7 @@ SETTINGS: dict[str, Any] = {
 def environment() -> Environment:
     """Return the Jinja environment of the shipped templates."""
     own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
-    own.filters |= {"docstring": _docstring, "literal": repr}
+    own.filters |= {"docstring": _docstring, "literal": literal}
     return own
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
+from roverlink.generator.emit.python_format import literal
 from roverlink.generator.emit.targets.python import interfaces
 from roverlink.generator.emit.targets.python.expressions import Argument, mapping
 from roverlink.generator.emit.targets.python.imports import Import
@@ -263,4 +264,4 @@ def _constant(value: Value, type: InterfaceType) -> str:
 def _literal(value: object) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return "math.nan" if math.isnan(value) else ("math.inf" if value > 0 else "-math.inf")
-    return repr(value)
+    return literal(value)
