@@ -42,6 +42,24 @@ def literal(value: object) -> str:
     return f'{prefix}"{double}"' if double.count("\\") <= inside.count("\\") else text
 
 
+def fitted(statement: str) -> str:
+    """Break a statement at its parentheses, as black does, if it is too long for a line.
+
+    The base class of a class is also broken at its brackets. A line that needs more than that stays too long.
+    """
+    return "".join(f"{line}\n" for line in _broken(statement.rstrip("\n"), "(", ")"))
+
+
+def _broken(line: str, open: str, close: str) -> list[str]:
+    if len(line) <= LINE_LENGTH or open not in line:
+        return [line]
+    margin = " " * (len(line) - len(line.lstrip(" ")))
+    head, _, rest = line.partition(open)
+    inside, _, tail = rest.rpartition(close)
+    comma = "," if head.startswith(f"{margin}def ") and "," not in inside else ""
+    return [f"{head}{open}", *_broken(f"{margin}    {inside}{comma}", "[", "]"), f"{margin}{close}{tail}"]
+
+
 def format_python(texts: Mapping[str, str]) -> dict[str, str]:
     """Return the modules by path, formatted by black."""
     long = {path: text for path, text in texts.items() if _has_long_line(text)}

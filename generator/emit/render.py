@@ -9,7 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from roverlink.generator.emit.python_format import literal
+from roverlink.generator.emit.python_format import fitted, literal
 
 Files = Iterator[tuple[str, str]]
 """Output of a target: each file's path, relative to the table, and its text."""
@@ -38,7 +38,7 @@ SETTINGS: dict[str, Any] = {
 def environment() -> Environment:
     """Return the Jinja environment of the shipped templates."""
     own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
-    own.filters |= {"docstring": _docstring, "literal": literal}
+    own.filters |= {"docstring": _docstring, "fitted": fitted, "literal": literal}
     return own
 
 
