@@ -76,6 +76,6 @@ class Places:
 
 
 def _clean(comment: str) -> str:
-    """Return a comment's text without the space behind the slashes, and without empty lines at both ends."""
+    """Return a comment's text without the space behind the slashes, and without white space at both ends."""
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
-    return "\n".join(lines).strip("\n")
+    return "\n".join(lines).strip()
