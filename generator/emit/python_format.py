@@ -21,7 +21,7 @@ from roverlink.generator.user_cache import cache_folder
 LINE_LENGTH = 88
 """Columns of a line: black's default."""
 _NEVER_BROKEN = (b"#", b'"""')  # lines of a comment, and first lines of a docstring
-_LARGEST = 256 * 2**20  # bytes of the cache; a table of 1,000 rows takes 10 MB
+_LARGEST = 256 * 2**20  # bytes of the cache
 _NO_CACHE = (OSError, sqlite3.Error)
 
 

@@ -64,7 +64,11 @@ def test_black_leaves_any_text_and_any_length_as_it_is(
         "peers": {"board": {}},
         "messages": [
             {
-                **{"number": 1, "name": name, "proto": name.title(), "topic": name, "direction": "ros_to_board"},
+                "number": 1,
+                "name": name,
+                "proto": name.title(),
+                "topic": name,
+                "direction": "ros_to_board",
                 "deadman": {"after": "1s", "send": {"text": text, "raw": raw.hex()}},
             }
         ],
