@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Registry: the envelope, the peers, and a handler for every row and every extra topic.
 
-Where a message has a fixed size, its handler is the fast subclass in `generated.serializers`.
+Where a message has a fixed size, its handler is the fast subclass in
+`generated.serializers`.
 """
 
 from __future__ import annotations
@@ -89,5 +90,4 @@ REGISTRY = Registry(
         FastPressureTemperatureTopic(),
     ),
     fingerprint="46bd19fec3d70d1b796c85c726b248c0973dab7d77153d6130bb2cb6bd7bfc41",
-    retired={},
 )

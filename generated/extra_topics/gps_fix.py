@@ -33,7 +33,8 @@ class GpsFixTopic(
 ):
     """One fix of the GPS receiver.
 
-    Extra topic of the row gps_info, number 12 of the envelope, from the peer hardware to the topic gps/fix.
+    Extra topic of the row gps_info, number 12 of the envelope, from the peer hardware
+    to the topic gps/fix.
     """
 
     route = Route(

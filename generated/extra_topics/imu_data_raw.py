@@ -20,7 +20,8 @@ class ImuDataRawTopic(
 ):
     """One sample of the inertial measurement unit.
 
-    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware to the topic imu/data_raw.
+    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware
+    to the topic imu/data_raw.
     """
 
     route = Route(

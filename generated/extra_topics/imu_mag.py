@@ -16,7 +16,8 @@ class ImuMagTopic(
 ):
     """One sample of the inertial measurement unit.
 
-    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware to the topic imu/mag.
+    Extra topic of the row imu_info, number 13 of the envelope, from the peer hardware
+    to the topic imu/mag.
     """
 
     route = Route(

@@ -16,7 +16,8 @@ class PhTemperatureTopic(
 ):
     """One reading of the pH probe.
 
-    Extra topic of the row ph_info, number 1 of the envelope, from the peer hardware to the topic ph/temperature.
+    Extra topic of the row ph_info, number 1 of the envelope, from the peer hardware to
+    the topic ph/temperature.
     """
 
     route = Route(

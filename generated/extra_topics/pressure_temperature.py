@@ -18,7 +18,8 @@ class PressureTemperatureTopic(
 ):
     """One reading of a pressure sensor.
 
-    Extra topic of the row pressure_info, number 15 of the envelope, from the peer hardware to the topic pressure/temperature.
+    Extra topic of the row pressure_info, number 15 of the envelope, from the peer
+    hardware to the topic pressure/temperature.
     """
 
     route = Route(

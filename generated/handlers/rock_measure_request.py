@@ -17,7 +17,8 @@ class RockMeasureRequestHandler(
 ):
     """The line on the image, from (x1, y1) to (x2, y2) in pixels, along which a rock is to be measured.
 
-    Number 19 of the envelope, from the peer basestation to the topic rock_measure_request.
+    Number 19 of the envelope, from the peer basestation to the topic
+    rock_measure_request.
     """
 
     route = Route(

@@ -17,7 +17,8 @@ class RockMeasureResultHandler(
 ):
     """The measured size of a rock.
 
-    Number 20 of the envelope, from the topic rock_measure_result to the peer basestation.
+    Number 20 of the envelope, from the topic rock_measure_result to the peer
+    basestation.
     """
 
     route = Route(

@@ -17,7 +17,8 @@ class RoverLocalizationHandler(
 ):
     """Position of the rover on the field.
 
-    Number 21 of the envelope, from the topic rover_localization to the peer basestation.
+    Number 21 of the envelope, from the topic rover_localization to the peer
+    basestation.
     """
 
     route = Route(

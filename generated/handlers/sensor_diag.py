@@ -19,7 +19,8 @@ class SensorDiagHandler(
 ):
     """State of the sensor board, with the latest reading of each of its sensors.
 
-    Number 11 of the envelope, from the peer hardware to the topic sensor_board_diagnostics.
+    Number 11 of the envelope, from the peer hardware to the topic
+    sensor_board_diagnostics.
     """
 
     route = Route(

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardControlSignals as comms/msg/ArmBoardControlSignals.
 
-The registry uses this class; programs import `ArmCtrlHandler` from `generated.handlers.arm_ctrl`.
+The registry uses this class; programs import `ArmCtrlHandler`
+from `generated.handlers.arm_ctrl`.
 """
 
 from __future__ import annotations

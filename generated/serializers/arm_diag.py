@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardDiagnostics as comms/msg/ArmBoardDiagnostics.
 
-The registry uses this class; programs import `ArmDiagHandler` from `generated.handlers.arm_diag`.
+The registry uses this class; programs import `ArmDiagHandler`
+from `generated.handlers.arm_diag`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardMovementFeedback as comms/msg/ArmBoardMovementFeedback.
 
-The registry uses this class; programs import `ArmFeedbackHandler` from `generated.handlers.arm_feedback`.
+The registry uses this class; programs import `ArmFeedbackHandler`
+from `generated.handlers.arm_feedback`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardObstructions as comms/msg/ArmBoardObstructions.
 
-The registry uses this class; programs import `ArmObstructionsHandler` from `generated.handlers.arm_obstructions`.
+The registry uses this class; programs import `ArmObstructionsHandler`
+from `generated.handlers.arm_obstructions`.
 """
 
 from __future__ import annotations

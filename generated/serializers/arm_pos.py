@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardActualPositions as comms/msg/ArmBoardActualPositions.
 
-The registry uses this class; programs import `ArmPosHandler` from `generated.handlers.arm_pos`.
+The registry uses this class; programs import `ArmPosHandler`
+from `generated.handlers.arm_pos`.
 """
 
 from __future__ import annotations

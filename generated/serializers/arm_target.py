@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of ArmBoardTargetMovement as comms/msg/ArmBoardTargetMovement.
 
-The registry uses this class; programs import `ArmTargetHandler` from `generated.handlers.arm_target`.
+The registry uses this class; programs import `ArmTargetHandler`
+from `generated.handlers.arm_target`.
 """
 
 from __future__ import annotations

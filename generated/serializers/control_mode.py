@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationControlMode as comms/msg/BasestationControlMode.
 
-The registry uses this class; programs import `ControlModeHandler` from `generated.handlers.control_mode`.
+The registry uses this class; programs import `ControlModeHandler`
+from `generated.handlers.control_mode`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationDetectedObject as comms/msg/BasestationDetectedObject.
 
-The registry uses this class; programs import `DetectedObjectHandler` from `generated.handlers.detected_object`.
+The registry uses this class; programs import `DetectedObjectHandler`
+from `generated.handlers.detected_object`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardDiagnostics as comms/msg/DrivingBoardDiagnostics.
 
-The registry uses this class; programs import `DriveDiagHandler` from `generated.handlers.drive_diag`.
+The registry uses this class; programs import `DriveDiagHandler`
+from `generated.handlers.drive_diag`.
 """
 
 from __future__ import annotations

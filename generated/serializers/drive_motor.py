@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardMotorMessage as comms/msg/DrivingBoardMotorMessage.
 
-The registry uses this class; programs import `DriveMotorHandler` from `generated.handlers.drive_motor`.
+The registry uses this class; programs import `DriveMotorHandler`
+from `generated.handlers.drive_motor`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of DrivingBoardMotorPeriodicProgress as comms/msg/DrivingBoardMotorPeriodicProgress.
 
-The registry uses this class; programs import `DriveProgressHandler` from `generated.handlers.drive_progress`.
+The registry uses this class; programs import `DriveProgressHandler`
+from `generated.handlers.drive_progress`.
 """
 
 from __future__ import annotations

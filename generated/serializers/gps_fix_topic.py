@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardGPSInfo as sensor_msgs/msg/NavSatFix.
 
-The registry uses this class; programs import `GpsFixTopic` from `generated.extra_topics.gps_fix`.
+The registry uses this class; programs import `GpsFixTopic`
+from `generated.extra_topics.gps_fix`.
 """
 
 from __future__ import annotations

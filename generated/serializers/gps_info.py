@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardGPSInfo as comms/msg/SensorBoardGPSInfo.
 
-The registry uses this class; programs import `GpsInfoHandler` from `generated.handlers.gps_info`.
+The registry uses this class; programs import `GpsInfoHandler`
+from `generated.handlers.gps_info`.
 """
 
 from __future__ import annotations

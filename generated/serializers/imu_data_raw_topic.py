@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/Imu.
 
-The registry uses this class; programs import `ImuDataRawTopic` from `generated.extra_topics.imu_data_raw`.
+The registry uses this class; programs import `ImuDataRawTopic`
+from `generated.extra_topics.imu_data_raw`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as comms/msg/ImuSensorInformation.
 
-The registry uses this class; programs import `ImuInfoHandler` from `generated.handlers.imu_info`.
+The registry uses this class; programs import `ImuInfoHandler`
+from `generated.handlers.imu_info`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardIMUInfo as sensor_msgs/msg/MagneticField.
 
-The registry uses this class; programs import `ImuMagTopic` from `generated.extra_topics.imu_mag`.
+The registry uses this class; programs import `ImuMagTopic`
+from `generated.extra_topics.imu_mag`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardLoadCellInfo as comms/msg/SensorBoardLoadCellInfo.
 
-The registry uses this class; programs import `LoadCellInfoHandler` from `generated.handlers.load_cell_info`.
+The registry uses this class; programs import `LoadCellInfoHandler`
+from `generated.handlers.load_cell_info`.
 """
 
 from __future__ import annotations

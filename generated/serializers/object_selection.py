@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationObjectSelection as comms/msg/BasestationObjectSelection.
 
-The registry uses this class; programs import `ObjectSelectionHandler` from `generated.handlers.object_selection`.
+The registry uses this class; programs import `ObjectSelectionHandler`
+from `generated.handlers.object_selection`.
 """
 
 from __future__ import annotations

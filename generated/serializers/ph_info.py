@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPHInfo as comms/msg/SensorBoardPHInfo.
 
-The registry uses this class; programs import `PhInfoHandler` from `generated.handlers.ph_info`.
+The registry uses this class; programs import `PhInfoHandler`
+from `generated.handlers.ph_info`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPHInfo as sensor_msgs/msg/Temperature.
 
-The registry uses this class; programs import `PhTemperatureTopic` from `generated.extra_topics.ph_temperature`.
+The registry uses this class; programs import `PhTemperatureTopic`
+from `generated.extra_topics.ph_temperature`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as sensor_msgs/msg/FluidPressure.
 
-The registry uses this class; programs import `PressureFluidPressureTopic` from `generated.extra_topics.pressure_fluid_pressure`.
+The registry uses this class; programs import `PressureFluidPressureTopic`
+from `generated.extra_topics.pressure_fluid_pressure`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as comms/msg/SensorBoardPressureInfo.
 
-The registry uses this class; programs import `PressureInfoHandler` from `generated.handlers.pressure_info`.
+The registry uses this class; programs import `PressureInfoHandler`
+from `generated.handlers.pressure_info`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardPressureInfo as sensor_msgs/msg/Temperature.
 
-The registry uses this class; programs import `PressureTemperatureTopic` from `generated.extra_topics.pressure_temperature`.
+The registry uses this class; programs import `PressureTemperatureTopic`
+from `generated.extra_topics.pressure_temperature`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRockMeasureRequest as comms/msg/BasestationRockMeasureRequest.
 
-The registry uses this class; programs import `RockMeasureRequestHandler` from `generated.handlers.rock_measure_request`.
+The registry uses this class; programs import `RockMeasureRequestHandler`
+from `generated.handlers.rock_measure_request`.
 """
 
 from __future__ import annotations

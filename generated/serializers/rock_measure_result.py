@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRockMeasureResult as comms/msg/BasestationRockMeasureResult.
 
-The registry uses this class; programs import `RockMeasureResultHandler` from `generated.handlers.rock_measure_result`.
+The registry uses this class; programs import `RockMeasureResultHandler`
+from `generated.handlers.rock_measure_result`.
 """
 
 from __future__ import annotations

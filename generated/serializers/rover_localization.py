@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of BasestationRoverLocalization as comms/msg/BasestationRoverLocalization.
 
-The registry uses this class; programs import `RoverLocalizationHandler` from `generated.handlers.rover_localization`.
+The registry uses this class; programs import `RoverLocalizationHandler`
+from `generated.handlers.rover_localization`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 # Regenerate with: roverlink generate
 """Fast serialization of SensorBoardDiagnostics as comms/msg/SensorBoardDiagnostics.
 
-The registry uses this class; programs import `SensorDiagHandler` from `generated.handlers.sensor_diag`.
+The registry uses this class; programs import `SensorDiagHandler`
+from `generated.handlers.sensor_diag`.
 """
 
 from __future__ import annotations

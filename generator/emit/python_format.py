@@ -1,8 +1,11 @@
-"""Formatting of generated Python with black, restricted to texts that have changed.
+"""Layout of generated Python: as black lays it out, in 88 columns.
 
-black takes longer than the rest of a run. Its results are therefore kept between runs in the user's cache folder, by
-the checksum of the unformatted text and black's version. The cache can be deleted at any time; if it is missing,
-damaged or read-only, all texts are formatted again.
+The templates print black's form of everything that fits into a line, and tests/generator/test_generated_python.py
+holds them to it. black itself gets only modules with a line that it might have to break. It takes 0.1 ms for each line
+of a module, which would be most of a run: 17 s for a table of 1,000 rows.
+
+Its results are kept between runs in the user's cache folder, by the checksum of the unformatted text and black's
+version. The cache can be deleted at any time; if it is missing, damaged or read-only, all texts are formatted again.
 """
 
 from __future__ import annotations
@@ -11,20 +14,68 @@ import contextlib
 import hashlib
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
-from multiprocessing import get_context
 
 from roverlink.generator.user_cache import cache_folder
 
-_LARGEST = 256 * 2**20  # bytes of the cache; a table of 1,000 rows takes 10 MB
-_LEAST_FOR_PROCESSES = 300  # texts; a new process takes as long to start as to format fifty
-_TEXTS_PER_TASK = 20  # texts that a process gets at once
+LINE_LENGTH = 88
+"""Columns of a line: black's default."""
+_NEVER_BROKEN = (b"#", b'"""')  # lines of a comment, and first lines of a docstring
+_LARGEST = 256 * 2**20  # bytes of the cache
 _NO_CACHE = (OSError, sqlite3.Error)
 
 
+def literal(value: object) -> str:
+    r"""Spell a value as Python source, as `repr` does, but prefer double quotes as black does.
+
+    >>> literal(("a", b"b", 'say "stop"'))
+    '("a", b"b", \'say "stop"\')'
+    """
+    if isinstance(value, tuple):
+        inside = ", ".join(map(literal, value))
+        return f"({inside},)" if len(value) == 1 else f"({inside})"
+    text = repr(value)
+    if not isinstance(value, (str, bytes)) or text.endswith('"'):
+        return text
+    prefix, _, inside = text[:-1].partition("'")
+    double = inside.replace("\\'", "'").replace('"', '\\"')
+    return f'{prefix}"{double}"' if double.count("\\") <= inside.count("\\") else text
+
+
+def fitted(statement: str) -> str:
+    """Break a statement at its parentheses, as black does, if it is too long for a line.
+
+    The base class of a class is also broken at its brackets. A line that needs more than that stays too long.
+    """
+    return "".join(f"{line}\n" for line in _broken(statement.rstrip("\n"), "(", ")"))
+
+
+def _broken(line: str, open: str, close: str) -> list[str]:
+    if len(line) <= LINE_LENGTH or open not in line:
+        return [line]
+    margin = " " * (len(line) - len(line.lstrip(" ")))
+    head, _, rest = line.partition(open)
+    inside, _, tail = rest.rpartition(close)
+    comma = "," if head.startswith(f"{margin}def ") and "," not in inside else ""
+    return [f"{head}{open}", *_broken(f"{margin}    {inside}{comma}", "[", "]"), f"{margin}{close}{tail}"]
+
+
 def format_python(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the modules by path, formatted by black with its default of 88 columns."""
+    """Return the modules by path, formatted by black."""
+    long = {path: text for path, text in texts.items() if _has_long_line(text)}
+    return {**texts, **(_formatted(long) if long else {})}
+
+
+def _has_long_line(text: str) -> bool:
+    """Return True if black might break a line of a module.
+
+    Bytes of UTF-8 are counted, because a character takes at least as many bytes as columns.
+    """
+    lines = text.encode().splitlines()
+    return any(len(line) > LINE_LENGTH and not line.lstrip().startswith(_NEVER_BROKEN) for line in lines)
+
+
+def _formatted(texts: Mapping[str, str]) -> dict[str, str]:
     salt = version("black").encode()
     keys = {path: hashlib.sha256(salt + text.encode()).hexdigest() for path, text in texts.items()}
     with contextlib.ExitStack() as stack:
@@ -32,27 +83,17 @@ def format_python(texts: Mapping[str, str]) -> dict[str, str]:
         with contextlib.suppress(*_NO_CACHE):
             cache = stack.enter_context(_open_cache())
         known = _load(cache, keys.values())
-        missing = {keys[path]: text for path, text in texts.items() if keys[path] not in known}
-        made = _format_all(missing)
+        made = {keys[path]: _format(text) for path, text in texts.items() if keys[path] not in known}
         _save(cache, made)
     known |= made
     return {path: known[key] for path, key in keys.items()}
-
-
-def _format_all(texts: Mapping[str, str]) -> dict[str, str]:
-    if len(texts) < _LEAST_FOR_PROCESSES:
-        return {key: _format(text) for key, text in texts.items()}
-    longest_first = sorted(texts, key=lambda key: len(texts[key]), reverse=True)  # so that all processes end together
-    with ProcessPoolExecutor(mp_context=get_context("spawn")) as workers:
-        made = workers.map(_format, [texts[key] for key in longest_first], chunksize=_TEXTS_PER_TASK)
-        return dict(zip(longest_first, made))
 
 
 def _format(text: str) -> str:
     import black  # here, because its import takes 0.1 s and most runs format nothing
     from black.mode import TargetVersion
 
-    return black.format_str(text, mode=black.Mode(target_versions={TargetVersion.PY310}))
+    return black.format_str(text, mode=black.Mode(line_length=LINE_LENGTH, target_versions={TargetVersion.PY310}))
 
 
 # --- the cache --------------------------------------------------------------------------------------------------

@@ -9,6 +9,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from roverlink.generator.emit.python_format import fitted, literal
+
 Files = Iterator[tuple[str, str]]
 """Files that a target returns: the path of each file, relative to the table, and the text of the file."""
 
@@ -36,7 +38,7 @@ SETTINGS: dict[str, Any] = {
 def environment() -> Environment:
     """Return the Jinja environment that renders the installed templates."""
     own = Environment(loader=FileSystemLoader(shipped("templates")), **SETTINGS)  # noqa: S701  # source text, not HTML
-    own.filters |= {"docstring": _docstring, "literal": repr}
+    own.filters |= {"docstring": _docstring, "fitted": fitted, "literal": literal}
     return own
 
 

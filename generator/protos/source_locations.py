@@ -77,7 +77,7 @@ class Places:
 
 
 def _clean(comment: str) -> str:
-    """Return a comment's text without the space behind the slashes, and without empty lines at both ends."""
+    """Return a comment's text without the space behind the slashes, and without white space at both ends."""
     # protoc removes the `//`, but keeps the space behind it (descriptor.proto, `leading_comments`).
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
-    return "\n".join(lines).strip("\n")
+    return "\n".join(lines).strip()

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import black
 import pytest
+import yaml
 from case_file import CaseFile
 from golden import ROOT, files_of, passing_cases
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from roverlink.generator.ir import ros_names
+from roverlink.generator.pipeline import compile_table
 
 _MODE = black.Mode(line_length=88, target_versions={black.TargetVersion.PY310})
+_NAMES = st.from_regex(r"[a-z]{1,75}", fullmatch=True).filter(lambda name: not ros_names.unusable(name))
+_TEXTS = st.text(st.sampled_from("ab.  \"'\\#({\t\n\f\u00e4\u5bbd"), max_size=120)
 _CASES = pytest.mark.parametrize("case", passing_cases(), ids=lambda case: case.name)
 # What protoc's stubs say of a message with extensions is in no release of protobuf's own stubs, and of a message with a
 # field called `str` they say that every text is that field.
@@ -20,11 +29,11 @@ _TYPED = [case for case in passing_cases() if case.name not in ("extensions", "n
 
 def _python(case: CaseFile) -> dict[str, str]:
     """The generated modules that are ours, not protoc's."""
-    return {
-        path: text
-        for path, text in files_of(case).items()
-        if path.endswith(".py") and not path.startswith(f"{_folder(case)}/pb2/")
-    }
+    return {path: text for path, text in files_of(case).items() if _is_ours(path)}
+
+
+def _is_ours(path: str) -> bool:
+    return path.endswith(".py") and "/pb2/" not in path
 
 
 def _folder(case: CaseFile) -> str:
@@ -38,6 +47,48 @@ def test_black_leaves_it_as_it_is(case: CaseFile) -> None:
     """Every module is laid out as black lays it out in 88 columns."""
     changed = {path: black.format_str(text, mode=_MODE) for path, text in _python(case).items()}
     assert _python(case) == changed
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(name=_NAMES, package=_NAMES, comment=_TEXTS, text=_TEXTS, raw=st.binary(max_size=80))
+def test_black_leaves_any_text_and_any_length_as_it_is(
+    name: str, package: str, comment: str, text: str, raw: bytes
+) -> None:
+    """The same is true for comments and values with any characters, and for names of any length."""
+    table = {
+        "version": 1,
+        "proto": {"root": "."},
+        "envelope": {"file": "envelope.proto", "message": "Envelope", "oneof": "payload"},
+        "ros": {"package": package},
+        "peers": {"board": {}},
+        "messages": [
+            {
+                "number": 1,
+                "name": name,
+                "proto": name.title(),
+                "topic": name,
+                "direction": "ros_to_board",
+                "deadman": {"after": "1s", "send": {"text": text, "raw": raw.hex()}},
+            }
+        ],
+    }
+    comments = "".join(f"// {line}\n" for line in comment.split("\n"))
+    proto = f"""
+        syntax = "proto3";
+        {comments} message {name.title()} {{
+        {comments} string text = 1;
+        bytes raw = 2;
+        Part {name} = 3;
+        }}
+        message Part {{ int32 {name} = 1; }}
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        project = Path(folder)
+        (project / "all.proto").write_text(proto, encoding="utf-8")
+        (project / "mapping.yaml").write_text(yaml.safe_dump(table), encoding="utf-8")
+        made = {path: text for path, text in compile_table(project / "mapping.yaml").files.items() if _is_ours(path)}
+    assert made == {path: black.format_str(text, mode=_MODE) for path, text in made.items()}
 
 
 @_CASES

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from roverlink.generator.emit.python_format import LINE_LENGTH
+
 Import = tuple[str, str]
 """Module, and a name that is imported from it."""
 
@@ -20,10 +22,18 @@ def import_lines(imports: Iterable[Import]) -> list[str]:
             names.setdefault(module, set()).add(name)
     statements = [(module, ", ".join(sorted(found, key=_member_order))) for module, found in names.items()]
     statements = sorted([*statements, *aliased], key=lambda statement: [natural_order(part) for part in statement])
-    lines = [f"from {module} import {imported}" for module, imported in statements]
+    lines = [_statement(module, imported) for module, imported in statements]
     google = [line for line in lines if line.startswith("from google.")]
     ours = [line for line in lines if line not in google]
     return [*google, "", *ours] if google and ours else lines
+
+
+def _statement(module: str, imported: str) -> str:
+    """Return an import as black lays it out: a name in each line if one line is too short for all."""
+    line = f"from {module} import {imported}"
+    if len(line) <= LINE_LENGTH:
+        return line
+    return "\n".join([f"from {module} import (", *(f"    {name}," for name in imported.split(", ")), ")"])
 
 
 def _member_order(name: str) -> tuple[int, list[tuple[str, int]]]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from roverlink.generator import ir
+from roverlink.generator.emit.python_format import literal
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.targets.python.imports import Import, import_lines
@@ -143,7 +144,7 @@ def _message(interface: Interface, package: str) -> _Message:
 
 def _constant(constant: InterfaceConstant) -> _Constant:
     is_integer = "int" in constant.type or constant.type in ("byte", "char")
-    return _Constant(constant.name, "int" if is_integer else type(constant.value).__name__, repr(constant.value))
+    return _Constant(constant.name, "int" if is_integer else type(constant.value).__name__, literal(constant.value))
 
 
 # --- fields -----------------------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from fractions import Fraction
 from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
 
 from roverlink.generator.emit.arithmetic import Arithmetic, Dialect
+from roverlink.generator.emit.python_format import literal
 from roverlink.generator.emit.targets.python import interfaces, spelling
 from roverlink.generator.emit.targets.python.expressions import Argument, mapping
 from roverlink.generator.emit.targets.python.imports import Import
@@ -303,4 +304,4 @@ def _is_attribute(name: str) -> bool:
 def _literal(value: object) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return "math.nan" if math.isnan(value) else ("math.inf" if value > 0 else "-math.inf")
-    return repr(value)
+    return literal(value)
