@@ -66,5 +66,5 @@ class GpsFixTopic(
         """Raise `ConversionError`: the message does not determine the payload."""
         del message  # nothing of it is used
         raise ConversionError(
-            "status.status is STATUS_FIX for GPS_FIX and for PPS_FIX of fix_quality"
+            "'status.status' is STATUS_FIX for 'GPS_FIX' and for 'PPS_FIX' of 'fix_quality'"
         )

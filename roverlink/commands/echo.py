@@ -9,11 +9,21 @@ import time
 from collections.abc import Sequence
 
 from roverlink import topic_types
-from roverlink.console import FINDINGS, OK, Subparsers, add_project, command, count, project_folder, seconds
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    Subparsers,
+    add_middleware,
+    add_project,
+    command,
+    count,
+    project_folder,
+    seconds,
+)
 from roverlink.generated_code import load_project
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.text.values import message_to_values
 
 
@@ -26,17 +36,25 @@ def add(commands: Subparsers) -> None:
         "roverlink echo imu_data --count 1",
     )
     add_project(parser)
-    parser.add_argument("topic", help="ROS 2 topic")
-    parser.add_argument("--type", metavar="PKG/msg/NAME", help="type of the topic, needed if no row has it")
-    parser.add_argument("--json", action="store_true", help="print one JSON object per line, keyed by ROS field names")
+    parser.add_argument("topic", help="name of the ROS 2 topic")
+    parser.add_argument(
+        "--type",
+        metavar="PKG/msg/NAME",
+        help="type of the messages, needed only for a topic that is not in mapping.yaml",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print each message as a JSON object on one line; its keys are the names of the ROS fields",
+    )
     parser.add_argument("--count", type=count, metavar="N", help="stop after N messages")
-    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds with exit code 1")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds, with exit code 1")
     parser.add_argument(
-        "--best-effort", action="store_true", help="subscribe with best-effort reliability, as sensor drivers publish"
+        "--best-effort",
+        action="store_true",
+        help="subscribe with best-effort reliability, for topics that are published so, as many sensor drivers do",
     )
-    parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
-    )
+    add_middleware(parser)
     parser.set_defaults(run=run)
 
 

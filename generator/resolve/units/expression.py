@@ -85,7 +85,7 @@ class _Reader:
             raise UnitError(f"unknown unit {token!r}; {nearest(token, known.symbols(), _EXAMPLES)}")
         if found.offset and not self._alone:
             raise UnitError(
-                f"{token} cannot be combined with other units, because it has its own zero; write K for differences"
+                f"the unit {token!r} has its own zero, so it cannot be combined with others; write K for differences"
             )
         return found
 

@@ -40,7 +40,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
         if broken_by_cardinality(old, new) and not only_required(old, new):
             yield RULE.at(
                 pair.new.span,
-                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}",
+                f"`{pair.new.name} = {pair.new.number}` was {shown(old)} and is now {shown(new)}: {_consequence(pair)}",
                 back_or_renumber(numbers, pair),
                 change.earlier(pair.old.span, f"it was `{was(pair)}` here"),
                 type=pair.owner,
