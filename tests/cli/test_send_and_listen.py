@@ -103,9 +103,9 @@ def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[st
     ("arguments", "expected"),
     [
         (["send"], "no payload given; `roverlink send --list` lists them"),
-        (["send", "imu_inf"], "unknown payload 'imu_inf'; did you mean imu_info?"),
+        (["send", "imu_inf"], "unknown payload 'imu_inf'; did you mean 'imu_info'?"),
         (["send", "zzz"], "unknown payload 'zzz'; known: ph_info, arm_ctrl"),
-        (["send", "imu_info", "accel_q=1"], "SensorBoardIMUInfo has no field 'accel_q'; did you mean accel_z?"),
+        (["send", "imu_info", "accel_q=1"], "SensorBoardIMUInfo has no field 'accel_q'; did you mean 'accel_z'?"),
         (["send", "imu_info", "accel_x"], "'accel_x' is not of the form field=value"),
         (["send", "imu_info", "=1"], "'=1' is not of the form field=value"),
         (["send", "imu_info", "accel_x=fast"], "accel_x: 'fast' is not a valid float"),
