@@ -111,7 +111,7 @@ def test_the_list_names_every_payload_and_field(capsys: pytest.CaptureFixture[st
         (["send", "imu_info", "accel_x=fast"], "accel_x: 'fast' is not a valid float"),
         (["send", "imu_info", "accel_x=1e39"], "accel_x: '1e39' is not a valid float"),
         (["send", "imu_info", "accel_x=1", "accel_x=2"], "accel_x is assigned more than once"),
-        (["send", "imu_info", "error_code=IMU_SENSOR_FALT"], "did you mean IMU_SENSOR_FAULT?"),
+        (["send", "imu_info", "error_code=IMU_SENSOR_FALT"], "did you mean 'IMU_SENSOR_FAULT'?"),
         (["send", "imu_info", "accel_x.y=1"], "SensorBoardIMUInfo.accel_x is not a message"),
         (["send", "detected_object", "bbox=3"], "bbox: '3' is not a mapping"),
         (["send", "imu_info", "--to", "127.0.0.1"], "'127.0.0.1' is not of the form HOST:PORT"),
