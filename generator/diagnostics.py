@@ -174,4 +174,4 @@ def has_errors(findings: Iterable[Diagnostic]) -> bool:
 def nearest(word: str, known: Iterable[str], otherwise: str = "") -> str:
     """Return ``did you mean ...?`` with the most similar known word, or ``otherwise`` if no word is similar."""
     found = difflib.get_close_matches(word, list(known), 1, 0.6)
-    return f"did you mean {found[0]}?" if found else otherwise
+    return f"did you mean {found[0]!r}?" if found else otherwise

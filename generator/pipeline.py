@@ -151,7 +151,7 @@ def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
 def _index(table: Table, project: Path) -> DeclarationIndex:
     root = project / table.proto.root
     if not root.is_dir():
-        message = f"the proto root {table.proto.root} is not a folder"
+        message = f"the proto root {table.proto.root!r} is not a folder"
         raise DiagnosticsError(
             [
                 NO_PROTO_ROOT.at(
@@ -177,9 +177,15 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
     overlay = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)} if envelope.ours else {}
     if not envelope.ours and not (root / envelope.file).is_file():
-        message = f"the file {envelope.file} does not exist below {table.proto.root}"
+        message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(
-            [NO_ENVELOPE.at(table.envelope.at("file"), message, "with `owner: mapping`, generate writes it")]
+            [
+                NO_ENVELOPE.at(
+                    table.envelope.at("file"),
+                    message,
+                    "correct `file`; or write `owner: mapping`, so that `roverlink generate` writes the file",
+                )
+            ]
         )
     return compile_protos(root, wanted, overlay, table.proto.root)
 

@@ -78,10 +78,23 @@ def add_table(parser: argparse.ArgumentParser) -> None:
     )
 
 
+MIDDLEWARES_HELP = (
+    "connection to ROS 2. dds: Cyclone DDS, which needs no installed ROS 2; rclpy: the installed ROS 2; memory: topics "
+    "only inside this process, without ROS 2; auto: rclpy if Python can import it, else dds"
+)
+
+
 def add_middleware(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the middleware."""
+    """Add the option for the connection to ROS 2."""
+    parser.add_argument("--middleware", choices=NAMES, default="auto", help=f"{MIDDLEWARES_HELP} (default: auto)")
+
+
+def add_recording(parser: argparse.ArgumentParser) -> None:
+    """Add the argument for a file of a recording."""
     parser.add_argument(
-        "--middleware", choices=NAMES, default="auto", help="auto: rclpy if it can be imported, else dds"
+        "recording",
+        type=Path,
+        help="any file of the recording, such as run.mcap or run.datagrams.mcap; the others are found beside it",
     )
 
 

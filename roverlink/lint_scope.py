@@ -25,13 +25,18 @@ def add_subject(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=Path,
         metavar="PROTO_ROOT",
-        help="folder of .proto files, for a project without mapping.yaml",
+        help="folder of .proto files; give it only if there is no mapping.yaml",
     )
     add_table(parser)
     parser.add_argument(
-        "--envelope", default="", metavar="FILE", help="with PROTO_ROOT: .proto file that contains the envelope"
+        "--envelope",
+        default="",
+        metavar="FILE",
+        help="with PROTO_ROOT: the .proto file that declares the envelope, relative to PROTO_ROOT",
     )
-    parser.add_argument("--message", default="", metavar="NAME", help="with PROTO_ROOT: name of the envelope's message")
+    parser.add_argument(
+        "--message", default="", metavar="NAME", help="with PROTO_ROOT: name of the envelope's protobuf message"
+    )
 
 
 def linted(arguments: argparse.Namespace, root: Path | None, question: Question) -> Linted:

@@ -27,30 +27,37 @@ from roverlink.runtime.recording import COMPRESSIONS
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
+RECORDING_HELP = (
+    "file for the recorded topics, such as run.mcap (datagrams go to run.datagrams.mcap). If FILE is a folder, a file "
+    "that is named after the date and time is created in it"
+)
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that attach observers to a parser. `roverlink run` and `roverlink record` have these options."""
-    parser.add_argument("--no-diagnostics", action="store_true", help="do not publish on /diagnostics")
-    parser.add_argument("--metrics", type=port, metavar="PORT", help="serve Prometheus metrics on this TCP port")
+    parser.add_argument(
+        "--no-diagnostics", action="store_true", help="do not publish the bridge's state on the topic /diagnostics"
+    )
+    parser.add_argument("--metrics", type=port, metavar="PORT", help="serve metrics for Prometheus on this TCP port")
     parser.add_argument(
         "--foxglove",
         type=port,
         nargs="?",
         const=FOXGLOVE_PORT,
         metavar="PORT",
-        help=f"serve the topics live to Foxglove on this TCP port (default: {FOXGLOVE_PORT})",
+        help=f"show the topics live in Foxglove, which connects to this TCP port (default: {FOXGLOVE_PORT})",
     )
     parser.add_argument(
         "--rotate",
         type=megabytes,
         metavar="MB",
-        help="start a new file of the recording at this size in megabytes (default: never)",
+        help="start a new file when the current file of the recording has this size in megabytes (default: never)",
     )
     parser.add_argument(
         "--compression",
         choices=COMPRESSIONS,
         default="zstd",
-        help="compression of the recording (default: %(default)s)",
+        help="compression of the recording's files (default: %(default)s)",
     )
 
 

@@ -68,5 +68,5 @@ class GpsFixTopic(
         """Raise `ConversionError`: the message does not determine the payload."""
         del message  # nothing of it is used
         raise ConversionError(
-            "sensor_msgs/msg/NavSatFix cannot be converted to SensorBoardGPSInfo: status.status is STATUS_FIX for GPS_FIX and for PPS_FIX of fix_quality"
+            "sensor_msgs/msg/NavSatFix cannot be converted to SensorBoardGPSInfo: 'status.status' is STATUS_FIX for 'GPS_FIX' and for 'PPS_FIX' of 'fix_quality'"
         )

@@ -89,10 +89,10 @@ def _size_of_oneof(message: ProtoMessage) -> int:
 def _no_envelope(files: Mapping[str, File], file: str, message: str, shown_root: str) -> Diagnostic:
     if file and file not in files:
         return NO_SUCH_ENVELOPE.at(
-            Span(shown_root), f"the folder contains no file {file}", f"known files: {', '.join(sorted(files))}"
+            Span(shown_root), f"the folder contains no file {file!r}", f"known files: {', '.join(sorted(files))}"
         )
     known = sorted({one.full_name for name in files for one in files[name].messages if one.oneofs})
-    fault = f"no message {message} is declared" if message else "no message with a oneof is declared"
+    fault = f"no message {message!r} is declared" if message else "no message with a oneof is declared"
     help = f"messages with a oneof: {', '.join(known)}" if known else "the envelope is a message with a oneof"
     return NO_SUCH_ENVELOPE.at(Span(shown(shown_root, file) if file else shown_root), fault, help)
 
@@ -102,7 +102,8 @@ def _oneof(envelope: ProtoMessage, wanted: str, shown_root: str) -> str:
     counted = Counter(field.oneof for field in envelope.fields if field.oneof and field.type == "message")
     found = wanted or next((name for name, _ in counted.most_common(1)), "")
     if not counted[found]:
-        message = f"{envelope.full_name} has no oneof {wanted}".rstrip() + " that contains messages"
+        named = f"no oneof {wanted!r}" if wanted else "no oneof"
+        message = f"the message {envelope.full_name!r} has {named} that contains messages"
         raise DiagnosticsError([NO_SUCH_ENVELOPE.at(envelope.span or Span(shown_root), message)])
     return found
 

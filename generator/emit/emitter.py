@@ -61,8 +61,12 @@ class _Collected:
         try:
             for path, text in files:
                 if path in self._files:
-                    also = [(self._asked[path], "first here")]
-                    self._findings.append(FORBIDDEN_PATH.at(span, f"{path} is written twice", also=also))
+                    also = [(self._asked[path], "this one writes the file first")]
+                    self._findings.append(
+                        FORBIDDEN_PATH.at(
+                            span, f"two targets or template folders write the same file, {path!r}", also=also
+                        )
+                    )
                 self._files[path] = text
                 self._asked[path] = span
         except DiagnosticsError as error:
@@ -93,7 +97,7 @@ def _of_installed(found: EntryPoint, bridge: ir.Bridge, span: Span) -> Files:
             yield str(path), str(text)
     except Exception as error:  # code of another package may raise anything
         package = found.dist.name if found.dist else found.value
-        message = f"the target {found.name} of {package} failed: {type(error).__name__}: {error}"
+        message = f"the target {found.name!r} of the package {package!r} failed: {type(error).__name__}: {error}"
         raise DiagnosticsError([TARGET_FAILED.at(span, message)]) from error
 
 
@@ -128,6 +132,6 @@ def _inside(project: Path, files: Files, span: Span) -> Files:
     """
     for path, text in files:
         if not (project / path).parent.resolve().is_relative_to(project.resolve()):
-            message = f"cannot write {path}: a link leads outside the project"
+            message = f"cannot write {path!r}: a link in its path leads outside the project"
             raise DiagnosticsError([FORBIDDEN_PATH.at(span, message)])
         yield path, text

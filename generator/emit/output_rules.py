@@ -49,7 +49,7 @@ for this table.
 
 Bad::
 
-    mapping.yaml:9:11: error[OUT103] the target plots of rover-plots failed: KeyError: 'depth'
+    mapping.yaml:9:11: error[OUT103] the target 'plots' of the package 'rover-plots' failed: KeyError: 'depth'
 
 Good::
 

@@ -98,12 +98,12 @@ def _no_envelope(settings: EnvelopeSettings, schema: Schema, elsewhere: ProtoMes
     known = _named(name, schema.messages) or in_file
     help = f"use --message {' or --message '.join(known)}" if known else "add --message NAME"
     if elsewhere is not None:
-        message = f"{name} is declared in {elsewhere.span.file}, not in {file}"
+        message = f"the message {name!r} is declared in {elsewhere.span.file}, not in {file}"
         help = f"use --envelope {elsewhere.span.file}"
     elif not name:
         message = "the envelope's message is not named"
     else:
-        message = f"no message {name} is declared in a file that compiles"
+        message = f"no message {name!r} is declared in a file that compiles"
     return NO_ENVELOPE_MESSAGE.at(settings.span, message, help)
 
 

@@ -86,7 +86,7 @@ def _at_ref(ref: str, project: Path, layout: Layout, findings: list[Diagnostic])
         commit = repository.resolve(ref)
     except GitError as error:
         message = f"{ref!r} is not a folder, a file, or a git ref"
-        help = str(error) or "git branch --all and git tag list the refs; a shallow clone has few of them"
+        help = str(error) or "`git branch --all` and `git tag` list the refs; a shallow clone has few of them"
         raise DiagnosticsError([NO_SUCH_STATE.at(Span("--against"), message, help)]) from error
     with tempfile.TemporaryDirectory(prefix="roverlink-state-") as folder:
         try:

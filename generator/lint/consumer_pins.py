@@ -50,7 +50,7 @@ def read_pins(sources: Iterable[Path], findings: list[Diagnostic]) -> tuple[Pin,
         read = len(findings)
         found = list(_pins_of(source, findings))
         if not found and len(findings) == read:
-            message = "contains no pin: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
+            message = "contains no pinned commit: no submodule, no FetchContent with a GIT_TAG, no line `name commit`"
             findings.append(UNREADABLE_PINS.at(Span(str(source)), message))
         pins += found
     return tuple(pins)
@@ -78,7 +78,10 @@ def _pins_in_file(path: Path, findings: list[Diagnostic]) -> Iterator[Pin]:
                 yield Pin(match["name"], match["commit"], Span(str(path), number, 1), str(path), listed=True)
             else:
                 findings.append(
-                    UNREADABLE_PINS.at(Span(str(path), number, 1), f"is not `name commit`: {line.strip()!r}")
+                    UNREADABLE_PINS.at(
+                        Span(str(path), number, 1),
+                        f"the line {line.strip()!r} is not a name and a commit (`name commit`)",
+                    )
                 )
 
 

@@ -44,11 +44,11 @@ class Past:
         """Return every number that the envelope ever had on any branch, with a text that says who has or had it."""
         taken: dict[int, str] = {}
         for number, usages in self.history.claims(envelope).items():
-            taken[number] = f"was named in a comment for {usages[-1].name} ({usages[-1].came})"
+            taken[number] = f"was named in a comment for {usages[-1].name!r} ({usages[-1].came})"
         for number, usages in self.history.numbers(envelope).items():
             last = usages[-1]
             where = f" on {branch_name(last.live_at[0])}" if last.live_at else f" until {last.went}"
-            taken[number] = f"{'is' if last.live_at else 'was'} {last.name} ({last.type}){where}"
+            taken[number] = f"{'is' if last.live_at else 'was'} {last.name!r} ({last.type}){where}"
         return taken
 
 
@@ -121,21 +121,23 @@ class Context:
         table, envelope = self.table, self.table.envelope.message
         taken: dict[int, str] = {}
         for path, message in self.declared(envelope):
-            taken |= {field.number: f"is {field.name} in {path}" for field in message.fields}
+            taken |= {field.number: f"is {field.name!r} in {path}" for field in message.fields}
         for claim, span in self.envelope_claims():
-            taken[claim.number] = f"is named in a comment for {claim.name} ({span})"
+            taken[claim.number] = f"is named in a comment for {claim.name!r} ({span})"
         if self.past is not None:
             taken |= self.past.taken(envelope)
         for number, burned in self.ledger.burned_in(envelope).items():
-            taken[number] = f"is burned: it was {' and '.join(type for type, _ in burned.uses)}"
-        taken |= {entry.number: f"was published for {entry.name} ({entry.proto})" for entry in self.published}
+            taken[number] = (
+                f"was used for {' and '.join(repr(type) for type, _ in burned.uses)}, and must never be used again"
+            )
+        taken |= {entry.number: f"was published for {entry.name!r} ({entry.proto})" for entry in self.published}
         taken |= dict.fromkeys(table.numbers, f"is used in {table.file}")
-        taken |= {row.number: f"is retired: it was {row.name} ({row.proto})" for row in table.retired}
-        return taken | {row.number: f"is {row.name} ({row.proto})" for row in table.rows}
+        taken |= {row.number: f"is retired: it was {row.name!r} ({row.proto})" for row in table.retired}
+        return taken | {row.number: f"is {row.name!r} ({row.proto})" for row in table.rows}
 
     def _closed(self) -> Iterator[tuple[int, int, str]]:
         """Yield ranges of numbers that the envelope must not use, each with the reason. Both ends are included."""
-        yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is reserved for protobuf"
+        yield IMPLEMENTATION_NUMBERS.start, IMPLEMENTATION_NUMBERS.stop - 1, "is reserved for protobuf itself"
         for path, message in self.declared(self.table.envelope.message):
             for first, last in message.reserved:
                 yield first, last, f"is reserved in {path}"

@@ -62,7 +62,7 @@ def reported(rule: Rule, context: Context, owner: str, number: int, reuses: Sequ
     usages = _usages(context.past.history, owner, number, reuses)
     return rule.at(
         place_of(context, owner, number),
-        f"number {number} of {owner} was {_told(usages, reuses)}; {_today(context, owner, number)}"
+        f"number {number} of {owner!r} was {_told(usages, reuses)}; {_today(context, owner, number)}"
         f"{_CONFIDENCES[max(reuse.confidence for reuse in reuses)]}",
         _help(context, owner, number),
         [(Span(f"{usage.came.id[:10]}:{usage.path}", usage.line), _usage(usage)) for usage in usages],
@@ -120,28 +120,30 @@ def _is_reserved(declared: ProtoMessage | ProtoEnum, number: int) -> bool:
 def _today(context: Context, owner: str, number: int) -> str:
     declared = _declared(context, owner)
     if declared is None:
-        return f"today {owner} does not exist"
+        return f"today {owner!r} does not exist"
     if part := _parts(declared).get(number):
-        return f"today it is {part.name}"
+        return f"today it is {part.name!r}"
     return "today it is reserved" if _is_reserved(declared, number) else "today it is free, and not reserved"
 
 
 def _help(context: Context, owner: str, number: int) -> str:
-    accept = "`roverlink lint --history --accept` records it, and later runs only report new cases"
+    accept = "`roverlink lint --history --accept` records this case, and later runs only report new cases"
     declared = _declared(context, owner)
     if declared is None or _is_reserved(declared, number):
         return accept
     if number in _parts(declared):
         return f"make sure that no board still uses the old meaning; {accept}"
-    return f"write `reserved {number};` into {owner}; {accept}"
+    return f"write `reserved {number};` into {owner!r}; {accept}"
 
 
 def _called(usage: Usage) -> str:
-    return f"{usage.type} {usage.name}".strip()
+    return f"{usage.name!r} ({usage.type})" if usage.type else f"{usage.name!r}"
 
 
 def _usage(usage: Usage) -> str:
     end = (
-        f"went with {usage.went}" if usage.went else f"is on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
+        f"was removed with {usage.went}"
+        if usage.went
+        else f"is on {', '.join(branch_name(ref) for ref in usage.live_at[:3])}"
     )
-    return f"{_called(usage)} came with {usage.came}, {end}"
+    return f"{_called(usage)} was added with {usage.came}, {end}"

@@ -12,7 +12,7 @@ from roverlink.generator.lint.history import differ
 from roverlink.generator.lint.input_rules import UNREADABLE_PINS
 from roverlink.generator.protos.parser import parse
 
-_FETCH = "git fetch --all gets new commits"
+_FETCH = "`git fetch --all` gets new commits"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ def read_pinned(pins: Sequence[Pin], repository: Repository, envelope: str, find
             pinned.append(_pinned(pin, repository, envelope))
         except LookupError as error:
             if pin.listed or name_of_repository(pin.address) in ours:
-                message = f"{pin.consumer} is pinned to {pin.commit}, which {error.args[0]}"
+                message = f"the project {pin.consumer!r} is pinned to {pin.commit!r}, which {error.args[0]}"
                 faults.append(UNREADABLE_PINS.at(pin.span, message, _FETCH))
     findings += faults
     if not faults:
@@ -66,7 +66,7 @@ def _pinned(pin: Pin, repository: Repository, envelope: str) -> Pinned:
     except GitError as error:
         raise LookupError("this repository does not have") from error
     if numbers is None:
-        raise LookupError(f"has no message {envelope}")
+        raise LookupError(f"has no message {envelope!r}")
     return Pinned(pin, commit, numbers)
 
 

@@ -98,7 +98,7 @@ def _lint(
         buf.require()
     root, shown_root = project / table.proto.root, table.proto.root
     if not root.is_dir():
-        message = f"the folder {table.proto.root or project} does not exist; nothing was linted"
+        message = f"the folder {str(table.proto.root or project)!r} does not exist; nothing was linted"
         raise DiagnosticsError([*findings, NO_PROTOS.at(table.proto.at("root"), message)])
     if question.of_the_envelope:
         bare_tree.must_have_envelope(table, findings)
@@ -145,9 +145,13 @@ def _past(root: Path, envelope: str, question: Question, findings: list[Diagnost
         raise DiagnosticsError([*findings, UNREADABLE_HISTORY.at(Span(str(root)), message, str(error))]) from error
     if history.shallow:
         message = f"this is a shallow clone: its history goes back only {history.depth} commits"
-        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "git fetch --unshallow gets the rest"))
+        findings.append(LIMITED_HISTORY.at(Span(str(root)), message, "`git fetch --unshallow` gets the rest"))
     for path in history.unread:
-        findings.append(LIMITED_HISTORY.at(Span(path), "some of its past states are binary, too large, or missing"))
+        findings.append(
+            LIMITED_HISTORY.at(
+                Span(path), "some past states of this file are binary, too large, or missing, and were not checked"
+            )
+        )
     pins = read_pinned(read_pins(question.pins, findings), Repository(root), envelope, findings)
     return Past(history, question.history, question.branches, tuple(pins))
 

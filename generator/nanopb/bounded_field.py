@@ -99,24 +99,24 @@ class BoundedField:
     def _gaps(self, schema: Schema, bounds: Bounds) -> Iterator[str]:
         types, bounded = (self.type, self.field.type), self.capacity is not None
         if self.given.type not in _STATIC:
-            yield f"its type is {self.given.type}"
+            yield f"its nanopb type is {self.given.type}"
         if self.repeated and self.given.max_count is None:
             held = schema.messages.get(self.field.type_name)
-            yield f"{'a map' if held and held.map_entry else 'repeated'} without max_count"
+            yield f"it is {'a map' if held and held.map_entry else 'repeated'}, without `max_count`"
         elif self.given.fixed_count and self.given.max_count is None:
-            yield "fixed_count without max_count"
+            yield "it has `fixed_count` without `max_count`"
         if "string" in types and not bounded:
-            yield "a string without max_size or max_length"
+            yield "it is a string without `max_size` or `max_length`"
         if "bytes" in types and not bounded:
-            yield "bytes without max_size"
+            yield "it has the type bytes, without `max_size`"
         if self.type == "group":
-            yield "a group, which nanopb does not support"
+            yield "it is a group, which nanopb does not support"
         if self.type == "message" and self.inner not in schema.messages:
-            yield "type_override says message, but the field has no message type"
+            yield "`type_override` says message, but the field has no message type"
         if self.type == "enum" and self.field.type_name not in schema.enums:
-            yield "type_override says enum, but the field has no enum type"
+            yield "`type_override` says enum, but the field has no enum type"
         if self.inner and bounds.of_message(self.inner).skipped:
-            yield f"nanopb leaves {self.inner} out"
+            yield f"nanopb leaves the message {self.inner!r} out"
 
 
 def fields_of(message: ProtoMessage, bounds: Bounds) -> Iterator[BoundedField]:

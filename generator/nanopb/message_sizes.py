@@ -135,7 +135,7 @@ def _first_gap(schema: Schema, bounds: Bounds, sizes: Mapping[str, int], message
     """Return the reason why a message has no size: the first field without a bound, perhaps in a nested message."""
     span = schema.messages[message].span
     if bounds.of_message(message).skipped:
-        return Unbounded("", f"nanopb leaves {message} out", span)
+        return Unbounded("", f"nanopb leaves the message {message!r} out", span)
     passed: dict[str, str] = {}  # the path: each message with the field that leads to the next one
     while message not in passed:
         field, reason = _gap_of(schema, bounds, sizes, message)

@@ -41,7 +41,7 @@ def parse_options(text: str) -> Values:
         raise _readable(error, options) from error
     values = _values(options)
     for name in _negative(values):
-        raise OptionsError(f"{name} cannot be {values[name]}")
+        raise OptionsError(f"the option {name!r} cannot be {values[name]}")
     return values
 
 
@@ -74,7 +74,7 @@ def decode_options(host: str, serialized: bytes) -> Decoded:
     options = carrier.Extensions[words.extensions[host]]
     values = _values(options)
     negative = _negative(values)
-    faults = (*_unknown(carrier, options), *(f"{name} cannot be {values[name]}" for name in negative))
+    faults = (*_unknown(carrier, options), *(f"the option {name!r} cannot be {values[name]}" for name in negative))
     read = {name: value for name, value in values.items() if name not in negative}
     return Decoded(read, carrier.deprecated, faults)
 
@@ -85,7 +85,11 @@ def _unknown(carrier: Message, options: Message) -> Iterator[str]:
         yield "nanopb's options are not a message"
     for number, value in _unknown_fields(options):
         known = options.DESCRIPTOR.fields_by_number.get(number)
-        yield f"{known.name} cannot be {value!r}" if known else f"the installed nanopb has no option number {number}"
+        yield (
+            f"the option {known.name!r} cannot be {value!r}"
+            if known
+            else f"the installed nanopb has no option number {number}"
+        )
 
 
 def _unknown_fields(message: Message) -> Iterator[tuple[int, object]]:

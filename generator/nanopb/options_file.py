@@ -59,8 +59,8 @@ def _line(raw: str, at: Span, findings: list[Diagnostic]) -> OptionsLine | None:
     pattern, *rest = bare.split(None, 1)
     span = Span(at.file, at.line, raw.find(pattern) + 1)
     if not rest:
-        help = f"write {pattern} max_size:16, for example"
-        findings.append(UNREADABLE_OPTIONS.at(span, f"{pattern} has no options", help))
+        help = f"for example, write `{pattern} max_size:16`"
+        findings.append(UNREADABLE_OPTIONS.at(span, f"the pattern {pattern!r} has no options", help))
         return None
     try:
         values = parse_options(rest[0])

@@ -46,7 +46,7 @@ def read_bounds(
             vocabulary()
         except ModuleNotFoundError:
             told = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NANOPB_MISSING.at(place, told, "install it: pip install 'roverlink[nanopb]'"))
+            findings.append(NANOPB_MISSING.at(place, told, "install nanopb: pip install 'roverlink[nanopb]'"))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -62,7 +62,7 @@ def read_bounds(
         readers[extension.file].read_extension(extension)
     for file, reader in readers.items():
         for line in reader.unused():
-            told = f"no name in {file} matches {line.pattern}"
+            told = f"no name in {file} matches {line.pattern!r}"
             help = "write the full name, with the package: pkg.Message.field"
             findings.append(PATTERN_WITHOUT_MATCH.at(line.span, told, help))
     return Bounds(messages, fields)

@@ -43,8 +43,12 @@ def table_bounds(table: Table, schema: Schema, root: Path, findings: list[Diagno
             key = (one.bound.message, one.bound.field)
             before = found.setdefault(key, one)
             if before.bound != one.bound:
-                message = f"{'.'.join(key)} has a different bound in another row"
-                findings.append(UNFIT_BOUND.at(span, message, "write the same bound in both", [(before.span, "there")]))
+                message = f"'{'.'.join(key)}' has a different bound in another row"
+                findings.append(
+                    UNFIT_BOUND.at(
+                        span, message, "write the same bound in both rows", [(before.span, "the other bound is here")]
+                    )
+                )
     _report_files(list(found.values()), root, table.proto.root, findings)
     return list(found.values())
 
@@ -56,11 +60,11 @@ def _resolved(row: Row, path: str, bound: Bound, schema: Schema) -> ir.FieldBoun
     """
     message, field = _field(row, path.split("."), schema)
     if bound.length is not None and field.type not in _HAVE_A_LENGTH:
-        raise LookupError(f"{path} is not a string and not bytes, so it has no length")
+        raise LookupError(f"the field {path!r} is not a string or bytes, so it has no `length`")
     if bound.count is not None and not field.repeated:
-        raise LookupError(f"{path} is not repeated, so it has no count")
+        raise LookupError(f"the field {path!r} is not repeated, so it has no `count`")
     if bound.length is None and bound.count is None:
-        raise LookupError(f"{path} has an empty bound", "write `length`, `count`, or both")
+        raise LookupError(f"the bound of the field {path!r} is empty", "write `length`, `count`, or both")
     return ir.FieldBound(message.file, message.full_name, field.name, field.type == "bytes", bound.length, bound.count)
 
 
@@ -70,7 +74,7 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
     for name in outer:
         field = _named(message, name)
         if field.type_name not in schema.messages:
-            raise LookupError(f"{name} is not a message, so it has no fields")
+            raise LookupError(f"the field {name!r} is not a message, so it has no fields")
         message = schema.messages[field.type_name]
     return message, _named(message, last)
 
@@ -78,7 +82,7 @@ def _field(row: Row, path: list[str], schema: Schema) -> tuple[ProtoMessage, Pro
 def _named(message: ProtoMessage, name: str) -> ProtoField:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
-        raise LookupError(f"{message.full_name} has no field {name!r}", nearest(name, fields))
+        raise LookupError(f"{message.full_name!r} has no field {name!r}", nearest(name, fields))
     return fields[name]
 
 
@@ -90,7 +94,7 @@ def _report_files(bounds: list[TableBound], root: Path, shown_root: str, finding
     for one in bounds:
         beside = options_file_of(one.bound.file)
         if (root / beside).is_file():
-            message = f"{one.bound.message}.{one.bound.field} has a bound here, but {shown(shown_root, beside)} exists"
+            message = f"'{one.bound.message}.{one.bound.field}' has a bound, but {shown(shown_root, beside)} exists"
             help = "nanopb reads one .options file for a .proto file: write all bounds in one of the two places"
             findings.append(BOUNDS_IN_TWO_PLACES.at(one.span, message, help))
 

@@ -38,15 +38,19 @@ def constants(enum: ProtoEnum, prefix: str, report: Callable[[Diagnostic], None]
         name = prefix + ros_names.constant_name(value.name)
         first = seen.setdefault(name, value)
         if not ros_names.is_constant_name(name):
-            message = f"{enum.full_name}.{value.name} cannot be a ROS constant, which has capitals, digits and single _"
-            report(
-                CONSTANT_NAME.at(enum.span, message, "rename it; the name is not sent, so the encoding does not change")
+            message = (
+                f"'{enum.full_name}.{value.name}' cannot be a ROS constant, which has capitals, digits and single _"
             )
-        elif first.number != value.number:
-            message = f"{enum.full_name}.{value.name} and {first.name} would both become the constant {name}"
             report(
                 CONSTANT_NAME.at(
-                    enum.span, message, "rename one of them; names are not sent, so the encoding does not change"
+                    enum.span, message, "rename the value; the name is not sent, so the encoding does not change"
+                )
+            )
+        elif first.number != value.number:
+            message = f"'{enum.full_name}.{value.name}' and {first.name!r} would both become the constant {name!r}"
+            report(
+                CONSTANT_NAME.at(
+                    enum.span, message, "rename one of the values; names are not sent, so the encoding does not change"
                 )
             )
         elif first is value:  # with allow_alias, two names of one number may differ only in capitals
@@ -90,5 +94,7 @@ def _unless_taken(
     if holder == constant.enum:
         yield constant
         return
-    message = f"{ros} would have the constant {constant.name} twice: from {holder} and from {constant.enum}"
-    report(CONSTANT_NAME.at(span, message, "give one of the enums a message of its own, or rename it"))
+    message = f"{ros!r} would have the constant {constant.name!r} twice: from {holder!r} and from {constant.enum!r}"
+    report(
+        CONSTANT_NAME.at(span, message, "rename one of them, or give an enum a ROS message of its own under `enums`")
+    )

@@ -56,10 +56,11 @@ class FieldSettings:
                     continue
                 key, field = found
                 if why := obstacle(field, value):
-                    self._report(WITHOUT_EFFECT.at(span, f"{path} {why}", f"remove it from `{group}`"))
+                    fault = f"`{group}` has no effect on {path!r}, which {why}"
+                    self._report(WITHOUT_EFFECT.at(span, fault, f"remove {path!r} from `{group}`"))
                 elif settings.setdefault(key, value) != value:
-                    message = f"{'.'.join(key)} has another setting in another row"
-                    also = [(said[key].span, f"the row {said[key].name}")]
+                    message = f"'{'.'.join(key)}' has another setting in another row"
+                    also = [(said[key].span, f"the row {said[key].name!r}")]
                     self._report(
                         DISAGREEING_ROWS.at(span, message, "use the same setting in both rows, or remove one", also)
                     )
@@ -70,8 +71,10 @@ class FieldSettings:
         """Return the field to which a path in a row leads. If there is none, report the path and return None."""
         for whole in itertools.accumulate(path.split("."), "{}.{}".format):
             if whole in row.ignore:
-                fault = f"{path} is listed under `{group}`, but {whole} is ignored"
-                self._report(CONTRADICTING_PATHS.at(row.at(f"{group}.{path}"), fault, "keep one of them"))
+                fault = f"{path!r} is listed under `{group}`, but {whole!r} is ignored"
+                self._report(
+                    CONTRADICTING_PATHS.at(row.at(f"{group}.{path}"), fault, "keep only one of the two settings")
+                )
                 return None
         message: ProtoMessage | None = self._schema.messages[row.proto]
         *holders, name = path.split(".")
@@ -80,7 +83,7 @@ class FieldSettings:
         field = _field_of(message, name)
         if message is None or field is None:
             known = [] if message is None else [one.name for one in message.fields]
-            fault = f"{row.proto} has no field {path!r}"
+            fault = f"{row.proto!r} has no field {path!r}"
             self._report(UNKNOWN_FIELD.at(row.at(f"{group}.{path}"), fault, nearest(name, known)))
             return None
         return (message.full_name, name), field
@@ -96,7 +99,7 @@ class FieldSettings:
         if field.repeated:
             return "is repeated, so it can be empty but not absent"
         if field.oneof:
-            return f"belongs to the oneof {field.oneof}, which already tells which member is set"
+            return f"belongs to the oneof {field.oneof!r}, whose `which_` field already tells which member is set"
         if field.label == "required":
             return "is required, so it is never absent"
         if field.type_name in well_known.TEXTS:
@@ -117,8 +120,8 @@ class FieldSettings:
 
 def without_effect_on_standard(key: str, row: Row) -> tuple[str, str]:
     """Return message and help for a key that has no effect because the row has a standard message."""
-    message = f"`{key}` has no effect, because {row.ros} is a standard message"
-    return message, "remove it, or give the row a message of your own package"
+    message = f"`{key}` has no effect, because {row.ros!r} is a standard message"
+    return message, f"remove `{key}`, or give the row a message of your own package"
 
 
 def _field_of(message: ProtoMessage | None, name: str) -> ProtoField | None:

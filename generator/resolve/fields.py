@@ -23,7 +23,7 @@ from roverlink.generator.resolve.types import FieldTypes, MessageMaker
 
 _HIDING = frozenset({"HasField", "WhichOneof"})
 """Methods of Python's protobuf messages that generated code calls. A field with such a name would hide the method."""
-_RENAME = "rename it in the .proto; the name is not sent, so the encoding does not change"
+_RENAME = "rename the field in the .proto file; the name is not sent, so the encoding does not change"
 
 
 class MessageBuilder:
@@ -64,14 +64,16 @@ class MessageBuilder:
             if field.name in _HIDING:
                 self._report(
                     CANNOT_CONVERT.at(
-                        field.span, f"{dotted} would hide a method of Python's protobuf messages", _RENAME
+                        field.span, f"the field {dotted!r} would hide a method of Python's protobuf messages", _RENAME
                     )
                 )
             if self._is_flattened(dotted):
                 self._flatten(message, field, full_path)
             elif path and dotted not in self._shape.fields:
-                help = f"give it a ROS field under `fields`, or list {dotted} under `ignore`"
-                self._report(UNMAPPED_FIELD.at(field.span, f"{dotted} has no ROS field in {self._shape.ros}", help))
+                help = f"give the field a ROS field under `fields`, or list {dotted!r} under `ignore`"
+                self._report(
+                    UNMAPPED_FIELD.at(field.span, f"the field {dotted!r} has no ROS field in {self._shape.ros!r}", help)
+                )
             else:
                 self._convert(message, field, full_path)
 
@@ -86,8 +88,10 @@ class MessageBuilder:
         """Add ROS fields for the fields of a nested message, in place of one ROS field for the nested message."""
         dotted, nested = ".".join(path), self._schema.messages.get(field.type_name)
         if self._keeps_presence(message, field):
-            fault = f"{dotted} is optional; if its fields are moved out, its presence is lost"
-            help = f"keep it as a message, or set `presence: {{{dotted}: false}}` if absent means zero"
+            fault = (
+                f"{dotted!r} is optional; if its fields are moved out of it, subscribers cannot see whether it was set"
+            )
+            help = f"keep the field as a nested message, or set `presence: {{{dotted}: false}}` if absent means zero"
             self._report(CANNOT_CONVERT.at(field.span, fault, help))
         if nested is None or field.repeated or field.oneof:
             self._report_paths_into(dotted, field)
@@ -100,8 +104,10 @@ class MessageBuilder:
             for path in paths:
                 if path.startswith(f"{dotted}."):
                     self._paths_seen.add(path)
-                    message = f"{dotted} is not a single message, so a path cannot lead into it"
-                    self._report(UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message))
+                    message = f"the field {dotted!r} is not a single message, so a path cannot lead into it"
+                    self._report(
+                        UNKNOWN_FIELD.at(self._shape.at(group, path, field.span), message, f"write {dotted!r}")
+                    )
 
     def check_paths(self) -> None:
         """Report paths of the row that lead to no field, and paths that contradict each other."""
@@ -112,17 +118,17 @@ class MessageBuilder:
             for path in paths:
                 span = self._shape.at(group, path, row.span)
                 if contradiction := self._contradiction(group, path):
-                    self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep one of them"))
+                    self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep only one of the two settings"))
                 elif path not in self._paths_seen:
                     help = nearest(path, self._paths_seen)
-                    message = f"{self._message.full_name} has no field {path!r}"
+                    message = f"{self._message.full_name!r} has no field {path!r}"
                     self._report(UNKNOWN_FIELD.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:
         """Return a text about another path of the row that contradicts a path; empty if there is none."""
         fields, ignore = self._shape.fields, self._shape.ignore
         if group == "ignore" and path in fields:
-            return f"{path} is renamed to {fields[path]}, and also ignored"
+            return f"the field {path!r} is renamed to {fields[path]!r}, and also ignored"
         for whole in itertools.accumulate(path.split(".")[:-1], "{}.{}".format):
             if whole in ignore:
                 return f"{path!r} has a setting, but {whole!r} and all its fields are ignored"
@@ -178,14 +184,16 @@ class MessageBuilder:
         span = self._shape.at("fields", ".".join(conversion.proto_path), field.span)
         if why := ros_names.unusable(name):
             dotted = ".".join(conversion.proto_path)
-            help = f"give it another name under `fields` of its row ({dotted}: other_name)"
+            help = f"give the field another name under `fields` of the row ({dotted}: other_name)"
             if self._shape.row is None:
                 help = _RENAME
             self._report(FIELD_NAME_FORBIDDEN.at(span, f"{name!r} cannot be a field of a ROS message: {why}", help))
         if name in self._fields:
-            help = "give one of them another name under `fields` of its row"
+            help = "give one of the two fields another name under `fields` of the row"
             if self._shape.row is None:
-                help = f"rename one in the .proto, or give {self._message.full_name} a row with `fields`"
-            self._report(FIELD_NAME_TAKEN.at(span, f"{self._shape.ros} already has a field {name}", help))
+                help = f"rename one of them in the .proto file, or give {self._message.full_name!r} a row with `fields`"
+            self._report(
+                FIELD_NAME_TAKEN.at(span, f"the ROS message {self._shape.ros!r} already has a field {name!r}", help)
+            )
         self._fields[name] = conversion.ros
         self.conversions.append(conversion)

@@ -24,13 +24,15 @@ def locate(table: Table, index: DeclarationIndex, findings: list[Diagnostic]) ->
     for row in table.rows:
         declared = index.files.get(row.proto, [])
         if row.proto == table.envelope.message:
-            message = f"{row.proto} is the envelope, which cannot contain itself as a payload"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "write the payload's message"))
+            message = f"{row.proto!r} is the envelope, which cannot be a payload of itself"
+            findings.append(
+                PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "write the name of the payload's message")
+            )
         elif len(declared) != 1:
             findings.append(_not_located(row.at("proto"), row.proto, declared, index))
         elif declared[0] == table.envelope.file and table.envelope.owner == "mapping":
-            message = f"{row.proto} is declared in {declared[0]}, which is generated from {table.file}"
-            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move it to another file"))
+            message = f"{row.proto!r} is declared in {declared[0]}, which is generated from {table.file}"
+            findings.append(PAYLOAD_IN_ENVELOPE_FILE.at(row.at("proto"), message, "move the message to another file"))
         else:
             files[row.proto] = declared[0]
     return files
@@ -55,10 +57,11 @@ def locate_anys(table: Table, index: DeclarationIndex, findings: list[Diagnostic
 
 def _not_located(span: Span, proto: str, declared: Sequence[str], index: DeclarationIndex) -> Diagnostic:
     if declared:
-        help = "list all of these files except one under proto.exclude"
-        return AMBIGUOUS_PROTO.at(span, f"{proto} is declared in {' and in '.join(declared)}", help)
+        help = "list all of these files except one under `exclude` of `proto`"
+        return AMBIGUOUS_PROTO.at(span, f"{proto!r} is declared in {' and in '.join(declared)}", help)
     if proto in index.excluded:
         file = index.excluded[proto][0]
-        return EXCLUDED_PROTO.at(span, f"{proto} is declared in {file}, which is excluded by proto.exclude")
-    help = nearest(proto, index.files, "check the name, and that its file is below proto.root")
-    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto}", help)
+        help = "remove the file from `exclude`, or use another message"
+        return EXCLUDED_PROTO.at(span, f"{proto!r} is declared in {file}, which `exclude` of `proto` lists", help)
+    help = nearest(proto, index.files, "check the name, and that the message's file is below `root` of `proto`")
+    return UNKNOWN_PROTO.at(span, f"no .proto file declares a message {proto!r}", help)

@@ -55,8 +55,8 @@ class RosMessages:
         """Report enums that the table lists under `enums`, but no payload contains."""
         for settings in self._enum_settings.values():
             if settings.proto not in self.enums_used:
-                help = nearest(settings.proto, self.enums_used, "remove it, or correct its name")
-                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload has the enum {settings.proto}", help))
+                help = nearest(settings.proto, self.enums_used, "remove the entry, or correct the enum's name")
+                self.report(UNKNOWN_ENUM.at(settings.span, f"no payload has the enum {settings.proto!r}", help))
 
     # --- messages ---
 
@@ -68,15 +68,15 @@ class RosMessages:
         shape = self._shapes.get(proto) or Shape(ros_names.message_name(proto, package))
         self.claim(shape.ros, proto, _place(shape, message), shape.row)
         if any(keyword.iskeyword(part) for part in proto.split(".")):
-            fault = f"{proto} contains a Python keyword, so generated code cannot access it"
+            fault = f"the name {proto!r} contains a Python keyword, so generated code cannot access it"
             self.report(
                 CANNOT_CONVERT.at(
-                    message.span, fault, "rename it; the name is not sent, so the encoding does not change"
+                    message.span, fault, "rename the message; the name is not sent, so the encoding does not change"
                 )
             )
         if message.extendable:
-            fault = f"extensions of {proto} are lost, because they have no ROS fields"
-            self.report(EXTENSIONS.at(message.span, fault, "make them ordinary fields of the message"))
+            fault = f"extensions of {proto!r} are lost, because they have no ROS fields"
+            self.report(EXTENSIONS.at(message.span, fault, "declare the extensions as ordinary fields of the message"))
         # A message that is found again while it is in progress contains itself. Protobuf allows that, a ROS message
         # cannot: its size in memory would be infinite (rosidl generates C structs by value).
         self._in_progress.append(proto)
@@ -102,17 +102,19 @@ class RosMessages:
         the proto message or field that needs the ROS message.
         """
         if not ros_names.is_message_name(ros) and row is None:  # ROS101 checks the name in a row
-            fault = f"{source} cannot become the ROS message {ros!r}: ROS does not allow the name"
+            fault = f"{source!r} cannot become the ROS message {ros!r}: ROS does not allow the name"
             self.report(
                 CANNOT_CONVERT.at(
-                    span, fault, "rename it in the .proto; the name is not sent, so the encoding does not change"
+                    span, fault, "rename it in the .proto file; the name is not sent, so the encoding does not change"
                 )
             )
         taken, holder = self._names.setdefault(ros_names.snake_case(ros), (ros, source))
         if holder != source:
-            why = f"like {holder}" if taken == ros else f"which differs from {taken} ({holder}) only in capitals"
-            help = "give one of them another `ros`"
-            self.report(MESSAGE_NAME_TAKEN.at(span, f"{source} would become {ros}, {why}", help))
+            why = (
+                f"like {holder!r}" if taken == ros else f"which differs from {taken!r} (of {holder!r}) only in capitals"
+            )
+            help = "give one of the two another name with the key `ros`"
+            self.report(MESSAGE_NAME_TAKEN.at(span, f"{source!r} would become the ROS message {ros!r}, {why}", help))
 
     def nested_message(self, field: ProtoField, proto: str) -> str | None:
         """Return the name of the ROS message for a message that a field contains.
@@ -131,7 +133,7 @@ class RosMessages:
         if proto not in self._in_progress:
             return False
         cycle = " -> ".join([*self._in_progress[self._in_progress.index(proto) :], proto])
-        fault = f"the field {field.name} makes a message contain itself, which ROS does not allow: {cycle}"
+        fault = f"the field {field.name!r} makes a message contain itself, which ROS does not allow: {cycle}"
         self.report(CANNOT_CONVERT.at(field.span, fault, help))
         return True
 
@@ -147,16 +149,18 @@ class RosMessages:
         fields, constants = [which], [ir.RosConstant(NONE, which.type.name, 0, "", source)]
         members: list[ir.AnyMember] = []
         for number, type in enumerate(types, start=1):
-            if type not in self.schema.messages or self._is_recursive(field, type, f"take {type} out of `any`"):
+            if type not in self.schema.messages or self._is_recursive(field, type, f"remove {type!r} from `any`"):
                 continue
             held = self._conversion(self.schema.messages[type]).ros
             last = ros_names.snake_case(type.rpartition(".")[2])
             member = ir.AnyMember(type, held, ros_names.field_name(last), ros_names.constant_name(last))
             if member.field in [one.name for one in fields] or member.constant == NONE:
-                fault = f"{ros} would have a second field {member.field}, for {type}"
+                fault = f"{ros!r} would have a second field {member.field!r}, for the message {type!r}"
                 self.report(
                     FIELD_NAME_TAKEN.at(
-                        field.span, fault, "rename one in the .proto; only an Any sends the name of a message"
+                        field.span,
+                        fault,
+                        "rename one of them in the .proto file; only an Any sends the name of a message",
                     )
                 )
             members.append(member)

@@ -127,7 +127,7 @@ def _unimportable(table: Table, schema: Schema) -> Iterator[Diagnostic]:
         if bad := [part for part in parts if not part.isidentifier() or keyword.iskeyword(part)]:
             span = Span(f"{table.proto.root}/{file}")
             yield UNIMPORTABLE_PROTO.at(
-                span, f"{bad[0]!r} in the path cannot be the name of a Python module", "rename it"
+                span, f"{bad[0]!r} in the path cannot be the name of a Python module", "rename this folder or file"
             )
 
 
@@ -136,5 +136,5 @@ def _excluded(table: Table, schema: Schema) -> Iterator[Diagnostic]:
     for path in table.proto.exclude:
         if str(PurePosixPath(path)) in schema.files:
             span = table.proto.at(f"exclude.{path}")
-            message = f"{path} is excluded, but a file that the rows need imports it"
-            yield EXCLUDED_PROTO.at(span, message, "remove it from proto.exclude, or remove the import")
+            message = f"{path!r} is excluded, but a file that the rows need imports it"
+            yield EXCLUDED_PROTO.at(span, message, "remove the file from `exclude` of `proto`, or remove the import")

@@ -37,8 +37,8 @@ def shapes_of(table: Table, findings: list[Diagnostic]) -> dict[str, Shape]:
         shape = Shape(row.ros, row.renames, row.ignore, row)
         first = shapes.setdefault(row.proto, shape)
         if (first.ros, first.fields, first.ignore) != (shape.ros, shape.fields, shape.ignore):
-            message = f"another row has other settings for {row.proto}, which becomes one ROS message"
-            also = [(first.row.span, f"the row {first.row.name}")] if first.row else []
-            help = "give both rows the same ros, fields and ignore"
+            message = f"another row has other settings for {row.proto!r}, which becomes only one ROS message"
+            also = [(first.row.span, f"the row {first.row.name!r}")] if first.row else []
+            help = "give both rows the same `ros`, `fields` and `ignore`"
             findings.append(DISAGREEING_ROWS.at(row.at("proto"), message, help, also))
     return shapes

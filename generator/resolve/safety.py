@@ -50,7 +50,7 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
     """Report a `source_rate` without `sources`, because the rate is counted for each source."""
     for peer in table.peers:
         if peer.source_rate is not None and not peer.sources:
-            message = f"{peer.name} has a `source_rate`, but no `sources`"
+            message = f"the peer {peer.name!r} has a `source_rate`, but no `sources`"
             help = "list its `sources`; [0.0.0.0/0] allows any address"
             yield RATE_WITHOUT_SOURCES.at(peer.at("source_rate"), message, help)
 
@@ -60,7 +60,7 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
     if row.inbound and outgoing:
         keys, one = " and ".join(f"`{key}`" for key in outgoing), len(outgoing) == 1
         message = (
-            f"the direction of {row.name} is {row.direction}, but {keys} {'is' if one else 'are'} for topics that "
+            f"the direction of {row.name!r} is {row.direction!r}, but {keys} {'is' if one else 'are'} for topics that "
         )
         message += "are sent to a peer"
         help = f"write `direction: ros_to_{row.peer}`, or remove {keys}"
@@ -68,7 +68,7 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         yield MISPLACED.at(row.at("direction"), message, help, also)
     if not row.inbound and row.also and row.deadman:
         message = (
-            f"{row.name} has extra topics under `also`, so `deadman` could stop the peer while one of them is active"
+            f"{row.name!r} has extra topics under `also`, so `deadman` could stop the peer while one of them is active"
         )
         yield MISPLACED.at(
             row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
@@ -78,9 +78,10 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
 def _too_slow(row: Row) -> Iterator[Diagnostic]:
     """Report a rate limit that is so low that the topic counts as silent between two messages."""
     if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
-        message = f"at {row.max_rate} messages a second, {row.name} counts as silent after {row.deadman.after_ms} ms"
-        also = [(row.deadman.at("after"), "set here")]
-        yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate`, or `after`", also)
+        silent = f"counts as silent after {row.deadman.after_ms} ms"
+        message = f"{row.name!r} has at most {row.max_rate} messages a second, but {silent}"
+        also = [(row.deadman.at("after"), "this time is set here")]
+        yield SLOWER_THAN_DEADMAN.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
 
 
 def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list[Diagnostic]) -> ir.Deadman:
@@ -92,7 +93,7 @@ def _deadman(settings: DeadmanSettings, row: Row, schema: Schema, findings: list
             continue
         value, wanted = _value(field, text, schema)
         if value is None:
-            message = f"{path} of {row.name} cannot be {text!r}; it must be {wanted}"
+            message = f"{path!r} of {row.name!r} cannot be {text!r}; it must be {wanted}"
             findings.append(STOP_VALUE.at(span, message, "write the value that stops the peer"))
         else:
             values.append((path, value))
@@ -109,7 +110,7 @@ def _field(
         if field is None:
             return None
         if field.type not in ("message", "group") or field.repeated:
-            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part} in {path} is not a nested message"))
+            findings.append(UNKNOWN_STOP_FIELD.at(span, f"{part!r} in the path {path!r} is not a nested message"))
             return None
         message = schema.messages[field.type_name]
     return _member(message, name, path, span, findings)
@@ -118,8 +119,12 @@ def _field(
 def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: list[Diagnostic]) -> ProtoField | None:
     fields = {field.name: field for field in message.fields}
     if name not in fields:
-        help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "it has no fields")
-        findings.append(UNKNOWN_STOP_FIELD.at(span, f"{path}: {message.full_name} has no field {name}", help))
+        help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "this message has no fields")
+        findings.append(
+            UNKNOWN_STOP_FIELD.at(
+                span, f"the path {path!r} is wrong: {message.full_name!r} has no field {name!r}", help
+            )
+        )
     return fields.get(name)
 
 

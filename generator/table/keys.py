@@ -51,7 +51,7 @@ def _network_fault(text: str) -> tuple[str, str]:
     try:
         network = IPv4Network(text, strict=False)
     except ValueError:
-        help = "an IPv4 address or network, such as 10.0.0.7 or 10.0.0.0/24"
+        help = "write an IPv4 address or network, such as 10.0.0.7 or 10.0.0.0/24"
     else:
         help = "" if text in (str(network), str(network.network_address)) else f"the network is {network}"
     return ("which is not an address or a network", help) if help else ("", "")
@@ -61,10 +61,10 @@ def _import_fault(name: str) -> tuple[str, str]:
     """Return the reason why a name cannot be imported in Python, and a help text; both are empty if it can."""
     first, *_ = parts = name.split(".")
     if word := next(filter(keyword.iskeyword, parts), ""):
-        return f"but {word} is a Python keyword", "choose another name"
+        return f"but {word!r} is a Python keyword", "choose another name"
     if first == "roverlink" or first in sys.stdlib_module_names:
         owner = "roverlink itself" if first == "roverlink" else "Python's standard library"
-        return f"but {first} is a module of {owner}", "choose another name, such as my_rover.generated"
+        return f"but {first!r} is a module of {owner}", "choose another name, such as my_rover.generated"
     return "", ""
 
 
@@ -76,8 +76,10 @@ ProtoName = Annotated[str, Text("message name", _DOTTED, "SensorBoardIMUInfo")]
 EnumName = Annotated[str, Text("enum name", _DOTTED, "SensorBoardIMUInfo")]
 FieldPath = Annotated[str, Text("field path", _DOTTED, "gps_sensor_1")]
 FieldName = Annotated[str, Text("field name", r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")]
-PeerName = Annotated[str, Text("peer", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware")]
-"""Name of a peer.
+PeerName = Annotated[
+    str, Text("peer name", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware (ros and names with _to_ are reserved)")
+]
+"""Pattern of a peer's name.
 
 ``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
 """
@@ -165,7 +167,7 @@ class ProtoSettings(Part):
 
     root: Annotated[Folder, Meaning("Folder from which proto imports are resolved, relative to the table.")]
     exclude: Annotated[
-        tuple[Annotated[str, Text("file", r"[^\\]+\.proto", "components/common/message_types.proto")], ...],
+        tuple[Annotated[str, Text(".proto file", r"[^\\]+\.proto", "components/common/message_types.proto")], ...],
         Meaning(
             "Files, relative to the root, that are never compiled. Messages that are declared in them cannot "
             "be used."
@@ -179,7 +181,7 @@ class EnvelopeSettings(Part):
 
     file: Annotated[
         str,
-        Text("file", _PROTO_FILE, "components/common/envelope.proto"),
+        Text(".proto file", _PROTO_FILE, "components/common/envelope.proto"),
         Meaning("The envelope's file, relative to the proto root."),
     ]
     message: Annotated[ProtoName, Meaning("The envelope's message, by its full name.")]

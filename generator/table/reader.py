@@ -69,14 +69,18 @@ def _mistakes(row: Row) -> Iterator[Diagnostic]:
 def _conflicting_depths(standard: StandardTopicSettings) -> Iterator[Diagnostic]:
     depth = standard.qos.depth
     if standard.queue is not None and depth is not None and standard.queue != depth:
-        message = f"queue is {standard.queue}, but the depth of qos is {depth}"
-        yield CONFLICTING_KEYS.at(standard.qos.at("depth"), message, "both set the same depth; keep one of them")
+        message = f"`queue` is {standard.queue}, but `depth` of `qos` is {depth}"
+        yield CONFLICTING_KEYS.at(
+            standard.qos.at("depth"), message, "both keys set the depth of the same queue; keep one of them"
+        )
 
 
 def _forms_of_standard_messages(row: Row) -> Iterator[Diagnostic]:
     """Report values under `fields` that are no strings, in a row without a standard message."""
     for path, form in row.fields.items():
         if path not in row.renames:
-            message = f"fields.{path} is not a string; without a standard message it must be the name of the ROS field"
-            help = "for a standard message, write its package in `ros`, as in sensor_msgs/Imu"
+            message = (
+                f"`fields.{path}` is not a string; without a standard message it must be the name of the ROS field"
+            )
+            help = "to publish a standard message, write its package in `ros`, as in sensor_msgs/Imu"
             yield WRONG_TYPE.at(form.span, message, help)

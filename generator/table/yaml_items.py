@@ -29,6 +29,8 @@ from roverlink.generator.table.reading_rules import (
 from roverlink.generator.table.value_types import AnyOf, ListOf, MapOf, Named, Object, Text, Type
 from roverlink.generator.table.yaml_scalars import ScalarReader, fitting_form
 
+_LISTS_OF_ROWS = ("`messages`", "`retired`")
+
 
 def read_form(text: str, file: str, type: Type, subject: str, findings: list[Diagnostic]) -> Form | None:
     """Parse a YAML text and return its value, without the parts that do not fit the type. These are reported.
@@ -72,7 +74,9 @@ def _compose(text: str, file: str) -> Node:
     except RecursionError as error:
         raise DiagnosticsError([SYNTAX.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
     if root is None:
-        raise DiagnosticsError([UNREADABLE.at(Span(file), "the file is empty", "see docs/adding-a-message.md")])
+        raise DiagnosticsError(
+            [UNREADABLE.at(Span(file), "the file is empty", "docs/adding-a-message.md shows an example")]
+        )
     return root
 
 
@@ -107,13 +111,13 @@ class _Reader(ScalarReader):
         for name, key_node, value_node in self._entries(node, subject):
             present.add(name)
             if name not in type.keys and type.others and re.fullmatch(type.others.key.pattern, name):
-                if (value := self.value(value_node, type.others.value, f"{subject}.{name}")) is not None:
+                if (value := self.value(value_node, type.others.value, _within(subject, name))) is not None:
                     entries[name] = value
             elif name not in type.keys:
                 unknown[name] = self.span(key_node)
                 help = nearest(name, type.keys, f"known here: {', '.join(type.keys)}")
                 self.findings.append(UNKNOWN_KEY.at(unknown[name], f"unknown key {name!r} in {subject}", help))
-            elif (value := self.value(value_node, type.keys[name].type, name)) is not None:
+            elif (value := self.value(value_node, type.keys[name].type, f"`{name}`")) is not None:
                 entries[name] = value
         for name, key in type.keys.items():
             if key.required and name not in present:
@@ -132,7 +136,7 @@ class _Reader(ScalarReader):
         for name, key_node, value_node in self._entries(node, subject):
             if type.key.pattern and not re.fullmatch(type.key.pattern, name):
                 self.bad(key_node, name, f"a key of {subject}", type.key)
-            elif (value := self.value(value_node, type.value, f"{subject}.{name}")) is not None:
+            elif (value := self.value(value_node, type.value, _within(subject, name))) is not None:
                 entries[name] = value
         return Form(self.span(node), entries=entries)
 
@@ -147,7 +151,7 @@ class _Reader(ScalarReader):
             if name in first:
                 also = [(first[name], "first here")]
                 self.findings.append(
-                    DUPLICATE_KEY.at(span, f"{subject} has the key {name!r} twice", "keep one of them", also)
+                    DUPLICATE_KEY.at(span, f"{subject} has the key {name!r} twice", "keep one of the two", also)
                 )
                 continue
             first[name] = span
@@ -157,12 +161,10 @@ class _Reader(ScalarReader):
         if not isinstance(node, SequenceNode):
             self.wrong(node, subject, "a list")
             return None
-        singular = {"messages": "a row of messages", "retired": "a row of retired"}.get(
-            subject, f"an item of {subject}"
-        )
+        singular = f"{'a row' if subject in _LISTS_OF_ROWS else 'an item'} of {subject}"
         items = [self.value(child, type.item, singular) for child in node.value]
         if len(items) < type.least:
-            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is empty", "add an item"))
+            self.findings.append(BAD_VALUE.at(self.span(node), f"{subject} is an empty list", "add an item"))
         form = Form(self.span(node), items=tuple(item for item in items if item is not None))
         if isinstance(type.item, Text) and type.unique:
             self._check_unique(form, subject)
@@ -173,4 +175,9 @@ class _Reader(ScalarReader):
         for item in texts.items or ():
             if (before := first.setdefault(item.value, item.span)) is not item.span:
                 message = f"{subject} contains {item.value!r} twice"
-                self.findings.append(BAD_VALUE.at(item.span, message, "keep one of them", [(before, "first here")]))
+                self.findings.append(BAD_VALUE.at(item.span, message, "keep one of the two", [(before, "first here")]))
+
+
+def _within(subject: str, name: str) -> str:
+    """Return the words for a key inside of a key: ``x`` inside of "`fields`" is "`fields.x`"."""
+    return f"`{subject.strip('`')}.{name}`"

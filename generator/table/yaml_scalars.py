@@ -92,7 +92,8 @@ class ScalarReader:
         """Report a value that has another type than it must have; ``wanted`` is that type in words."""
         kinds: dict[type[Node], str] = {MappingNode: "a mapping", SequenceNode: "a list"}
         found = kinds.get(type(node), "")
-        found = found or (f"{node.value!r}" if node.value else "nothing")
+        quoted = isinstance(node, ScalarNode) and node.style
+        found = found or (f"{'the text ' if quoted else ''}{node.value!r}" if node.value else "empty")
         self.findings.append(WRONG_TYPE.at(self.span(node), f"{subject} is {found}; it must be {wanted}"))
 
     def scalar(self, node: Node, type: Type, subject: str) -> Form | None:

@@ -21,21 +21,29 @@ def add_board(parser: argparse.ArgumentParser) -> None:
         type=_squares,
         default=(11, 8),
         metavar="WxH",
-        help="number of squares in a row, and of rows (default: 11x8)",
+        help="board: number of squares in a row, and number of rows (default: 11x8)",
     )
     parser.add_argument(
-        "--square", type=metres, default=0.024, metavar="METRES", help="side of a square (default: %(default)s)"
+        "--square",
+        type=metres,
+        default=0.024,
+        metavar="METRES",
+        help="board: length of the side of a square (default: %(default)s)",
     )
     parser.add_argument(
         "--marker",
         type=metres,
         default=0.018,
         metavar="METRES",
-        help="side of a marker (default: %(default)s)",
+        help="board: length of the side of a marker (default: %(default)s)",
     )
-    parser.add_argument("--dictionary", metavar="NAME", help=f"dictionary of the markers (default: {DICTIONARY})")
     parser.add_argument(
-        "--legacy", action="store_true", help="the board has an even number of rows and was made with OpenCV before 4.6"
+        "--dictionary", metavar="NAME", help=f"OpenCV's name of the dictionary of the markers (default: {DICTIONARY})"
+    )
+    parser.add_argument(
+        "--legacy",
+        action="store_true",
+        help="board: needed for a board with an even number of rows that was made with OpenCV before 4.6",
     )
 
 

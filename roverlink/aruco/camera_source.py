@@ -27,10 +27,14 @@ def add_source(parser: argparse.ArgumentParser) -> None:
         "source",
         nargs="?",
         help="number of a camera, URL of a stream (http, https, rtsp), video file, or folder of images "
-        "(default: asks on a terminal, else camera 0)",
+        "(default: the command asks for it in a terminal; elsewhere, camera 0)",
     )
-    parser.add_argument("--size", type=_size, metavar="WxH", help="image size to request from a camera")
-    parser.add_argument("--rate", type=rate, metavar="HZ", help="images a second when a folder is played (default: 30)")
+    parser.add_argument(
+        "--size", type=_size, metavar="WxH", help="image size in pixels to request from the camera, such as 1280x720"
+    )
+    parser.add_argument(
+        "--rate", type=rate, metavar="HZ", help="with a folder: number of images a second (default: 30)"
+    )
 
 
 def open_source(

@@ -23,23 +23,29 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "add",
-        "add a row to mapping.yaml with the next unused number, and generate",
+        "add a row to mapping.yaml with the next unused number, and run generate",
         "roverlink add container_info --proto ContainerBoardInfo --direction hardware_to_ros",
-        "Add a row to mapping.yaml and generate. Comments and layout of the file stay. The number is the one that\n"
-        "`roverlink next-number` prints. If another repository owns the envelope, it is the number in that envelope.",
+        "Add a row to mapping.yaml, and run `roverlink generate`. The comments and the layout of mapping.yaml do not\n"
+        "change. The row gets the number that `roverlink next-number` prints. If another repository owns the envelope\n"
+        "(`owner: proto`), the row gets the number that this payload has in that envelope.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the payload in the envelope's oneof")
     parser.add_argument(
         "--proto",
         required=True,
         metavar="MESSAGE",
-        help="protobuf message; with its package if it has one, such as rover.ContainerInfo",
+        help="full name of the protobuf message, with its package if it has one, such as rover.ContainerInfo",
     )
     parser.add_argument(
-        "--direction", required=True, metavar="D", help="<peer>_to_ros or ros_to_<peer> with a peer of mapping.yaml"
+        "--direction",
+        required=True,
+        metavar="D",
+        help="<peer>_to_ros or ros_to_<peer>, where <peer> is a name under `peers` in mapping.yaml",
     )
-    parser.add_argument("--topic", metavar="TOPIC", help="ROS 2 topic (default: the name)")
-    parser.add_argument("--ros", metavar="NAME", help="ROS 2 message (default: name of the protobuf message)")
+    parser.add_argument("--topic", metavar="TOPIC", help="name of the ROS 2 topic (default: NAME)")
+    parser.add_argument(
+        "--ros", metavar="NAME", help="name of the ROS 2 message (default: the name of the protobuf message)"
+    )
     parser.add_argument("--dry-run", action="store_true", help="print the changes as a diff without writing them")
     add_table(parser)
     parser.set_defaults(run=run)

@@ -44,18 +44,20 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "demo",
-        "run the bridge with simulated boards and a simulated basestation, and show it live",
+        "run the bridge with simulated boards and a simulated basestation, and show the traffic live",
         "roverlink demo --seconds 5",
     )
     add_project(parser)
     parser.add_argument(
-        "--seconds", type=seconds, default=15.0, metavar="S", help="duration in seconds (default: %(default)s)"
+        "--seconds", type=seconds, default=15.0, metavar="S", help="stop after S seconds (default: %(default)s)"
     )
     parser.add_argument(
         "--middleware",
         choices=("dds", "memory"),
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
-        help="dds: the bridge is a separate process; memory: all in one process, no ROS 2 (default: %(default)s)",
+        help="dds: the bridge is a separate process that publishes over DDS; memory: everything runs in one process, "
+        "without "
+        "ROS 2 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
 

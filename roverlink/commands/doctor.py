@@ -23,11 +23,14 @@ def add(commands: Subparsers) -> None:
         "doctor",
         "check this machine for problems that keep the bridge from working",
         "roverlink doctor --ros-args --params-file udp.yaml",
-        "Check this machine for problems that keep the bridge from working, and print the command that solves each of\n"
-        "them: generated code, versions, ports, buffers, firewall, multicast, ROS 2. Give it the bridge's --ros-args.",
+        "Check this machine for problems that keep the bridge from working: generated code, versions, ports, buffers,\n"
+        "firewall, multicast, ROS 2. For each problem, print the command that solves it. Write the same --ros-args as\n"
+        "for `roverlink run`, so that the ports and addresses of that bridge are checked.",
     )
     add_project(parser)
-    parser.add_argument("--json", action="store_true", help="print a JSON list with an object for each check")
+    parser.add_argument(
+        "--json", action="store_true", help="print the results as a JSON list, with one object for each check"
+    )
     parser.set_defaults(run=run, takes_ros_args=True)
 
 

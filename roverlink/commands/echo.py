@@ -36,13 +36,23 @@ def add(commands: Subparsers) -> None:
         "roverlink echo imu_data --count 1",
     )
     add_project(parser)
-    parser.add_argument("topic", help="ROS 2 topic")
-    parser.add_argument("--type", metavar="PKG/msg/NAME", help="type of the topic, needed if no row has it")
-    parser.add_argument("--json", action="store_true", help="print one JSON object per line, keyed by ROS field names")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after N messages")
-    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds with exit code 1")
+    parser.add_argument("topic", help="name of the ROS 2 topic")
     parser.add_argument(
-        "--best-effort", action="store_true", help="subscribe with best-effort reliability, as sensor drivers publish"
+        "--type",
+        metavar="PKG/msg/NAME",
+        help="type of the messages, needed only for a topic that is not in mapping.yaml",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print each message as a JSON object on one line; its keys are the names of the ROS fields",
+    )
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N messages")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds, with exit code 1")
+    parser.add_argument(
+        "--best-effort",
+        action="store_true",
+        help="subscribe with best-effort reliability, for topics that are published so, as many sensor drivers do",
     )
     add_middleware(parser)
     parser.set_defaults(run=run)

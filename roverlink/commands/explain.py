@@ -21,13 +21,18 @@ def add(commands: Subparsers) -> None:
         "explain",
         "show all facts about a row, or the documentation of a rule",
         "roverlink explain imu_info",
-        "Show all facts about a row of mapping.yaml, given by name, number, topic or message: sizes, fields with\n"
-        "their conversions, topic, peers, and the bytes of an example. Or show the documentation of a rule\n"
-        "(ENV101): what it finds, why that is a problem, and how to solve it.",
+        "Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its\n"
+        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. Or show the\n"
+        "documentation of a rule of `roverlink lint`, whose ID is such as ENV101: what the rule finds, why that is\n"
+        "a problem, and how to solve it.",
     )
-    parser.add_argument("what", nargs="?", metavar="ROW|ID", help="row or rule (default: list all rules)")
+    parser.add_argument(
+        "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"
+    )
     parser.add_argument("--json", action="store_true", help="print the facts about a row as a JSON object")
-    parser.add_argument("--history", action="store_true", help="for a row: include the history of its number in git")
+    parser.add_argument(
+        "--history", action="store_true", help="with a row: show also which meanings its number had in git's history"
+    )
     add_table(parser)
     parser.set_defaults(run=run)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, Subparsers, command
+from roverlink.console import FINDINGS, OK, Subparsers, add_recording, command
 from roverlink.runtime import SetupError
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.recording import EXPORTS
@@ -16,17 +16,17 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "export",
-        "write a topic of a recording as a table with a row per message and a column per field",
+        "write one topic of a recording to a table, with a row for each message and a column for each field",
         "roverlink export run.mcap --topic imu_data --to csv",
     )
-    parser.add_argument("recording", type=Path, help="a file of the recording")
-    parser.add_argument("--topic", required=True, help="ROS 2 topic")
+    add_recording(parser)
+    parser.add_argument("--topic", required=True, help="name of the ROS 2 topic")
     parser.add_argument("--to", choices=EXPORTS, default="csv", help="format of the table (default: %(default)s)")
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="output file (default: name of the recording and the topic, such as run.imu_data.csv)",
+        help="file for the table (default: the recording's name with the topic's name, such as run.imu_data.csv)",
     )
     parser.set_defaults(run=run)
 

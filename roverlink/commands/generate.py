@@ -19,15 +19,24 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "generate",
-        "compile mapping.yaml into handlers, messages, registry, envelope, ROS 2 package and docs",
+        "write all files that depend on mapping.yaml: Python handlers, ROS 2 messages, envelope, docs",
         "roverlink generate --check",
+        "Read mapping.yaml and the .proto files, and write all files that are made from them: the Python handlers\n"
+        "that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and\n"
+        "docs.",
     )
     add_table(parser)
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; print a diff and exit with 1 if a file is out of date"
+        "--check",
+        action="store_true",
+        help="write nothing; if a file is not up to date, print the difference and exit with code 1",
     )
     parser.add_argument(
-        "--target", action="append", default=[], metavar="NAME", help="generate this target too (see docs/targets.md)"
+        "--target",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="write this kind of output too: cpp (C++ handlers), jsonschema, nanopb (.options files); may be repeated",
     )
     parser.add_argument(
         "--template",
@@ -35,7 +44,7 @@ def add(commands: Subparsers) -> None:
         default=[],
         type=Path,
         metavar="DIR",
-        help="also render the Jinja templates in DIR, into generated/DIR",
+        help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated",
     )
     parser.set_defaults(run=run)
 

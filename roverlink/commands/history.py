@@ -19,13 +19,15 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "history",
-        "show the history of an envelope number: its meanings, with first and last commit",
+        "show which payloads had an envelope number, with the first and the last commit of each",
         "roverlink history 18",
     )
-    parser.add_argument("number", type=count, metavar="NUMBER", help="number in the envelope")
+    parser.add_argument("number", type=count, metavar="NUMBER", help="number of a payload in the envelope")
     add_subject(parser)
     parser.add_argument(
-        "--of", metavar="MESSAGE", help="look up the number of a field of this message, or of a value of this enum"
+        "--of",
+        metavar="MESSAGE",
+        help="NUMBER is not an envelope number, but a field number of this message, or a value of this enum",
     )
     parser.set_defaults(run=run)
 

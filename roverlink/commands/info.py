@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = command(commands, "info", "show the contents of a recording", "roverlink info run.mcap")
-    parser.add_argument("recording", type=Path, help="an .mcap file, of topics or of datagrams")
-    parser.add_argument("--json", action="store_true", help="print a JSON object")
+    parser.add_argument(
+        "recording", type=Path, help="an .mcap file: of topics (run.mcap) or of datagrams (run.datagrams.mcap)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the contents as a JSON object")
     parser.set_defaults(run=run)
 
 

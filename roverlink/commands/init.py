@@ -29,32 +29,43 @@ def add(commands: Subparsers) -> None:
         "init",
         "start a project in this folder, with an example board or from existing .proto files",
         _EXAMPLE,
-        "Start a project in this folder: write mapping.yaml with one message of one board, its .proto file, a GitHub\n"
-        "workflow, a pre-commit hook and .gitignore, and generate.\n"
-        "With --from, take over a tree of .proto files: write mapping.yaml with a row for each member of the\n"
-        "envelope's oneof, and generate. Guessed values are marked. Files that do not compile with the others are\n"
-        "left out, and numbers that git's history has used are retired. Existing files are kept; only the\n"
-        "envelope's file is replaced, if it holds nothing but the oneof.",
+        "Start a project in this folder. Without --from, the command writes mapping.yaml with one message of one\n"
+        "board, its .proto file, a GitHub workflow, a configuration of pre-commit and .gitignore, and runs\n"
+        "`roverlink generate`. With --from, the project starts with your .proto files: mapping.yaml gets a row for\n"
+        "each member of the envelope's oneof. Values that the command had to guess have the comment `guessed`.\n"
+        "Files that do not compile together with the others are excluded. Numbers that were used in git's history\n"
+        "are retired. Your files are kept; only the envelope's file is written again, if it declares nothing but\n"
+        "the envelope with its oneof.",
     )
     parser.add_argument(
-        "--from", dest="root", type=Path, metavar="PROTO_ROOT", help="take over the .proto files in this folder"
+        "--from",
+        dest="root",
+        type=Path,
+        metavar="PROTO_ROOT",
+        help="start the project with the .proto files in this folder",
     )
     parser.add_argument(
-        "--envelope", default="", metavar="FILE", help="with --from: file of the envelope, relative to PROTO_ROOT"
+        "--envelope",
+        default="",
+        metavar="FILE",
+        help="with --from: the .proto file that declares the envelope, relative to PROTO_ROOT",
     )
     parser.add_argument(
         "--message",
         default="",
         metavar="NAME",
-        help="with --from: message of the envelope (default: the one with the largest oneof)",
+        help="with --from: name of the envelope's protobuf message (default: the message with the largest oneof)",
     )
     parser.add_argument(
-        "--oneof", default="", metavar="NAME", help="with --from: oneof of the payloads (default: the largest)"
+        "--oneof",
+        default="",
+        metavar="NAME",
+        help="with --from: name of the oneof with the payloads (default: the largest oneof)",
     )
     parser.add_argument(
         "--package", default="comms", metavar="NAME", help="name of the generated ROS 2 package (default: %(default)s)"
     )
-    parser.add_argument("--dry-run", action="store_true", help="print mapping.yaml without writing anything")
+    parser.add_argument("--dry-run", action="store_true", help="print mapping.yaml, but write no file")
     parser.set_defaults(run=run)
 
 

@@ -25,30 +25,37 @@ def add(commands: Subparsers) -> None:
         "lint",
         "find reused numbers and other mistakes that make two machines misread each other",
         "roverlink lint --against main",
-        "Check mapping.yaml, the .proto files and the ledger (mapping.lock, every number that was ever published).\n"
-        "With options, check also the changes since another state, or git's whole history.\n"
-        "Exit code 0: no finding as severe as --fail-on; 1: at least one; 2: a check could not run.\n"
-        "`roverlink explain ID` describes a rule.",
+        "Check mapping.yaml, the .proto files and the ledger (mapping.lock, which lists every number that was ever\n"
+        "published). With --against, check also what changed since an earlier state. With --history, check also all\n"
+        "commits in git. Exit code 0: there is no finding, or only findings that are less severe than --fail-on;\n"
+        "1: there are findings; 2: a check could not run. `roverlink explain ID` describes the rule of a finding.",
     )
     add_subject(parser)
     parser.add_argument(
-        "--against", metavar="STATE", help="baseline to compare with: a folder, a descriptor set, or a git ref"
+        "--against",
+        metavar="STATE",
+        help="earlier state to compare with: a git ref (branch, tag or commit), a folder, or a descriptor set of "
+        "protoc",
     )
     parser.add_argument(
         "--with-buf",
         action="store_true",
-        help="with --against: also run an installed buf, which finds changes that break generated code or JSON",
+        help="with --against: run also the program buf, which must be installed; it finds changes that break generated "
+        "code or JSON",
     )
     parser.add_argument(
         "--history",
         nargs="?",
         type=Path,
         const=True,
-        metavar="REPO",
-        help="check every state in git's history, on all branches; name REPO for a tree without mapping.yaml",
+        metavar="PROTO_ROOT",
+        help="check also every commit in git's history, on all branches; PROTO_ROOT may be given here instead of at "
+        "the end",
     )
     parser.add_argument(
-        "--branches", action="store_true", help="find numbers that two open branches use for different payloads"
+        "--branches",
+        action="store_true",
+        help="find numbers that two branches of this repository, not merged yet, use for different payloads",
     )
     parser.add_argument(
         "--pins",
@@ -56,15 +63,20 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=[],
         metavar="FILE|REPO",
-        help="compare the commits of the protos that other projects use: from submodules, from GIT_TAG in CMake, "
-        "or from a file with lines `name commit`",
+        help="find numbers that have different payloads for two projects, because they use different commits of the "
+        "protos. "
+        "REPO is the folder of a project, whose commit is read from its submodules or from GIT_TAG in CMake; FILE is a "
+        "text file with a line `project commit` for each project",
     )
     parser.add_argument(
         "--accept",
         action="store_true",
-        help="with --history: record the findings in the ledger, so that they are not reported again",
+        help="with --history: write the reused numbers that were found into the ledger, so that they are not "
+        "reported again",
     )
-    parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: %(default)s)")
+    parser.add_argument(
+        "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
+    )
     parser.add_argument(
         "--fail-on",
         choices=_COUNTED,

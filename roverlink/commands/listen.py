@@ -24,13 +24,15 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "listen",
-        "print the envelopes that arrive at a UDP port, as one JSON line each",
+        "print the envelopes that arrive at a UDP port, each as one line of JSON",
         "roverlink listen --port 6001",
     )
     add_project(parser)
     parser.add_argument("--port", type=port, required=True, help="UDP port to listen on")
     parser.add_argument(
-        "--address", default=_EVERY_ADDRESS, help="address to listen on (default: all addresses of this host)"
+        "--address",
+        default=_EVERY_ADDRESS,
+        help="IPv4 address of this machine to listen on (default: all its addresses)",
     )
     parser.add_argument("--count", type=count, metavar="N", help="stop after N datagrams")
     parser.set_defaults(run=run)

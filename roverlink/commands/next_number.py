@@ -22,9 +22,10 @@ def add(commands: Subparsers) -> None:
         "next-number",
         "print the envelope number for the next payload, and why other numbers are skipped",
         "roverlink next-number",
-        "Print the smallest number above all numbers of the envelope that was never used: not in mapping.yaml or\n"
-        "mapping.lock, not reserved or commented out, not in git's history, not on another branch. The reasons for\n"
-        "skipped numbers go to standard error.",
+        "Print the number that the next payload of the envelope should have. This number is greater than all\n"
+        "numbers in use, and it was never used before: it is not in mapping.yaml or mapping.lock, not reserved or\n"
+        "commented out in the envelope, not in git's history, and not on another branch. If numbers are skipped,\n"
+        "the reasons are printed on standard error.",
     )
     add_subject(parser)
     parser.set_defaults(run=run)

@@ -23,26 +23,33 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "pub",
-        "publish on a topic, as `ros2 topic pub` does, without a ROS installation",
+        "publish messages on a topic, as `ros2 topic pub` does, without a ROS installation",
         "roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1",
     )
     add_project(parser)
-    parser.add_argument("topic", help="ROS 2 topic")
-    parser.add_argument("values", nargs="?", default="{}", help="message in YAML; missing fields are zero")
+    parser.add_argument("topic", help="name of the ROS 2 topic")
+    parser.add_argument(
+        "values",
+        nargs="?",
+        default="{}",
+        help="the message's fields in YAML, such as '{speed: 1.5}'; all other fields are zero (default: {})",
+    )
     parser.add_argument(
         "--type",
         metavar="PKG/msg/NAME",
         help="type of the messages, needed only for a topic that is not in mapping.yaml",
     )
-    parser.add_argument("--count", type=count, metavar="N", help="number of messages (default: until interrupted)")
+    parser.add_argument("--count", type=count, metavar="N", help="number of messages (default: publish until Ctrl-C)")
     parser.add_argument("-1", "--once", action="store_const", const=1, dest="count", help="the same as --count 1")
-    parser.add_argument("-r", "--rate", type=rate, default=1.0, metavar="HZ", help="messages a second (default: 1)")
+    parser.add_argument(
+        "-r", "--rate", type=rate, default=1.0, metavar="HZ", help="number of messages a second (default: 1)"
+    )
     parser.add_argument(
         "--wait",
         type=seconds,
         default=3.0,
         metavar="S",
-        help="longest time to wait for a subscriber, in seconds (default: 3)",
+        help="wait at most S seconds for a subscriber, then publish anyway (default: 3)",
     )
     add_middleware(parser)
     parser.set_defaults(run=run)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from roverlink.commands.run import add_options, run
 from roverlink.console import Subparsers, command
+from roverlink.observers import RECORDING_HELP
 
 
 def add(commands: Subparsers) -> None:
@@ -15,15 +16,16 @@ def add(commands: Subparsers) -> None:
         "record",
         "run the bridge and record all topics and datagrams",
         "roverlink record run.mcap --rotate 1000 --ros-args -p dst_ip:=10.0.0.7",
-        "Run the bridge and record all topics and datagrams (the same as `roverlink run --record FILE`). Topics go\n"
-        "to run.mcap, which `ros2 bag` and Foxglove can read, and datagrams to run.datagrams.mcap. If the program\n"
-        "is killed, about the last second is lost. A full disk ends the recording, not the bridge.",
+        "Run the bridge and record all topics and datagrams (the same as `roverlink run --record FILE`). With FILE\n"
+        "run.mcap, the topics are in run.mcap, which `ros2 bag` and Foxglove can read, and the datagrams are in\n"
+        "run.datagrams.mcap. If the program is killed, about the last second of the recording is lost. If the disk\n"
+        "is full, the recording ends, but the bridge continues.",
     )
     parser.add_argument(
         "record",
         type=Path,
         metavar="FILE",
-        help="file for the topics, such as run.mcap; in a folder, the file is named after the date and time",
+        help=RECORDING_HELP,
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverlink import topic_types
@@ -19,6 +18,7 @@ from roverlink.console import (
     Subparsers,
     add_middleware,
     add_project,
+    add_recording,
     command,
     counted,
     project_folder,
@@ -45,34 +45,48 @@ def add(commands: Subparsers) -> None:
         "replay",
         "replay the datagrams of a recording to a bridge, or its topics to ROS 2",
         "roverlink replay run.mcap --speed 2 --as board --to 127.0.0.1:5000",
-        "Replay a recording at its own pace. If the table has changed since, messages are converted to today's.\n"
-        "Messages whose meaning has changed are reported and skipped (exit code 1).",
+        "Replay a recording with the original time between its messages. If the table (mapping.yaml) has changed\n"
+        "since the recording, each message is converted to the message types of the present table. Messages that\n"
+        "have another meaning in the present table are reported and skipped (exit code 1).",
     )
     add_project(parser)
-    parser.add_argument("recording", type=Path, help="a file of the recording")
+    add_recording(parser)
     parser.add_argument(
         "--as",
         dest="role",
         choices=("board", "ros"),
         default="board",
-        help="board: send the received datagrams to a bridge again; ros: publish the topics (default: %(default)s)",
+        help="board: send the recorded datagrams to a bridge, as the boards did; ros: publish the recorded topics "
+        "(default: %(default)s)",
     )
     parser.add_argument(
         "--to",
         default=f"127.0.0.1:{parameters.LISTEN_PORT}",
         metavar="HOST:PORT",
-        help="as board: address of the bridge (default: %(default)s)",
+        help="with --as board: address of the bridge (default: %(default)s)",
     )
-    parser.add_argument("--topic", action="append", default=[], help="as ros: only this topic; repeat for more")
+    parser.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="TOPIC",
+        help="with --as ros: publish only this topic; may be repeated",
+    )
     parser.add_argument(
         "--commands",
         action="store_true",
-        help="as ros: also publish the topics that command boards. This moves the rover!",
+        help="with --as ros: also publish the topics that command boards. This moves the rover!",
     )
-    parser.add_argument("--speed", type=rate, default=1.0, metavar="X", help="speed factor (default: 1)")
-    parser.add_argument("--loop", action="store_true", help="repeat until interrupted")
     parser.add_argument(
-        "--wait", type=seconds, default=3.0, metavar="S", help="as ros: seconds to wait for a subscriber (default: 3)"
+        "--speed", type=rate, default=1.0, metavar="X", help="replay X times as fast as recorded (default: 1)"
+    )
+    parser.add_argument("--loop", action="store_true", help="replay again and again, until Ctrl-C")
+    parser.add_argument(
+        "--wait",
+        type=seconds,
+        default=3.0,
+        metavar="S",
+        help="with --as ros: wait at most S seconds for a subscriber, then publish anyway (default: 3)",
     )
     add_middleware(parser)
     parser.set_defaults(run=run)

@@ -16,10 +16,12 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "retire",
-        "retire an envelope number: move its row to `retired`, and reserve it in the envelope",
+        "retire an envelope number, so that it is never used again",
         "roverlink retire 14",
+        "Retire an envelope number, so that no other payload ever gets it: move its row in mapping.yaml from\n"
+        "`messages` to `retired`, and run `roverlink generate`, which reserves the number in the envelope.",
     )
-    parser.add_argument("number", type=count, metavar="NUMBER", help="number in the envelope")
+    parser.add_argument("number", type=count, metavar="NUMBER", help="number of the payload in the envelope")
     add_table(parser)
     parser.set_defaults(run=run)
 

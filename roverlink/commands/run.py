@@ -38,14 +38,15 @@ def add(commands: Subparsers) -> None:
         "run the bridge between UDP and ROS 2, as the node udp_forwarder",
         "roverlink run --ros-args -p dst_ip:=10.0.0.7 -r imu_data:=imu/raw --log-level debug",
         "Run the bridge between UDP and ROS 2, as the node udp_forwarder. SIGINT (Ctrl-C) or SIGTERM stops it.\n"
-        "After --ros-args: -p name:=value, --params-file FILE, -r from:=to, -r __ns:=/x, -r __node:=n, "
+        "All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and\n"
+        "--params-file FILE (parameters), -r FROM:=TO (remap a topic), -r __ns:=/NAMESPACE, -r __node:=NAME,\n"
         "--log-level LEVEL.",
     )
     parser.add_argument(
         "--record",
         type=Path,
         metavar="FILE",
-        help="record the run to FILE, such as run.mcap; in a folder, the file is named after the date and time",
+        help=f"record all topics and datagrams. {observers.RECORDING_HELP}",
     )
     add_options(parser)
     parser.set_defaults(run=run, takes_ros_args=True)
@@ -58,14 +59,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print a JSON object when the port is open (node, port, the table's fingerprint), and one at the end "
-        "with all counters",
+        help="print a JSON object when the UDP port is open (with the node, the port and a hash of the table), and one "
+        "at the end (with all counters)",
     )
     parser.add_argument(
         "--log-format",
         choices=LOG_FORMATS,
         default="ros",
-        help="ros: lines as ROS 2 nodes write them; json: one object per line (default: %(default)s)",
+        help="format of the log on standard error. ros: lines like those of other ROS 2 nodes; json: one JSON object "
+        "per "
+        "line (default: %(default)s)",
     )
     observers.add_options(parser)
 

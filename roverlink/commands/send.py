@@ -29,21 +29,26 @@ def add(commands: Subparsers) -> None:
         "(imu_sensor.accel_x=1), enum values by name, lists as [1, 2, 3], and bytes in hexadecimal.",
     )
     add_project(parser)
-    parser.add_argument("name", nargs="?", help="name of the payload in mapping.yaml")
-    parser.add_argument("assignments", nargs="*", metavar="field=value", help="values of fields; all others are zero")
+    parser.add_argument("name", nargs="?", help="name of the payload's row in mapping.yaml")
+    parser.add_argument(
+        "assignments",
+        nargs="*",
+        metavar="field=value",
+        help="a field of the payload and its value; all other fields are zero",
+    )
     parser.add_argument(
         "--to",
         default=f"127.0.0.1:{parameters.LISTEN_PORT}",
         metavar="HOST:PORT",
-        help="destination (default: %(default)s)",
+        help="address of the bridge (default: %(default)s)",
     )
     parser.add_argument(
-        "--count", type=count, default=1, metavar="N", help="number of datagrams (default: %(default)s)"
+        "--count", type=count, default=1, metavar="N", help="number of datagrams to send (default: %(default)s)"
     )
     parser.add_argument(
-        "--rate", type=rate, default=10.0, metavar="HZ", help="datagrams a second (default: %(default)s)"
+        "--rate", type=rate, default=10.0, metavar="HZ", help="number of datagrams a second (default: %(default)s)"
     )
-    parser.add_argument("--list", action="store_true", help="list all payloads with their fields, and exit")
+    parser.add_argument("--list", action="store_true", help="list all payloads with their fields; send nothing")
     parser.set_defaults(run=run)
 
 

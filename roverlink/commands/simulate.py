@@ -54,12 +54,12 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "simulate",
-        "send the datagrams of simulated boards, with faults on request",
+        "send the datagrams of simulated boards to a bridge, with faults if you want them",
         "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
-        "Send the datagrams that the boards and the basestation of the table would send, to a running bridge\n"
-        "(--to) or to one started for this run (--bridge). With --bridge, the final report accounts for every\n"
-        "datagram; exit code 1: the sums do not agree, or the bridge's memory has grown.\n\nscenarios:\n"
-        + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+        "Send the datagrams that the boards and the basestation of the table would send. They go to a running bridge\n"
+        "(--to), or to a bridge that this command starts and stops (--bridge). With --bridge, the report at the end\n"
+        "counts what became of every datagram. Exit code 1: the numbers of the report do not add up, or the bridge's\n"
+        "memory has grown.\n\nscenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
     target = parser.add_mutually_exclusive_group()
@@ -72,26 +72,35 @@ def add(commands: Subparsers) -> None:
     target.add_argument(
         "--bridge",
         choices=("dds", "memory"),
-        help="start a bridge, over DDS or in memory, and check its counters at the end",
+        help="start a bridge, and check its counters at the end. dds: a bridge that publishes over DDS; memory: a "
+        "bridge without ROS 2",
     )
     parser.add_argument(
         "--scenario",
         action="append",
         default=[],
         choices=tuple(SCENARIOS),
-        help="fault to simulate; repeat for more (default: none)",
+        help="fault to simulate (see above); may be repeated (default: none)",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="seed of the random numbers (default: %(default)s)"
+        "--seed",
+        type=int,
+        default=0,
+        metavar="N",
+        help="seed of the random numbers; the same seed gives the same faults (default: %(default)s)",
     )
     parser.add_argument(
         "--rate",
         type=rate,
         metavar="HZ",
-        help=f"datagrams a second in total (default: {_RATE_OF_A_ROW_HZ:g} for each row)",
+        help=f"number of datagrams a second, of all rows together (default: {_RATE_OF_A_ROW_HZ:g} for each row)",
     )
     parser.add_argument(
-        "--seconds", type=seconds, default=math.inf, metavar="S", help="duration in seconds (default: until Ctrl-C)"
+        "--seconds",
+        type=seconds,
+        default=math.inf,
+        metavar="S",
+        help="stop after S seconds (default: send until Ctrl-C)",
     )
     parser.add_argument("--json", action="store_true", help="print the report as a JSON object")
     parser.set_defaults(run=run)

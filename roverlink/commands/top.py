@@ -30,18 +30,25 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "top",
-        "show the state of a running bridge live: rates, ages, drops, queues",
+        "show the state of a running bridge live: message rates, time since the last message, drops, queues",
         "roverlink top",
-        "Show the state of a running bridge live: rates, ages, drops, queues. It reads the topic /diagnostics, so the\n"
-        "bridge may run on any machine of the ROS 2 domain.",
+        "Show the state of a running bridge live: for each row, the messages a second, the time since the last\n"
+        "message, and the dropped messages; also queues. The command reads the topic /diagnostics, so the bridge may\n"
+        "run on any machine of the same ROS 2 domain.",
     )
     parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
     parser.add_argument(
-        "--once", action="store_true", help="show the state once and exit with 0, or with 1 if something is wrong"
+        "--once",
+        action="store_true",
+        help="show the state once, and exit with code 0; or with 1 if the state is not OK",
     )
-    parser.add_argument("--json", action="store_true", help="print a JSON object every second, or one with --once")
     parser.add_argument(
-        "--timeout", type=seconds, default=10.0, metavar="S", help="seconds to wait for the bridge (default: 10)"
+        "--json",
+        action="store_true",
+        help="print the state as a JSON object every second; with --once, print one object",
+    )
+    parser.add_argument(
+        "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for the bridge (default: 10)"
     )
     add_middleware(parser)
     parser.set_defaults(run=run)

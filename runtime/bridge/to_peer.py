@@ -143,7 +143,8 @@ class OutboundRow:
 
     def _warn_of_silence(self) -> None:
         self._warnings.warn(
-            f"silent {self._name}", f"{self._name}: the topic is silent; the bridge sends the stop to the peer"
+            f"silent {self._name}",
+            f"{self._name}: the topic is silent, so the bridge sends the peer the payload that stops it (deadman)",
         )
 
 

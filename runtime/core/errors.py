@@ -71,6 +71,6 @@ def nearest(word: str, known: Iterable[str]) -> str:
     choices = list(known)
     found = difflib.get_close_matches(word, choices, 1)
     if found:
-        return f"did you mean {found[0]}?"
+        return f"did you mean {found[0]!r}?"
     more = len(choices) - _NAMED
     return f"known: {', '.join(choices[:_NAMED])}{f' and {more} more' if more > 0 else ''}"

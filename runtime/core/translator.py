@@ -178,16 +178,18 @@ class Translator:
         handler = self._registry.by_name.get(name)
         if handler is None:
             return DatagramError(
-                Reason.UNKNOWN_PAYLOAD, f"no handler for payload {number} ({name}); the table does not bridge it"
+                Reason.UNKNOWN_PAYLOAD,
+                f"no handler for payload {number} ({name!r}): the table does not bridge this payload",
             )
         # Known and inbound, yet not accepted: this sender has other peers.
         if handler.route.inbound:
             speakers = ", ".join(sorted(self._peers or ()))
             return DatagramError(
-                Reason.WRONG_SOURCE, f"{name} ({number}) belongs to peer {handler.route.peer}, but came from {speakers}"
+                Reason.WRONG_SOURCE,
+                f"{name!r} ({number}) belongs to the peer {handler.route.peer!r}, but came from {speakers}",
             )
         return DatagramError(
             Reason.WRONG_DIRECTION,
-            f"{name} ({number}) has the direction {handler.route.direction}, but came from a peer",
+            f"{name!r} ({number}) is a message to a peer ({handler.route.direction}), but came from a peer",
             name,
         )

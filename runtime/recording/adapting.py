@@ -73,14 +73,15 @@ class Adapter:
     def _reason(self, field: Any) -> str:
         today = self._registry.envelope.DESCRIPTOR.fields_by_number.get(field.number)
         if today is not None:
-            return f"number {field.number} was {_spelled(field)} in the recording and is {_spelled(today)} today"
+            was, now = _spelled(field), _spelled(today)
+            return f"number {field.number} was {was} in the recording, and is {now} in the present table"
         retired = self._registry.retired.get(field.number)
         gone = "is retired" if retired else "does not exist"
-        return f"number {field.number}, {_spelled(field)} in the recording, {gone} today"
+        return f"number {field.number}, {_spelled(field)} in the recording, {gone} in the present table"
 
 
 def _spelled(field: Any) -> str:
-    return f"{field.name} ({field.message_type.name if field.message_type else 'no message'})"
+    return f"{field.name!r} ({field.message_type.name if field.message_type else 'no message'})"
 
 
 def _counterpart(field: Any, today: Any) -> Any | None:

@@ -74,7 +74,7 @@ class _Replay:
     def notes(self) -> list[str]:
         """Texts for the user about messages that are not replayed exactly as they were recorded."""
         changed = self.adapter.changed
-        return [f"converted to today's schema by field name: {', '.join(changed)}"] if changed else []
+        return [f"converted to the present table, field by field: {', '.join(changed)}"] if changed else []
 
 
 def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:

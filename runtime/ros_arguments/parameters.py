@@ -30,9 +30,9 @@ class Declaration:
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
         if self.choices and value not in self.choices:
-            raise SetupError(f"parameter {name} is {value!r}; it must be one of {', '.join(self.choices)}")
+            raise SetupError(f"the parameter {name!r} is {value!r}; it must be one of {', '.join(self.choices)}")
         if self.limits and not self.minimum <= int(value) <= self.maximum:
-            raise SetupError(f"parameter {name} is {value}; {self.limits}")
+            raise SetupError(f"the parameter {name!r} is {value}; {self.limits}")
 
 
 _FILE = Path(__file__).with_name("node_parameters.yaml")
@@ -81,7 +81,7 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if name not in values:
             raise SetupError(f"unknown parameter {name!r}; {nearest(name, values)}")
         if type(value) is not type(values[name]):
-            raise SetupError(f"parameter {name} is {value!r}; it must be of type {type(values[name]).__name__}")
+            raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {type(values[name]).__name__}")
         values[name] = value
     for name, declared in DECLARED.items():
         declared.check(name, values[name])
@@ -91,5 +91,5 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
 
 def _port(name: str, value: int) -> int:
     if not 1 <= value <= DECLARED["listen_port"].maximum:
-        raise SetupError(f"parameter {name} is {value}; {DECLARED['listen_port'].limits}")
+        raise SetupError(f"the parameter {name!r} is {value}; {DECLARED['listen_port'].limits}")
     return value

@@ -185,7 +185,7 @@ def test_markers_are_printed(tmp_path: Path) -> None:
         (["--markers", "250"], "DICT_5X5_250 has no marker 250"),
         (["--squares", "30x30"], "DICT_4X4_50 has only 50 markers, but 30x30 squares need 450"),
         (["--marker", "0.024"], "a marker must be smaller"),
-        (["--dictionary", "DICT_4X4_5"], "did you mean DICT_4X4_50?"),
+        (["--dictionary", "DICT_4X4_5"], "did you mean 'DICT_4X4_50'?"),
     ],
 )
 def test_what_cannot_be_printed_is_told(

@@ -171,7 +171,7 @@ def test_parameters_without_a_size_are_taken_and_told(
     ("more", "expected"),
     [
         (("--parameters", "none.yml"), "none.yml: no such file with camera parameters"),
-        (("--dictionary", "DICT_5X5_25"), "unknown dictionary 'DICT_5X5_25'; did you mean DICT_5X5_250?"),
+        (("--dictionary", "DICT_5X5_25"), "unknown dictionary 'DICT_5X5_25'; did you mean 'DICT_5X5_250'?"),
         (("--side", "300=0.1"), "DICT_5X5_250 has no marker 300"),
         (("--boards", "none.yaml"), "cannot read the boards"),
         (("--landmarks", "none.yaml"), "cannot read the landmarks"),

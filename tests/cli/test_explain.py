@@ -77,11 +77,11 @@ def test_a_number_without_a_row(
     assert main(["retire", "13"]) == 0
     capsys.readouterr()
     assert main(["explain", "13"]) == 1
-    assert capsys.readouterr().out == "13 is retired: it was imu_info (SensorBoardIMUInfo)\n"
+    assert capsys.readouterr().out == "13 is retired: it was 'imu_info' (SensorBoardIMUInfo)\n"
     assert main(["explain", "gps_inf"]) == 2
-    assert "'gps_inf' is neither a row of mapping.yaml nor a rule (did you mean gps_info?)" in capsys.readouterr().err
+    assert "'gps_inf' is neither a row of mapping.yaml nor a rule (did you mean 'gps_info'?)" in capsys.readouterr().err
     assert main(["explain", "ENV10"]) == 2
-    assert "did you mean ENV1" in capsys.readouterr().err
+    assert "did you mean 'ENV1" in capsys.readouterr().err
 
 
 def test_a_table_that_does_not_compile(project: Path, done: Start) -> None:

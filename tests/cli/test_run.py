@@ -136,7 +136,7 @@ def test_warnings_name_what_is_wrong(start: Start) -> None:
     """A datagram that cannot be bridged is a warning of the node, with number and name."""
     program = start("run", "--middleware", "memory", "--ros-args", *_FREE_PORT, "-r", "__node:=bridge")
     _send(_port(program), REGISTRY.envelope(drive_motor={}).SerializeToString())
-    line = program.wait_for("drive_motor (9) has the direction ros_to_hardware")
+    line = program.wait_for("'drive_motor' (9) is a message to a peer (ros_to_hardware)")
     assert re.match(r"\[WARN\] \[\d+\.\d{6}\] \[bridge\]: dropped: ", line)
     assert program.interrupt() == 0
 
@@ -250,15 +250,15 @@ def test_a_port_in_use_is_told(done: Start, peer: socket.socket) -> None:
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("-p", "listen_prt:=5000"), "unknown parameter 'listen_prt'; did you mean listen_port?"),
-        (("-p", "listen_port:=fast"), "parameter listen_port is 'fast'; it must be of type int"),
-        (("-p", "listen_port:=70000"), "parameter listen_port is 70000; a UDP port is a number from 1 to 65535"),
+        (("-p", "listen_prt:=5000"), "unknown parameter 'listen_prt'; did you mean 'listen_port'?"),
+        (("-p", "listen_port:=fast"), "parameter 'listen_port' is 'fast'; it must be of type int"),
+        (("-p", "listen_port:=70000"), "parameter 'listen_port' is 70000; a UDP port is a number from 1 to 65535"),
         (("-p", "listen_address:=2024-13-45"), "2024-13-45"),
-        (("-p", "receive_buffer:=9999999999"), "parameter receive_buffer is 9999999999"),
+        (("-p", "receive_buffer:=9999999999"), "parameter 'receive_buffer' is 9999999999"),
         (("-p", "dst_ip:=rover.invalid"), "the destination 'rover.invalid' does not resolve"),
         (("-p", "dst_ip:=" + "a" * 70 + ".x"), "does not resolve"),
         (("-p", "listen_address:=" + "a" * 70 + ".x"), "cannot listen on UDP port 5000 of aaaa"),
-        (("-p", "forward_policy:=some"), "parameter forward_policy is 'some'; it must be one of mapping, all"),
+        (("-p", "forward_policy:=some"), "parameter 'forward_policy' is 'some'; it must be one of mapping, all"),
         (("--params-file", "nowhere.yaml"), "nowhere.yaml: cannot read the file"),
         (("-r", "imu data:=imu"), "is not a topic name"),
         (("-r", "__ns:=rover"), "'rover' is not a namespace"),
@@ -283,7 +283,7 @@ def test_a_params_file_with_an_unknown_name_is_told(done: Start, tmp_path: Path)
     path = tmp_path / "params.yaml"
     path.write_text("udp_forwarder: {ros__parameters: {listen_prt: 5000}}")
     code, _, errors = done("run", "--middleware", "memory", "--ros-args", "--params-file", path)
-    assert (code, errors) == (2, "roverlink: unknown parameter 'listen_prt'; did you mean listen_port?")
+    assert (code, errors) == (2, "roverlink: unknown parameter 'listen_prt'; did you mean 'listen_port'?")
 
 
 def test_a_params_file_is_obeyed(start: Start, peer: socket.socket, tmp_path: Path) -> None:

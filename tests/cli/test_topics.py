@@ -136,7 +136,7 @@ def test_an_interrupt_ends_it_well(start: Start, command: str) -> None:
     [
         (
             ["echo", "imu_dat"],
-            "no row has the topic 'imu_dat' (did you mean imu_data?); give the --type",
+            "no row has the topic 'imu_dat' (did you mean 'imu_data'?); give the --type",
         ),
         (["echo", "x", "--type", "Imu"], "'Imu' is not the name of a ROS 2 type, such as sensor_msgs/msg/Imu"),
         (
@@ -145,8 +145,8 @@ def test_an_interrupt_ends_it_well(start: Start, command: str) -> None:
         ),
         (["echo", "x", "--type", "a/msg/B"], "unknown ROS 2 type 'a/msg/B'"),
         (["echo", "imu data", "--type", "std_msgs/String"], "'imu data' is not a topic name"),
-        (["pub", "drive_moto"], "did you mean drive_motor?"),
-        (["pub", "drive_motor", "{distance: 1}"], "has no field 'distance'; did you mean distance_to_go?"),
+        (["pub", "drive_moto"], "did you mean 'drive_motor'?"),
+        (["pub", "drive_motor", "{distance: 1}"], "has no field 'distance'; did you mean 'distance_to_go'?"),
         (["pub", "drive_motor", "{distance_to_go: far}"], "distance_to_go: 'far' is not a valid float32"),
         (["pub", "drive_motor", "{distance_to_go: 1e39}"], "distance_to_go: 1e+39 does not fit float32"),
         (["pub", "drive_motor", "{distance_to_go: 2024-13-45}"], "the message: 2024-13-45 is not a valid value"),

@@ -117,4 +117,6 @@ def test_no_peer_takes_a_parameter_of_the_node(tmp_path: Path) -> None:
     file.write_text(yaml.safe_dump(table), encoding="utf-8")
     findings = lint(Context(reader.read(file, []), None, Ledger()))
     refused = [finding.message for finding in findings if finding.rule.id == "TAB104"]
-    assert [name for name in own if not any(f" {name} of peer_{name} " in message for message in refused)] == []
+    assert [
+        name for name in own if not any(f" '{name}' of the peer 'peer_{name}' " in message for message in refused)
+    ] == []

@@ -191,7 +191,7 @@ def test_what_is_said_of_other_files_is_for_nothing(everything: _Both) -> None:
     """A line of a .options file holds for its own .proto file, and those here say nothing else that is wrong."""
     assert [finding.render() for finding in everything.findings] == [
         "proto/importing.options:1:1: warning[NPB102] "
-        "no name in importing.proto matches lengths.Free.a\n"
+        "no name in importing.proto matches 'lengths.Free.a'\n"
         "  help: write the full name, with the package: pkg.Message.field"
     ]
     assert "lengths.Free.a" in everything.headers.complaints
@@ -382,20 +382,20 @@ def test_random_messages_have_the_sizes_that_nanopb_says(
 @pytest.mark.parametrize(
     ("message", "path", "reason", "line"),
     [
-        ("lengths.Free", "a", "a string without max_size or max_length", 8),
-        ("lengths.FreeBytes", "a", "bytes without max_size", 12),
-        ("lengths.FreeCount", "a", "repeated without max_count", 99),
-        ("lengths.FreeMap", "a", "a map without max_count", 119),
-        ("lengths.FreeMapValue", "a.value", "a string without max_size or max_length", 122),
-        ("importing.AroundFreeMember", "b.b.a", "a string without max_size or max_length", 8),
-        ("storage.Pointer", "a", "its type is FT_POINTER", 11),
+        ("lengths.Free", "a", "it is a string without `max_size` or `max_length`", 8),
+        ("lengths.FreeBytes", "a", "it has the type bytes, without `max_size`", 12),
+        ("lengths.FreeCount", "a", "it is repeated, without `max_count`", 99),
+        ("lengths.FreeMap", "a", "it is a map, without `max_count`", 119),
+        ("lengths.FreeMapValue", "a.value", "it is a string without `max_size` or `max_length`", 122),
+        ("importing.AroundFreeMember", "b.b.a", "it is a string without `max_size` or `max_length`", 8),
+        ("storage.Pointer", "a", "its nanopb type is FT_POINTER", 11),
         ("storage.Self", "b", "the message contains itself: storage.Self > storage.Self", 66),
         (
             *("storage.AroundRing", "b.a.b.a"),
             *("the message contains itself: storage.Ring2 > storage.Ring3 > storage.Ring > storage.Ring2", 91),
         ),
-        ("storage.Skipped", "", "nanopb leaves storage.Skipped out", 117),
-        ("storage.AroundSkipped", "a.b", "nanopb leaves storage.Skipped out", 135),
+        ("storage.Skipped", "", "nanopb leaves the message 'storage.Skipped' out", 117),
+        ("storage.AroundSkipped", "a.b", "nanopb leaves the message 'storage.Skipped' out", 135),
     ],
 )
 def test_the_first_field_without_a_bound_is_named(
@@ -537,11 +537,12 @@ def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
         "*.r max_count:x",
     ]
     assert _found(tmp_path, {"a.proto": _HOST, "a.options": "\n".join(lines)}) == [
-        "proto/a.options:1:1: error[NPB101] p.q.M.s has no options\n  help: write p.q.M.s max_size:16, for example",
-        "proto/a.options:2:20: error[NPB101] nanopb has no option 'max_sise'\n  help: did you mean max_size?",
-        "proto/a.options:3:1: error[NPB101] max_count cannot be -1",
+        "proto/a.options:1:1: error[NPB101] the pattern 'p.q.M.s' has no options\n"
+        "  help: for example, write `p.q.M.s max_size:16`",
+        "proto/a.options:2:20: error[NPB101] nanopb has no option 'max_sise'\n  help: did you mean 'max_size'?",
+        "proto/a.options:3:1: error[NPB101] the option 'max_count' cannot be -1",
         "proto/a.options:5:15: error[NPB101] Couldn't parse integer: x",
-        "proto/a.options:4:2: warning[NPB102] no name in a.proto matches p.q.M.x\n"
+        "proto/a.options:4:2: warning[NPB102] no name in a.proto matches 'p.q.M.x'\n"
         "  help: write the full name, with the package: pkg.Message.field",
     ]
 
@@ -582,7 +583,7 @@ def test_options_without_nanopb_are_one_finding(
     assert (bounds is None) is bool(expected)
     assert [finding.render() for finding in findings] == [
         f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, but nanopb is not installed\n"
-        "  help: install it: pip install 'roverlink[nanopb]'"
+        "  help: install nanopb: pip install 'roverlink[nanopb]'"
         for place in [expected]
         if place
     ]
@@ -616,9 +617,9 @@ def host(tmp_path_factory: pytest.TempPathFactory) -> Schema:
         (b"\x92\x3f\x02\x08", None, "the options are not a protobuf message"),
         (b"\x90\x3f\x05", None, "nanopb's options are not a message"),
         (b"\x92\x3f\x05\x08\x05\x98\x06\x07", 5, "the installed nanopb has no option number 99"),
-        (b"\x92\x3f\x04\x08\x05\x18\x4d", 5, "type cannot be 77"),
-        (b"\x92\x3f\x05\x08\x05\x0a\x01x", 5, "max_size cannot be b'x'"),
-        (b"\x92\x3f\x0b\x08" + b"\xff" * 9 + b"\x01", None, "max_size cannot be -1"),
+        (b"\x92\x3f\x04\x08\x05\x18\x4d", 5, "the option 'type' cannot be 77"),
+        (b"\x92\x3f\x05\x08\x05\x0a\x01x", 5, "the option 'max_size' cannot be b'x'"),
+        (b"\x92\x3f\x0b\x08" + b"\xff" * 9 + b"\x01", None, "the option 'max_size' cannot be -1"),
     ],
 )
 def test_options_inside_are_read_or_found_fault_with(

@@ -80,9 +80,9 @@ def test_a_project_follows_its_package(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("roverlink.mine", "roverlink is a module of roverlink itself"),
-        ("json", "json is a module of Python's standard library"),
-        ("my_rover.import", "import is a Python keyword"),
+        ("roverlink.mine", "'roverlink' is a module of roverlink itself"),
+        ("json", "'json' is a module of Python's standard library"),
+        ("my_rover.import", "'import' is a Python keyword"),
         ("my-rover", "which is not a valid import name"),
         (".mine", "which is not a valid import name"),
         ("my_rover.2", "which is not a valid import name"),

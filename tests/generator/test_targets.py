@@ -70,7 +70,9 @@ def test_a_target_that_fails_is_named(project: Path, install: Install) -> None:
     before = snapshot(project)
     outcome = generate(project, "--target", "numbers")
     assert outcome.code == 1
-    assert "error[OUT103] the target numbers of rover-numbers failed: KeyError: 'depth'" in outcome.stderr
+    assert (
+        "error[OUT103] the target 'numbers' of the package 'rover-numbers' failed: KeyError: 'depth'" in outcome.stderr
+    )
     assert snapshot(project) == before
 
 

@@ -168,9 +168,11 @@ def test_case(name: str, found_in_cases: list[Diagnostic]) -> None:
 def test_what_is_said_of_units(found_in_cases: list[Diagnostic]) -> None:
     """Where the factor is known, the message says by how much a receiver is off."""
     said = {finding.type.split(".")[0]: finding.message for finding in found_in_cases if finding.rule.id == "WIR115"}
-    assert said["unit"] == "reach_mm = 1 is reach_m now: mm is read as m, 1000 times too large"
-    assert said["scale"] == "angle_x100 = 1 is angle_x10 now: times 100 is read as times 10, 10 times too large"
-    assert said["relative"] == "position = 1 is delta_position now: as it is is read as relative"
+    assert said["unit"] == "`reach_mm = 1` is now called 'reach_m': mm is read as m, 1000 times too large"
+    assert (
+        said["scale"] == "`angle_x100 = 1` is now called 'angle_x10': times 100 is read as times 10, 10 times too large"
+    )
+    assert said["relative"] == "`position = 1` is now called 'delta_position': the plain value is read as relative"
 
 
 # --- the ledger ---
@@ -282,7 +284,7 @@ def test_reuse_of_an_enum_number_after_a_gap(tmp_path: Path) -> None:
     published = _ledger(tmp_path, "enum E", "3 OLDER", "1 OLD gone", "2 C gone")
     [finding] = found(Context(TABLE, schema, published))
     assert (finding.rule.id, finding.number) == ("WIR112", 1)
-    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: 4 is free'
+    assert finding.help == 'write `B = 4; reserved 1; reserved "OLD";`: the number 4 is free'
 
 
 def test_the_next_free_number(tmp_path: Path) -> None:

@@ -86,9 +86,9 @@ def test_a_number_that_was_reused_is_found_with_its_whole_life(repository: Repos
         ("Gps", "gps", commits["Begin"], commits["Take GPS away"]),
         ("Wind", "wind", commits["Measure the wind"], None),
     ]
-    assert "one after the other on one branch; today it is wind" in found["message"]
+    assert "one after the other on one branch; today it is 'wind'" in found["message"]
     _, text, _ = run("lint", "--history", root, *_TREE)
-    assert f"Gps gps came with {commits['Begin'][:10]} 2026-02-03 Begin, went with" in text
+    assert f"'gps' (Gps) was added with {commits['Begin'][:10]} 2026-02-03 Begin, was removed with" in text
 
 
 def test_a_merged_side_branch_is_not_overlooked(repository: RepositoryBuilder, run: Run) -> None:
@@ -122,7 +122,7 @@ def test_a_message_that_changed_its_package_is_found_once(repository: Repository
     _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
     (found,) = (one for one in _found(out) if one["id"] == "HIS101")
     assert (found["message_type"], found["number"]) == ("rover.PBEnvelope", 2)
-    assert found["message"].endswith("today it is wind")
+    assert found["message"].endswith("today it is 'wind'")
     for file in root.rglob("*.proto"):
         file.unlink()
     _, out, _ = run("lint", "--history", root, *_TREE, "--format", "json")
@@ -212,7 +212,9 @@ def test_a_tree_whose_protos_are_gone_still_has_a_history(repository: Repository
     repository.commit("Away with it", dict.fromkeys((_FILE, *_PAYLOADS)))
     code, out, _ = run("lint", "--history", _written(repository), *_TREE, "--format", "json")
     assert code == 1
-    assert [(one["number"], "today PBEnvelope does not exist" in one["message"]) for one in _found(out)] == [(2, True)]
+    assert [(one["number"], "today 'PBEnvelope' does not exist" in one["message"]) for one in _found(out)] == [
+        (2, True)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -230,7 +232,7 @@ def test_a_question_about_the_envelope_needs_one(
         code, out, err = run(first, *number, ".", *named, *rest)
         assert (code, out, "fatal[STA104]" in err) == (2, "", True)
     code, _, err = run("lint", "--history", ".", "--message", "Nobody")
-    assert (code, "no message Nobody is declared" in err) == (2, True)
+    assert (code, "no message 'Nobody' is declared" in err) == (2, True)
 
 
 # --- branches, pins, numbers -------------------------------------------------------------------------------------
@@ -247,8 +249,8 @@ def test_branches_that_took_one_number(repository: RepositoryBuilder, run: Run) 
     assert code == 1
     (found,) = _found(out)
     assert (found["id"], found["number"]) == ("HIS104", 3)
-    assert "Imu spare on imu and Wind wind on wind" in found["message"]
-    assert found["help"] == "keep it for one of them, and give the other 4, which no branch has"
+    assert "'spare' (Imu) on imu and 'wind' (Wind) on wind" in found["message"]
+    assert found["help"] == "keep the number for one payload, and give the other payload 4, which no branch has"
     assert run("lint", root, *_TREE)[0] == 0
 
 
@@ -261,7 +263,7 @@ def test_branches_that_gave_one_number_to_one_type(repository: RepositoryBuilder
     code, out, _ = run("lint", _written(repository), "--branches", *_TREE, "--format", "json")
     assert code == 1
     assert [(one["number"], one["message"]) for one in _found(out)] == [
-        (3, "number 3 of PBEnvelope is Imu front on front and Imu rear on rear")
+        (3, "number 3 of 'PBEnvelope' is 'front' (Imu) on front and 'rear' (Imu) on rear")
     ]
 
 
@@ -292,8 +294,8 @@ def test_pins_that_disagree(repository: RepositoryBuilder, tmp_path: Path, run: 
     assert code == 1
     said = {one["message"] for one in _found(out)}
     assert said == {
-        "number 2 of PBEnvelope is Wind wind to board/protos and Gps gps to rover/protos",
-        "number 2 of PBEnvelope is Gps gps to basestation and Wind wind to board/protos",
+        "number 2 of 'PBEnvelope' is 'wind' (Wind) to 'board/protos' and 'gps' (Gps) to 'rover/protos'",
+        "number 2 of 'PBEnvelope' is 'gps' (Gps) to 'basestation' and 'wind' (Wind) to 'board/protos'",
     }
     assert [Path(one["path"]).name for one in _found(out)] == ["CMakeLists.txt", "pins.txt"]
     _, text, _ = run("lint", root, *_TREE, "--pins", *sources)
@@ -311,9 +313,9 @@ def test_pins_of_a_renamed_package(repository: RepositoryBuilder, tmp_path: Path
     root = _written(repository)
     (tmp_path / "pins.txt").write_text("rover main~1\nbasestation main\n")
     _, out, _ = run("lint", "--history", root, "--message", "PBEnvelope", "--pins", tmp_path / "pins.txt")
-    assert "number 2 of PBEnvelope is .rover.Wind wind to basestation and Gps gps to rover" in out
-    assert "number 3 of PBEnvelope is uint32 temperature to basestation and uint32 timeout to rover" in out
-    assert "number 1 of PBEnvelope is" not in out
+    assert "number 2 of 'PBEnvelope' is 'wind' (.rover.Wind) to 'basestation' and 'gps' (Gps) to 'rover'" in out
+    assert "number 3 of 'PBEnvelope' is 'temperature' (uint32) to 'basestation' and 'timeout' (uint32) to" in out
+    assert "number 1 of 'PBEnvelope' is" not in out
 
 
 def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: Run) -> None:
@@ -326,13 +328,16 @@ def test_pins_in_variables(repository: RepositoryBuilder, tmp_path: Path, run: R
     (tmp_path / "pins.txt").write_text("rover main~1\n")
     code, out, _ = run("lint", root, *_TREE, "--pins", board, tmp_path / "pins.txt")
     assert code == 1
-    assert "number 2 of PBEnvelope is Gps gps to rover and Wind wind to board/protos" in out
+    assert "number 2 of 'PBEnvelope' is 'gps' (Gps) to 'rover' and 'wind' (Wind) to 'board/protos'" in out
 
 
 @pytest.mark.parametrize(
     ("address", "said"),
     [
-        ("https://example.com/team/protos.git", "board/x is pinned to 0123abc, which this repository does not have"),
+        (
+            "https://example.com/team/protos.git",
+            "the project 'board/x' is pinned to '0123abc', which this repository does not have",
+        ),
         ("https://example.com/json.git", "none of its pins is a commit of this repository: board/x (0123abc)"),
     ],
 )
@@ -350,11 +355,14 @@ def test_consumers_of_which_nothing_is_known(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("rover 0123456789abcdef\n", "rover is pinned to 0123456789abcdef, which this repository does not have"),
-        ("one two three four\n", "is not `name commit`: 'one two three four'"),
+        (
+            "rover 0123456789abcdef\n",
+            "the project 'rover' is pinned to '0123456789abcdef', which this repository does not have",
+        ),
+        ("one two three four\n", "the line 'one two three four' is not a name and a commit (`name commit`)"),
         ("# nothing\n", "contains no pin"),
         ("rover \0\n", "is a binary file, not a list of pins"),
-        ("rover empty\n", "rover is pinned to empty, which has no message PBEnvelope"),
+        ("rover empty\n", "the project 'rover' is pinned to 'empty', which has no message 'PBEnvelope'"),
     ],
 )
 def test_pins_that_cannot_be_read(
@@ -380,8 +388,8 @@ def test_the_next_number_skips_whatever_was_used(repository: RepositoryBuilder, 
     assert (code, out) == (0, "7\n")
     lines = err.splitlines()
     assert [line.split()[0] for line in lines] == ["3", "4", "5", "6"]
-    assert "was wind (Wind) until" in lines[0]
-    assert "is other (Imu) on side" in lines[1]
+    assert "was 'wind' (Wind) until" in lines[0]
+    assert "is 'other' (Imu) on side" in lines[1]
     assert "comment" in lines[2]
     assert "is reserved in" in lines[3]
 
@@ -487,7 +495,7 @@ def test_a_burned_number_is_given_to_nobody(project: Path, run: Run) -> None:
     table.write_text(table.read_text().replace("\nretired:", f"{row}\nretired:"))
     code, _, err = run("generate")
     assert code == 1
-    assert "error[ENV110] field 30 is burned: it meant SensorBoardPHInfo and SensorBoardGPSInfo in the past" in err
+    assert "error[ENV110] field 30 was used for 'SensorBoardPHInfo' and 'SensorBoardGPSInfo' in the past" in err
 
 
 @pytest.mark.parametrize(

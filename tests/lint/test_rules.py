@@ -129,8 +129,8 @@ def test_one_fact_from_three_places_is_one_fault(tmp_path: Path) -> None:
     earlier = [entry for file in ("mapping.lock", "mapping.yaml", "e.proto") for entry in _published(*gone, file=file)]
     context = Context(table, None, Ledger(_published(*gone)), earlier_entries=tuple(earlier))
     assert _said(context, "ENV102", "ENV103") == [
-        "mapping.yaml:8:14 field 2 was published for gps (Gps), not for Wind",
-        "mapping.lock:6:3 field 3 was published as heat (Heat), but is missing in mapping.yaml",
+        "mapping.yaml:8:14 field 2 was published for 'gps' (Gps), not for Wind",
+        "mapping.lock:6:3 field 3 was published as 'heat' (Heat), but is missing in mapping.yaml",
     ]
 
 
@@ -159,7 +159,7 @@ def test_the_topics_of_a_row_are_said_once(tmp_path: Path) -> None:
     old = _published((1, "imu", "Imu"), (2, "wind", "Wind"), topic="old")
     older = (*old, *_published((1, "imu", "Imu"), topic="older"), *_published((1, "imu", "Imu")))
     said = _said(Context(table, None, Ledger(old), earlier_entries=older), "TAB107")
-    assert said == ["mapping.yaml:7:47 imu has the topic imu; it was published on old and on older"]
+    assert said == ["mapping.yaml:7:47 'imu' has the topic 'imu'; it was published on 'old' and on 'older'"]
 
 
 # --- numbers ------------------------------------------------------------------------------------------------------
@@ -205,7 +205,7 @@ def test_our_envelope_is_compared_only_where_it_was_read(tmp_path: Path) -> None
     context = Context(_table(tmp_path, _IMU), None, Ledger())
     assert _said(context, "ENV105") == []
     stale = dataclasses.replace(context, files={"envelope.proto": parse(_envelope("Imu imu = 2;"))})
-    assert _said(stale, "ENV105") == ["mapping.yaml:7:14 member imu has the number 2, not 1"]
+    assert _said(stale, "ENV105") == ["mapping.yaml:7:14 member 'imu' has the number 2, not 1"]
 
 
 def test_our_envelope_is_compared_although_it_does_not_compile(tmp_path: Path) -> None:
@@ -213,7 +213,9 @@ def test_our_envelope_is_compared_although_it_does_not_compile(tmp_path: Path) -
     envelope = parse('import "gone.proto"; message Envelope { oneof payload { .old.Gone imu = 1; Gps gps = 2; } }')
     files = {"envelope.proto": envelope, "payloads.proto": parse(_PAYLOADS)}
     context = Context(_table(tmp_path, _IMU + _GPS), Schema((), {}, {}), Ledger(), files)
-    assert _said(context, "ENV105") == ["mapping.yaml:7:35 member 1 carries old.Gone, not Imu"]
+    assert _said(context, "ENV105") == [
+        "mapping.yaml:7:35 member 1 of the envelope has the type 'old.Gone', but the row says 'Imu'"
+    ]
 
 
 def test_an_envelope_of_another_owner_that_does_not_compile_is_not_missing(tmp_path: Path) -> None:
@@ -315,7 +317,7 @@ def test_direction_and_prefix(tmp_path: Path, proto: str, direction: str, contra
     row = f"  - {{number: 1, name: imu, proto: {proto}, topic: imu, direction: {direction}}}\n"
     said = _said(Context(_table(tmp_path, row), None, Ledger()), "TAB105")
     column = row.index(direction) + 1
-    message = f"imu has direction {direction}, but {proto} has the prefix of board"
+    message = f"'imu' has direction '{direction}', but '{proto}' has the prefix of the peer 'board'"
     assert said == ([f"mapping.yaml:7:{column} {message}"] if contradicts else [])
 
 
@@ -336,9 +338,9 @@ def test_a_row_lowers_what_is_about_it_alone(tmp_path: Path) -> None:
         ("XYZ101: {severity: hint", "the lint has no rule 'XYZ101'"),
         ("CNV101: {severity: hint", "the lint has no rule 'CNV101'"),
         ("ENV101: {severity: warning", ""),
-        ("TAB107: {severity: warning", "TAB107 (topic-changed) has severity warning; warning is not lower"),
+        ("TAB107: {severity: warning", "TAB107 (topic-changed) has severity warning; 'warning' is not lower"),
         ("TAB107: {severity: hint", ""),
-        ("TAB106: {severity: warning", "TAB106 (number-skipped) has severity hint; warning is not lower"),
+        ("TAB106: {severity: warning", "TAB106 (number-skipped) has severity hint; 'warning' is not lower"),
         ('TAB106: {severity: "off"', ""),
     ],
 )
@@ -355,7 +357,7 @@ def test_a_fatal_rule_cannot_be_lowered(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(module, "_rules", lambda: known)
     table = _table(tmp_path, _IMU, 'lint:\n  LED101: {severity: "off", reason: agreed}\n')
     (finding,) = module.check(Context(table, None, Ledger()))
-    assert finding.message == "LED101 (unreadable-ledger) is fatal, and cannot be lowered"
+    assert finding.message == "LED101 (unreadable-ledger) is fatal, so its severity cannot be lowered"
 
 
 # --- sizes --------------------------------------------------------------------------------------------------------
@@ -392,8 +394,8 @@ def test_the_largest_envelope_is_exact(tmp_path: Path, length: int, outside: str
     """Tag and length of the payload count, and what stands beside the oneof; 32 bytes fit into 32."""
     bounds = {"text": FieldBounds(max_length=length), "more": FieldBounds(max_count=2)}
     said = _said(_sized(tmp_path, _TO_BASE, bounds, outside), "FIX102")
-    assert [message.split(",")[0] for message in said] == (
-        [f"mapping.yaml:7:36 an envelope with note has up to {too_large} bytes"] if too_large else []
+    assert [message.split(";")[0] for message in said] == (
+        [f"mapping.yaml:7:36 envelopes with 'note' have up to {too_large} bytes"] if too_large else []
     )
 
 
@@ -406,24 +408,24 @@ def test_the_largest_envelope_is_exact(tmp_path: Path, length: int, outside: str
         (
             {"text": FieldBounds(max_length=10)},
             {"text": FieldBounds(max_length=9)},
-            "text accepts at most 9 bytes now; it accepted 10 before",
+            "text' accepts at most 9 bytes now; it accepted 10 before",
         ),
         (
             {"more": FieldBounds(max_count=3)},
             {"more": FieldBounds(max_count=2)},
-            "more accepts at most 2 values now; it accepted 3 before",
+            "more' accepts at most 2 values now; it accepted 3 before",
         ),
         (
             {"more": FieldBounds(max_count=3)},
             {"more": FieldBounds(max_count=3, fixed_count=True)},
-            "more accepts exactly 3 values now; it accepted up to 3 before",
+            "more' accepts exactly 3 values now; it accepted up to 3 before",
         ),
         (
             {"more": FieldBounds(max_count=2, fixed_count=True)},
             {"more": FieldBounds(max_count=3, fixed_count=True)},
-            "more accepts exactly 3 values now; it accepted 2 before",
+            "more' accepts exactly 3 values now; it accepted 2 before",
         ),
-        ({}, {"count": FieldBounds(int_size=16)}, "count accepts 16 bits now; it accepted 32 before"),
+        ({}, {"count": FieldBounds(int_size=16)}, "count' accepts 16 bits now; it accepted 32 before"),
         ({"count": FieldBounds(int_size=8)}, {"count": FieldBounds(int_size=16)}, ""),
     ],
 )
@@ -436,7 +438,7 @@ def test_bounds_that_shrank(
     bounds_before = Bounds(fields={("Note", name): bound for name, bound in before.items()})
     change = SchemaChange(context.schema, context.schema, bounds_before=bounds_before)
     said = [f.message for f in _found(dataclasses.replace(context, changes=(change,)), "FIX103")]
-    assert said == ([f"Note.{text}"] if text else [])
+    assert said == ([f"'Note.{text}"] if text else [])
     unknown = dataclasses.replace(change, bounds_before=None)
     assert _found(dataclasses.replace(context, changes=(unknown,)), "FIX103") == []
 

@@ -133,7 +133,7 @@ def test_text_has_both_and_no_fault_twice(lint: Lint) -> None:
     assert lint() == (
         1,
         """\
-after/imu.proto:5:1: error[WIR102] spare = 4 was deleted from rover.Imu, and its number is not reserved
+after/imu.proto:5:1: error[WIR102] `spare = 4` was deleted from 'rover.Imu', but its number is not reserved
 5 | message Imu {
   | ^
   before/imu.proto:9:3: it was `float spare = 4;` here
@@ -151,7 +151,7 @@ to "int64".
   |   ^
   help: see https://buf.build/docs/breaking/rules/#field_same_type
 
-after/imu.proto:8:3: error[WIR101] speed = 3 was float and is string now: a receiver of the other version skips the \
+after/imu.proto:8:3: error[WIR101] `speed = 3` was float and is now string: a receiver of the other version skips the \
 value as unknown
 8 |   string speed = 3;
   |   ^
@@ -355,7 +355,7 @@ def test_a_setting_that_does_not_lower(project: Lint) -> None:
     """Buf's findings are warnings anyway."""
     _, out, _ = project(behind="lint:\n  FIELD_SAME_TYPE: {severity: warning, reason: agreed}\n")
     [finding] = [finding for finding in json.loads(out) if finding["id"] == "TAB108"]
-    assert finding["message"] == "FIELD_SAME_TYPE (buf-breaking) has severity warning; warning is not lower"
+    assert finding["message"] == "FIELD_SAME_TYPE (buf-breaking) has severity warning; 'warning' is not lower"
 
 
 @needs_buf

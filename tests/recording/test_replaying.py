@@ -117,7 +117,7 @@ def test_a_moved_payload_is_carried_to_its_number_of_today(tmp_path: Path) -> No
     assert REGISTRY.envelope.FromString(message.data) == REGISTRY.envelope(
         imu_info={"accel_x": 1.5, "gyro_z": 2.5, "state": 2}
     )
-    assert "converted to today's schema by field name: imu_info (40)" in replay.notes[0]
+    assert "converted to the present table, field by field: imu_info (40)" in replay.notes[0]
 
 
 def test_a_field_whose_type_has_changed_is_carried_by_name(tmp_path: Path) -> None:
@@ -176,8 +176,8 @@ def test_a_number_that_is_another_thing_today_is_not_replayed(tmp_path: Path) ->
     recording = _record(tmp_path / "run.mcap", older, older(motor_temperature={}).SerializeToString())
     replay = BoardReplay(recording, REGISTRY)
     assert list(replay.messages()) == []
-    was, now = "motor_temperature (SensorBoardPHInfo)", "imu_info (SensorBoardIMUInfo)"
-    reason = f"number 13 was {was} in the recording and is {now} today"
+    was, now = "'motor_temperature' (SensorBoardPHInfo)", "'imu_info' (SensorBoardIMUInfo)"
+    reason = f"number 13 was {was} in the recording, and is {now} in the present table"
     assert replay.refused == {reason: 1}
 
 
@@ -194,7 +194,8 @@ def test_a_number_that_is_retired_today_is_told(tmp_path: Path) -> None:
     today = dataclasses.replace(REGISTRY, retired={77: "old_imu"})
     replay = BoardReplay(_record(tmp_path / "run.mcap", older, older(old_imu={}).SerializeToString()), today)
     assert list(replay.messages()) == []
-    assert replay.refused == {"number 77, old_imu (SensorBoardIMUInfo) in the recording, is retired today": 1}
+    reason = "number 77, 'old_imu' (SensorBoardIMUInfo) in the recording, is retired in the present table"
+    assert replay.refused == {reason: 1}
 
 
 @dataclasses.dataclass

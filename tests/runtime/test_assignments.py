@@ -157,7 +157,7 @@ def test_an_empty_mapping_is_a_message_that_is_there() -> None:
 @pytest.mark.parametrize(
     ("path", "text", "expected"),
     [
-        ("a_flaot", "1", "a_flaot: Whole has no field 'a_flaot'; did you mean a_float?"),
+        ("a_flaot", "1", "a_flaot: Whole has no field 'a_flaot'; did you mean 'a_float'?"),
         ("zzzz", "1", "zzzz: Whole has no field 'zzzz'; known: a_bool"),
         ("part.z", "1", "part.z: Part has no field 'z'"),
         ("part.part.z", "1", "part.part.z: Part has no field 'z'"),
@@ -182,7 +182,7 @@ def test_an_empty_mapping_is_a_message_that_is_there() -> None:
         ("a_uint64", "18446744073709551616", "is not a valid fixed64"),
         ("some_bytes", "xyz", "some_bytes: 'xyz' is not a sequence of bytes in hexadecimal"),
         ("some_bytes", "123", "some_bytes: '123' is not a sequence"),
-        ("mode", "ONN", "mode: Mode has no value 'ONN'; did you mean ON?"),
+        ("mode", "ONN", "mode: Mode has no value 'ONN'; did you mean 'ON'?"),
         ("mode", "on", "mode: Mode has no value 'on'"),
         ("mode", "1.5", "mode: Mode has no value '1.5'"),
         ("mode", "2147483648", "mode: Mode has no value '2147483648'"),

@@ -320,7 +320,10 @@ def test_each_reason_is_counted_and_warned_of(rig: _Rig, caplog: pytest.LogCaptu
         "empty": (b"", r"dropped: the PBEnvelope has no payload \(0 bytes\)"),
         "malformed": (b"\xff" * 9, r"dropped: not a valid PBEnvelope: 9 bytes that start with ff ff"),
         "unknown_payload": (bytes.fromhex("ca0100"), r"dropped: no row of the table has payload 25$"),
-        "wrong_direction": (_envelope(arm_ctrl={}), r"dropped: arm_ctrl \(2\) has the direction ros_to_hardware"),
+        "wrong_direction": (
+            _envelope(arm_ctrl={}),
+            r"dropped: 'arm_ctrl' \(2\) is a message to a peer \(ros_to_hardware\)",
+        ),
         "conversion": (_envelope(imu_info={"error_code": 300}), r"dropped: payload 13: imu_info\.error_code: 300"),
         "oversized": (bytes(1473), r"dropped: a datagram of more than 1472 bytes"),
     }

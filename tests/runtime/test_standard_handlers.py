@@ -113,7 +113,7 @@ def _check_way_back(handler: StandardHandler[Any, Any], theirs: Any, store: Type
     """What the message tells of the payload is what the payload said, to the last bit."""
     data = bytes(store.serialize_cdr(theirs, handler.message_type.__msgtype__))
     if handler.route.topic == "gps/fix":
-        with pytest.raises(ConversionError, match="STATUS_FIX for GPS_FIX and for PPS_FIX"):
+        with pytest.raises(ConversionError, match="STATUS_FIX for 'GPS_FIX' and for 'PPS_FIX'"):
             handler.from_cdr(data)
         return
     back = handler.from_cdr(data)

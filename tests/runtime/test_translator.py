@@ -58,7 +58,9 @@ def test_a_payload_that_never_comes_from_a_peer_is_refused(handler: AnyHandler, 
     """A payload on the wrong side is refused with its number, its name and its direction."""
     error = _refused(translator, _envelope(**{handler.route.name: handler.payload_type()}))
     assert error.reason is Reason.WRONG_DIRECTION
-    assert f"{handler.route.name} ({handler.route.number}) has the direction {handler.route.direction}" in str(error)
+    assert f"{handler.route.name!r} ({handler.route.number}) is a message to a peer ({handler.route.direction})" in str(
+        error
+    )
 
 
 def test_an_unknown_payload_is_refused_with_its_number(translator: Translator) -> None:
@@ -94,7 +96,7 @@ def test_a_payload_of_the_envelope_without_a_handler_is_refused_with_number_and_
     translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
     error = _refused(translator, _envelope(imu_info={}))
     assert error.reason is Reason.UNKNOWN_PAYLOAD
-    assert str(error) == "no handler for payload 13 (imu_info); the table does not bridge it"
+    assert str(error) == "no handler for payload 13 ('imu_info'): the table does not bridge this payload"
 
 
 def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> None:
@@ -102,7 +104,7 @@ def test_number_and_name_belong_together_where_an_unknown_payload_follows() -> N
     rest = tuple(handler for handler in REGISTRY.handlers if handler.route.name != "imu_info")
     translator = Translator(dataclasses.replace(REGISTRY, handlers=rest))
     error = _refused(translator, _envelope(imu_info={}) + delimited(99, b"x"))
-    assert str(error) == "no handler for payload 13 (imu_info); the table does not bridge it"
+    assert str(error) == "no handler for payload 13 ('imu_info'): the table does not bridge this payload"
 
 
 @pytest.mark.parametrize("datagram", [b"", bytes(1), bytes(200)], ids=["nothing", "one zero", "zeros"])

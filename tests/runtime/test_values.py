@@ -64,8 +64,8 @@ def test_numbers_for_floats_are_taken_as_they_are_written(given: object, expecte
     [
         ("sensor_msgs/msg/Imu", 3, "", "3 is not a mapping of field names to values"),
         ("sensor_msgs/msg/Imu", None, "", "None is not a mapping"),
-        ("sensor_msgs/msg/Imu", {"hedder": {}}, "", "has no field 'hedder'; did you mean header?"),
-        ("sensor_msgs/msg/Imu", {"header": {"stamp": {"secs": 1}}}, "header.stamp", "did you mean sec?"),
+        ("sensor_msgs/msg/Imu", {"hedder": {}}, "", "has no field 'hedder'; did you mean 'header'?"),
+        ("sensor_msgs/msg/Imu", {"header": {"stamp": {"secs": 1}}}, "header.stamp", "did you mean 'sec'?"),
         ("sensor_msgs/msg/Imu", {"header": 1}, "header", "1 is not a mapping"),
         ("sensor_msgs/msg/Imu", {1: 2}, "", "has no field 1"),
         ("std_msgs/msg/Empty", {"data": 1}, "", "has no field 'data'; it has no fields"),
@@ -114,7 +114,7 @@ def test_every_simulated_payload_is_shown_with_all_its_fields(handler: Any) -> N
 
 def test_the_nearest_name_is_found() -> None:
     """A name that is nearly right leads to the right one; else there is a list, and no endless one."""
-    assert nearest("imu_dat", ["gps_data", "imu_data"]) == "did you mean imu_data?"
+    assert nearest("imu_dat", ["gps_data", "imu_data"]) == "did you mean 'imu_data'?"
     assert nearest("zzz", ["a", "b"]) == "known: a, b"
     assert nearest("zzz", [f"n{number}" for number in range(100)]).endswith("n29 and 70 more")
 
@@ -138,7 +138,7 @@ def test_what_is_no_type_name_is_told(name: str) -> None:
 
 def test_an_unknown_type_leads_to_the_nearest() -> None:
     """A type that is not among ROS 2's common interfaces leads to the one that was probably meant."""
-    with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean .*/Imu\?"):
+    with pytest.raises(SetupError, match=r"unknown ROS 2 type 'sensor_msgs/msg/Imus'; did you mean '.*/Imu'\?"):
         from_rosbags.message_type("sensor_msgs/msg/Imus")
 
 

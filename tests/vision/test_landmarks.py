@@ -49,7 +49,7 @@ def test_landmarks_have_poses_and_sigmas(tmp_path: Path) -> None:
         ("frame: field", "no landmarks found"),
         ("landmarks: {}", "no landmarks found"),
         ("landmarks: [7]", r":1:12: the file: landmarks is not a mapping"),
-        ("frame: a\nlandmark: {}", r":2:1: the file has an unknown key .*did you mean landmarks"),
+        ("frame: a\nlandmark: {}", r":2:1: the file has an unknown key .*did you mean 'landmarks'"),
         ("frame: 3\nlandmarks: {7: {}}", r":1:8: .* is 3; it must be a name"),
         ("frame: 2026-02-30\nlandmarks: {7: {}}", r":1:8: the file: frame: 2026-02-30 is not a valid value"),
         ("frame: !!python/none\nlandmarks: {7: {}}", r":1:8: the file: frame: an empty value is not a valid value"),

@@ -30,16 +30,16 @@ def partners(message: ProtoMessage, field: ProtoField) -> set[int]:
 
 def moved_text(pair: FieldPair) -> str:
     """Return a text that says how a field moved into, out of, or between oneofs."""
-    what = f"{pair.new.name} = {pair.new.number}"
+    what = f"the field `{pair.new.name} = {pair.new.number}`"
     if not pair.old.oneof:
-        return f"{what} is in the oneof {pair.new.oneof} now"
+        return f"{what} is now in the oneof {pair.new.oneof!r}"
     if not pair.new.oneof:
-        return f"{what} is no longer in the oneof {pair.old.oneof}"
-    return f"{what} was in the oneof {pair.old.oneof} and is in {pair.new.oneof} now"
+        return f"{what} is no longer in the oneof {pair.old.oneof!r}"
+    return f"{what} was in the oneof {pair.old.oneof!r} and is now in {pair.new.oneof!r}"
 
 
 def moved_back(pair: FieldPair) -> str:
     """Return a text that says how to undo a field's move into, out of, or between oneofs."""
     if pair.old.oneof:
-        return f"put it back into `oneof {pair.old.oneof}`"
-    return f"take it out of the oneof {pair.new.oneof}"
+        return f"put the field back into the oneof {pair.old.oneof!r}"
+    return f"take the field out of the oneof {pair.new.oneof!r}"

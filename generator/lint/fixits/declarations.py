@@ -92,13 +92,13 @@ def retyping(pair: FieldPair) -> str:
     old_type = type_text(old, pair.change.before, pair.owner)
     new_type = type_text(new, pair.change.after, pair.owner)
     if old.name != new.name and not pair.in_map_entry:
-        return f"number {new.number} was {old.name} ({old_type}) and is {new.name} ({new_type}) now"
-    what = f"{new.name} = {new.number}"
+        return f"number {new.number} was {old.name!r} ({old_type}), and is now {new.name!r} ({new_type})"
+    what = f"`{new.name} = {new.number}`"
     if pair.in_map_entry:
         of_map = written(pair).new
-        what = f"the {new.name} of the map {of_map.name} = {of_map.number}"
+        what = f"the {new.name} of the map `{of_map.name} = {of_map.number}`"
     comma = "," if kind(old) == "group" else ""
-    return f"{what} was {old_type}{comma} and is {new_type} now: {_misreading(kind(old), kind(new))}"
+    return f"{what} was {old_type}{comma} and is now {new_type}: {_misreading(kind(old), kind(new))}"
 
 
 def type_text(field: ProtoField, schema: Schema, owner: str) -> str:

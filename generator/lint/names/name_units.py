@@ -69,7 +69,7 @@ class Measure:
     def shown(self) -> str:
         """The unit, scale and reference as text, for messages."""
         parts = ["relative"] * self.relative + [" per ".join(self.units)] * bool(self.units)
-        return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "as it is"
+        return " ".join(parts + [f"times {self.scale}"] * (self.scale != 1)) or "the plain value"
 
 
 def measure(words: Sequence[str]) -> Measure:

@@ -73,7 +73,9 @@ class Scalings:
         """
         for key in ("scale", "fixed_point", "offset"):
             if key in options.forms and not _is_usable(options.forms[key].value, key):
-                message = f"{key} is {options.forms[key].value}, which would make {source.dotted} constant or infinite"
+                message = (
+                    f"`{key}` is {options.forms[key].value}, which would make {source.dotted!r} constant or infinite"
+                )
                 self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
                 return None
         scale = options.number("scale", 1)
@@ -98,7 +100,7 @@ class Scalings:
             return None
         wanted = place.unit or to
         if not wanted and unit:
-            message = f"the unit of {place.shown} is not given, so {unit} cannot be converted"
+            message = f"the unit of {place.shown} is not given, so the unit {unit!r} cannot be converted"
             self._report(
                 standard_rules.UNIT_MISSING.at(options.at("unit", span), message, "add `to`, or remove `unit`")
             )
@@ -110,9 +112,13 @@ class Scalings:
         if not unit and into == units.parse("1"):
             unit = "1"
         if not unit:
-            message = f"{place.shown} is in {wanted}, but the unit of {source.dotted} is not given"
+            message = f"{place.shown} is in {wanted}, but the unit of {source.dotted!r} is not given"
             self._report(
-                standard_rules.UNIT_MISSING.at(span, message, f"add `unit: {wanted}`, if the field is in {wanted}")
+                standard_rules.UNIT_MISSING.at(
+                    span,
+                    message,
+                    f"add `unit: {wanted}` if {source.dotted!r} is in {wanted}, or else the unit that it has",
+                )
             )
             return None
         out_of = self._parsed(unit, options.at("unit", span))
@@ -131,7 +137,7 @@ class Scalings:
             return None
         if out_of.dimension != into.dimension:
             message = (
-                f"{source.dotted} is in {_told(given[0], out_of)}, but {place.shown} is in {_told(wanted[0], into)}"
+                f"{source.dotted!r} is in {_told(given[0], out_of)}, but {place.shown} is in {_told(wanted[0], into)}"
             )
             known = "g means gram; write g0 for the acceleration of free fall" if given[0] in ("g", "mg") else ""
             self._report(

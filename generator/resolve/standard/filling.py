@@ -66,9 +66,9 @@ class Filling:
             return
         for other in self.expressions:
             if other[: len(path)] == path or path[: len(other)] == other:
-                also = [(self.spans[other], f"{'.'.join(other)} is filled here")]
-                message = f"{'.'.join(path)} is filled twice"
-                self._report(standard_rules.SET_TWICE.at(span, message, "keep one of them", also))
+                also = [(self.spans[other], f"'{'.'.join(other)}' is filled here")]
+                message = f"the field '{'.'.join(path)}' is filled twice"
+                self._report(standard_rules.SET_TWICE.at(span, message, "keep only one of the two entries", also))
                 return
         self.expressions[path] = expression
 
@@ -101,7 +101,9 @@ class Filling:
         axes = self._axes(place, entries["axes"])
         if axes and set(parts) != {"x", "y", "z"}:
             self._wrong(
-                form.span, f"`axes` needs x, y and z, but {place.dotted} has {',  '.join(parts) or 'none'}", place.path
+                form.span,
+                f"`axes` needs x, y and z, but {place.dotted!r} has {', '.join(parts) or 'none'}",
+                place.path,
             )
         elif axes:
             for name, axis in zip("xyz", axes):
@@ -116,7 +118,7 @@ class Filling:
         if sorted(axis.removeprefix("-") for axis in axes) == ["x", "y", "z"]:
             return axes
         self._wrong(
-            form.span, f"axes of {place.dotted} must contain each of x, y and z once, as in [y, x, -z]", place.path
+            form.span, f"`axes` of {place.dotted!r} must contain each of x, y and z once, as in [y, x, -z]", place.path
         )
         return ()
 
@@ -142,7 +144,7 @@ class Filling:
         made = self._leaf(angle, form, options)
         if made is None or isinstance(made, (Taken, Constant)):
             return made
-        self._wrong(form.span, f"{name} must be a number", ())
+        self._wrong(form.span, f"the angle {name!r} must be a number", ())
         return None
 
     # --- times ---
@@ -161,7 +163,7 @@ class Filling:
         if source is None or seconds is None:
             return None
         if source.type in ("string", "bool", "bytes") or source.enum or source.repeated or source.optional:
-            message = f"{place.shown} needs a single number that is always set, but {source.dotted} is not one"
+            message = f"{place.shown} needs a single number that is always set, but {source.dotted!r} is not one"
             self._report(standard_rules.WRONG_FORM.at(entries["from"].span, message))
             return None
         # In nanoseconds: builtin_interfaces/Time has whole seconds and whole nanoseconds.
@@ -178,7 +180,7 @@ class Filling:
             self._report(standard_rules.UNKNOWN_UNIT.at(form.span, str(error)))
             return None
         if unit.dimension != _SECOND.dimension:
-            message = f"{place.shown} is a time, but the unit {form.value} means {unit.in_si}"
+            message = f"{place.shown} is a time, but {form.value!r} is not a unit of time"
             self._report(standard_rules.DIMENSION.at(form.span, message, "use a unit of time: s, ms, us, ns"))
             return None
         return unit.factor

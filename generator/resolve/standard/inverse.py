@@ -59,7 +59,7 @@ def invert(fields: Iterable[TargetField]) -> Inverse:
         told |= {source.dotted: source for source in sources}
     oneofs = Counter(source.oneof for source in told.values() if source.oneof)
     if not obstacle and (shared := next((name for name, count in oneofs.items() if count > 1), "")):
-        obstacle = f"it uses several members of the oneof {shared}, but only one of them can be set"
+        obstacle = f"it uses several members of the oneof {shared!r}, but only one of them can be set"
     if obstacle:
         return Inverse((), obstacle, ())
     return Inverse(tuple(recovered), "", tuple(told))
@@ -95,14 +95,16 @@ def _obstacle(value: Expression, path: Path) -> str:
     """
     dotted = ".".join(path)
     if isinstance(value, Taken) and value.rounded:
-        return f"{dotted} contains {value.source.dotted} rounded to an integer"
+        return f"{dotted!r} contains {value.source.dotted!r} rounded to an integer"
     if isinstance(value, Chosen):
         seen: dict[object, str] = {}
         for case in value.cases:
             if (first := seen.setdefault(case.counterpart.value, case.name)) != case.name:
                 shared = case.counterpart.shown
-                return f"{dotted} is {shared} for {first} and for {case.name} of {value.source.dotted}"
+                return f"{dotted!r} is {shared} for {first!r} and for {case.name!r} of {value.source.dotted!r}"
         if value.default is not None and value.default.value in seen:
             shared = value.default.shown
-            return f"{dotted} is {shared} for {seen[value.default.value]} and for every other {value.source.dotted}"
+            return (
+                f"{dotted!r} is {shared} for {seen[value.default.value]!r} and for every other {value.source.dotted!r}"
+            )
     return ""

@@ -39,7 +39,7 @@ class Leaves:
         if source.enum:
             values = ", ".join(self._sources.values_of(source.enum))
             help = f"list the result of each value under `enum`: {{{values}}}"
-            message = f"{source.dotted} is an enum, whose numbers have no meaning in {place.shown}"
+            message = f"{source.dotted!r} is an enum, whose numbers have no meaning in {place.shown}"
             self._report(standard_rules.WRONG_FORM.at(span, message, help))
             return None
         if why := self._misfit(source, place):
@@ -55,18 +55,18 @@ class Leaves:
         many = source.repeated or source.type == "bytes"
         if many != type.is_many:
             has, needs = ("a list", "a single value") if many else ("a single value", "a list")
-            return f"{source.dotted} is {has}, but {place.shown} needs {needs}: it is a {type}"
+            return f"{source.dotted!r} is {has}, but {place.shown} needs {needs}: it is a {type}"
         kinds = ("bytes", "uint8") if source.type == "bytes" else (source.type, type.name)
         if _kind(kinds[0]) != _kind(kinds[1]) and kinds[0] != "bytes":
-            return f"{source.dotted} is a {source.type}, but {place.shown} is a {type}"
+            return f"{source.dotted!r} is a {source.type}, but {place.shown} is a {type}"
         if source.type == "bytes" and type.name not in ("uint8", "byte", "char"):
-            return f"{source.dotted} is bytes, but {place.shown} is a {type}"
+            return f"{source.dotted!r} has the type bytes, but {place.shown} is a {type}"
         return ""
 
     def _unscaled(self, source: Source, place: Place, options: Options, span: Span) -> Taken | None:
         key = options.stated("unit", "to", "scale", "fixed_point", "offset")
         if key or options.negated:
-            message = f"{source.dotted} is a {source.type}, which has no {key or 'sign'}"
+            message = f"{source.dotted!r} is a {source.type}, which has no {key or 'sign'}"
             self._report(standard_rules.WRONG_FORM.at(options.at(key, span), message))
             return None
         return self._with_default(Taken(source), place, options, span)
@@ -77,7 +77,7 @@ class Leaves:
             return None
         target = place.type.name
         if not options.narrow and (why := numeric_ranges.loss(source, scaling, target)):
-            message = f"{source.dotted} {why}, in {place.shown}"
+            message = f"{source.dotted!r} {why}, in {place.shown}"
             help = "`narrow: true` allows it; a datagram whose value does not fit is then dropped"
             self._report(standard_rules.NARROWING.at(span, message, help))
             return None
@@ -89,10 +89,10 @@ class Leaves:
         if not source.optional:
             return taken
         if "default" not in options.forms:
-            message = f"{source.dotted} may be absent, but no value is given for {place.shown} in this case"
+            message = f"{source.dotted!r} may be absent, but no value is given for {place.shown} in this case"
             self._report(
                 standard_rules.ABSENCE_UNSAID.at(
-                    span, message, "add a default: `{from:  " + source.dotted + ", default: 0}`"
+                    span, message, "add a default: `{from: " + source.dotted + ", default: 0}`"
                 )
             )
             return None
@@ -108,17 +108,17 @@ class Leaves:
         """
         if form.items is None:
             if place.type.is_many:
-                message = f"{place.shown} is a {place.type}, so a single value does not fit"
+                message = f"{place.shown} is a {place.type}, so a single value does not fit; write a list"
                 self._report(standard_rules.WRONG_FORM.at(form.span, message))
                 return None
             return self._value(place, form, negated)
         length, bound = place.type.length, place.type.bound
         if not place.type.is_many or len(form.items) != (len(form.items) if length is None else length):
-            message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
+            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
         if bound is not None and len(form.items) > bound:
-            message = f"{place.shown} is a {place.type}, but the list has {len(form.items)} items"
+            message = f"{place.shown} is a {place.type}, but the constant has {len(form.items)} items"
             self._report(standard_rules.WRONG_FORM.at(form.span, message))
             return None
         items = [self._value(place, item) for item in form.items]
@@ -143,7 +143,7 @@ class Leaves:
             if number is not None:
                 return Constant(number)
         shown = _shown(value)
-        self._report(standard_rules.WRONG_FORM.at(form.span, f"{shown} does not fit {place.shown}, of type {type}"))
+        self._report(standard_rules.WRONG_FORM.at(form.span, f"{shown} does not fit {place.shown}, a {type}"))
         return None
 
     def _constant_of(self, place: Place, name: str, span: Span) -> Constant | None:
@@ -165,7 +165,9 @@ class Leaves:
         source, span = self._sources.find(path, form.span), form.span
         if source is None or place.type.is_many or not source.enum or source.repeated:
             if source is not None:
-                message = f"`enum` converts a single enum value, but {source.dotted} or {place.shown} is something else"
+                message = (
+                    f"`enum` converts a single enum value, but {source.dotted!r} or {place.shown} is something else"
+                )
                 self._report(standard_rules.WRONG_FORM.at(span, message, "remove `enum`"))
             return None
         declared, cases = self._sources.values_of(source.enum), []
@@ -173,7 +175,7 @@ class Leaves:
             counterpart = self._value(place, entry)
             if name not in declared:
                 help = nearest(name, declared, f"known values: {', '.join(declared)}")
-                message = f"{source.enum.name} has no value {name!r}"
+                message = f"{source.enum.name!r} has no value {name!r}"
                 self._report(standard_rules.UNKNOWN_VALUE.at(entry.span, message, help))
             elif counterpart is not None:
                 cases.append(Case(declared[name], name, counterpart))
@@ -182,10 +184,14 @@ class Leaves:
         missing = [name for name, number in declared.items() if number not in numbers_given]
         if not form.entries:
             self._report(
-                standard_rules.ENUM_TABLE.at(span, f"{place.shown} has no entries under `enum` for {source.dotted}")
+                standard_rules.ENUM_TABLE.at(
+                    span, f"`enum` of {place.shown} is empty, so {source.dotted!r} has no meaning"
+                )
             )
         if missing and default is None:
-            message = f"{', '.join(missing)} of {source.enum.name} have no entry under `enum` for {place.shown}"
+            message = (
+                f"`enum` of {place.shown} has no entry for {', '.join(map(repr, missing))} of {source.enum.name!r}"
+            )
             self._report(
                 standard_rules.ENUM_TABLE.at(
                     span, message, "add the missing entries, or a `default` for all other values"

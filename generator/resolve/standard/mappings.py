@@ -75,7 +75,7 @@ class StandardTopics:
         """Report keys that need a standard message, such as `frame_id`, in a row with a generated message."""
         for key in ("frame_id", "stamp", "unset"):
             if key in row.spans:
-                message = f"{key} is for standard messages, but the row's message is not one"
+                message = f"`{key}` is for standard messages, but the row's message is not one"
                 help = "write a message with its package under `ros`, or move the key to an entry of `also`"
                 self._report(standard_rules.KEY_WITHOUT_STANDARD.at(row.at(key), message, help))
 
@@ -96,7 +96,7 @@ class StandardTopics:
             help = "if every machine has the same distribution, set `distro` under `ros`"
             self._report(standard_rules.DISTRIBUTIONS_DISAGREE.at(span, str(error), help))
             return None
-        help = nearest(settings.ros, definitions.names(), "examples: sensor_msgs/Imu, geometry_msgs/Twist")
+        help = nearest(settings.ros, definitions.names(), "for example sensor_msgs/Imu or geometry_msgs/Twist")
         self._report(standard_rules.UNKNOWN_MESSAGE.at(span, f"unknown standard message {settings.ros!r}", help))
         return None
 
@@ -117,13 +117,13 @@ class StandardTopics:
         if not any(field.name == "header" and field.type.name == _HEADER for field in root.fields):
             for key, given in (("frame_id", settings.frame_id), ("stamp", settings.stamp)):
                 if given is not None:
-                    message = f"{short(root.name)} has no header, so it has no {key}"
+                    message = f"{short(root.name)} has no header, so it has no `{key}`"
                     self._report(standard_rules.WRONG_FORM.at(settings.at(key), message, f"remove `{key}`"))
             return
         if settings.frame_id is not None or ("header", "frame_id") not in filling.expressions:
             filling.put(("header", "frame_id"), Constant(settings.frame_id or ""), settings.at("frame_id"))
             if settings.frame_id is None and row.inbound:
-                message = f"{short(root.name)} has a header, but the frame of its values is not given"
+                message = f"{short(root.name)} has a header, but the coordinate frame of its values is not given"
                 help, rests_on = "add `frame_id`, for example imu_link", [row.at("direction")]
                 self._report(standard_rules.FRAME_ID_MISSING.at(settings.span, message, help, rests_on=rests_on))
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
@@ -149,7 +149,7 @@ class StandardTopics:
         for path in sources.paths():
             if not _covers(ignored, path) and path not in used:
                 message = f"no topic of the row {row.name!r} publishes the field {path!r}"
-                help = f"map it under `fields`, or list {path} under `ignore`"
+                help = f"map the field under `fields`, or list {path!r} under `ignore`"
                 self._report(standard_rules.UNUSED_SOURCE.at(row.at("fields"), message, help, rests_on=rests_on))
 
     def _check_inverse(self, row: Row, settings: StandardTopicSettings, obstacle: str, lost: list[str]) -> None:
@@ -159,12 +159,12 @@ class StandardTopics:
         """
         span, rests_on = settings.at("fields"), [row.at("direction"), *_entries(settings)]
         if obstacle:
-            message = f"{settings.ros} on {settings.topic} cannot be converted to the payload: {obstacle}"
-            self._report(standard_rules.NO_WAY_BACK.at(span, message, rests_on=rests_on))
+            message = f"{settings.ros!r} on the topic {settings.topic!r} cannot be converted to the payload: {obstacle}"
+            help = f"change the mapping, or write `direction: {row.peer}_to_ros`"
+            self._report(standard_rules.NO_WAY_BACK.at(span, message, help, rests_on=rests_on))
         elif lost:
-            message = (
-                f"nothing in {settings.ros} on {settings.topic} sets {', '.join(lost)} of the payload for {row.peer}"
-            )
+            fields = ", ".join(map(repr, lost))
+            message = f"nothing in {settings.ros!r} on {settings.topic!r} sets {fields} of the payload for {row.peer!r}"
             help = f"map the missing fields, list them under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
@@ -173,7 +173,7 @@ class StandardTopics:
             if not sources.leads_somewhere(path):
                 span = settings.spans.get(f"ignore.{path}", settings.span)
                 help = nearest(path, sources.paths())
-                self._report(standard_rules.UNKNOWN_SOURCE.at(span, f"{sources.proto} has no field {path!r}", help))
+                self._report(standard_rules.UNKNOWN_SOURCE.at(span, f"{sources.proto!r} has no field {path!r}", help))
 
 
 def _entries(settings: StandardTopicSettings) -> Iterator[Span]:

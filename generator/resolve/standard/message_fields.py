@@ -33,7 +33,7 @@ class Place:
     @property
     def shown(self) -> str:
         """Field and message in words, as diagnostics show them."""
-        return f"{self.dotted} of {short(self.holders[0])}"
+        return f"{self.dotted!r} of {short(self.holders[0])}"
 
 
 def short(name: str) -> str:
@@ -68,7 +68,7 @@ class Places:
             if depth == len(path) - 1:
                 return Place(path, field.type, tuple(holders))
             if not field.type.is_message or field.type.is_many:
-                message = f"{'.'.join(path[: depth + 1])} is a {field.type}, which has no fields"
+                message = f"'{'.'.join(path[: depth + 1])}' is a {field.type}, which has no fields"
                 self._report(UNKNOWN_TARGET.at(span, message))
                 return None
             interface = self.definition(field.type.name)

@@ -33,9 +33,9 @@ class Sources:
         fields = self._along(dotted.split("."))
         if fields is None:
             help = nearest(dotted, self.paths())
-            self._report(UNKNOWN_SOURCE.at(span, f"{self.proto} has no field {dotted!r}", help))
+            self._report(UNKNOWN_SOURCE.at(span, f"{self.proto!r} has no field {dotted!r}", help))
         elif why := _obstacle(fields):
-            self._report(UNKNOWN_SOURCE.at(span, f"{dotted} {why}"))
+            self._report(UNKNOWN_SOURCE.at(span, f"{dotted!r} {why}"))
         else:
             return self._source(fields)
         return None
@@ -99,9 +99,9 @@ def _obstacle(fields: list[ProtoField]) -> str:
     if field.type in ("message", "group"):
         return "is a message; use one of its fields"
     if repeated := next((holder for holder in holders if holder.repeated), None):
-        return f"is inside {repeated.name}, which is repeated"
+        return f"is inside {repeated.name!r}, which is repeated"
     if word := next((field.name for field in fields if keyword.iskeyword(field.name)), ""):
-        return f"cannot be used by generated code, because {word} is a Python keyword"
+        return f"cannot be used by generated code, because {word!r} is a Python keyword"
     if field.repeated and field.type in ("enum", "string", "bytes"):
         return f"is a repeated {field.type}, which mappings do not support yet"
     return ""

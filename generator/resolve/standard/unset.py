@@ -36,10 +36,13 @@ class Tree:
             self._filling.places.find(path, span)
             for filled in self._filling.expressions:
                 if filled[: len(path)] == path or path[: len(filled)] == filled:
-                    also = [(self._filling.spans[filled], f"{'.'.join(filled)} is filled here")]
+                    also = [(self._filling.spans[filled], f"'{'.'.join(filled)}' is filled here")]
                     self._report(
                         standard_rules.SET_TWICE.at(
-                            span, f"{dotted} is listed under `unset`, but also filled", "keep one of them", also
+                            span,
+                            f"{dotted!r} is listed under `unset`, but also filled",
+                            "keep only one of the two entries",
+                            also,
                         )
                     )
                     break
@@ -58,7 +61,7 @@ class Tree:
             return Unset()
         if not place.type.is_message or place.type.is_many or not self._is_reached(place.path):
             message = f"{place.shown} is not filled, and subscribers would read its zero as a value"
-            help = f"map it, give it a constant, or list {place.dotted} under `unset`"
+            help = f"map a proto field to it, give it a constant, or list {place.dotted!r} under `unset`"
             span, rests_on = self._settings.at("fields"), self._filling.unplaced
             self._report(standard_rules.UNSET_TARGET.at(span, message, help, rests_on=rests_on))
             return Unset()

@@ -99,7 +99,7 @@ class _Reader:
         # 20 degC is 293.15 K, but 20 degC/s is 20 K/s: an offset makes sense for a whole unit only.
         if found.offset and not self._alone:
             raise UnitError(
-                f"{token} cannot be combined with other units, because it has its own zero; write K for differences"
+                f"the unit {token!r} has its own zero, so it cannot be combined with others; write K for differences"
             )
         return found
 

@@ -36,18 +36,23 @@ def add(commands: Subparsers) -> None:
         "--markers",
         type=_numbers,
         metavar="IDS",
-        help=f"make a sheet with these markers, such as 0-5,20 (default dictionary: {_MARKERS})",
+        help=f"make a sheet with the markers of these numbers, such as 0-5,20, instead of a board (then the default of "
+        f"--dictionary is {_MARKERS})",
     )
     parser.add_argument(
         "--side",
         type=metres,
         default=0.05,
         metavar="METRES",
-        help="side of each of these markers (default: %(default)s)",
+        help="with --markers: length of the side of each marker (default: %(default)s)",
     )
-    parser.add_argument("--paper", choices=_PAPERS, default="A4", help="paper size (default: %(default)s)")
+    parser.add_argument("--paper", choices=_PAPERS, default="A4", help="size of the paper (default: %(default)s)")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="PDF or PNG file (default: charuco_board.pdf or markers.pdf)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file to write; its name ends with .pdf or .png (default: charuco_board.pdf, or markers.pdf with "
+        "--markers)",
     )
     parser.add_argument(
         "--dpi", type=_dpi, default=600.0, help="resolution of a PNG in pixels per inch (default: %(default)g)"

@@ -19,9 +19,10 @@ def add(commands: Subparsers) -> None:
         "calibrate",
         "calibrate a camera with a ChArUco board",
         "roverlink aruco calibrate 0 --square 0.0238 --marker 0.01785",
-        "Calibrate a camera with a ChArUco board. `roverlink aruco board` makes one; measure its squares after\n"
-        "printing. From a camera, a stream or a video, useful views are taken until the coverage is complete or you\n"
-        "press Ctrl-C; from a folder, every image is taken. Exit code 1: the views are not sufficient.",
+        "Calibrate a camera with a ChArUco board. `roverlink aruco board` makes a board; after printing, measure\n"
+        "its squares. Hold the board before the camera at different places and angles. The command takes useful\n"
+        "images (views) from a camera, a stream or a video, until the views cover the whole image or you press\n"
+        "Ctrl-C. From a folder, it takes every image. Exit code 1: the views are not sufficient to calibrate.",
     )
     add_source(parser)
     add_board(parser)
@@ -36,10 +37,11 @@ def add(commands: Subparsers) -> None:
         type=Path,
         default=PARAMETERS,
         metavar="FILE",
-        help="file for the parameters; the report has its name and .html (default: %(default)s)",
+        help="file for the camera parameters; the report is written beside it, with the ending .html (default: "
+        "%(default)s)",
     )
     parser.add_argument(
-        "--views", type=count, default=20, metavar="N", help="least number of views to collect (default: %(default)s)"
+        "--views", type=count, default=20, metavar="N", help="take at least N views (default: %(default)s)"
     )
     parser.add_argument(
         "--json", action="store_true", help="print a JSON object for each view that is taken, and one for the result"
@@ -47,16 +49,22 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--page",
         action="store_true",
-        help="show picture and coverage on a page for a web browser; drop views and save the result there",
+        help="serve a page for a web browser, which shows the image and the coverage; there you can remove views and "
+        "save the "
+        "result",
     )
     parser.add_argument(
-        "--page-port", type=port, default=8788, metavar="PORT", help="TCP port of the page (default: %(default)s)"
+        "--page-port",
+        type=port,
+        default=8788,
+        metavar="PORT",
+        help="with --page: TCP port of the page (default: %(default)s)",
     )
     parser.add_argument(
         "--page-address",
         default="127.0.0.1",
         metavar="ADDRESS",
-        help="address of the page (default: %(default)s, which only this computer can reach)",
+        help="with --page: IPv4 address of the page (default: %(default)s, which only this computer can reach)",
     )
     parser.set_defaults(run=run)
 

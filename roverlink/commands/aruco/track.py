@@ -7,7 +7,7 @@ from pathlib import Path
 
 from roverlink.aruco.board_options import metres
 from roverlink.aruco.camera_source import PARAMETERS, add_source
-from roverlink.console import Subparsers, add_project, command, count, node_logger
+from roverlink.console import MIDDLEWARES_HELP, Subparsers, add_project, command, count, node_logger
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import NAMES
 from roverlink.runtime.ros_arguments import ros_args
@@ -23,14 +23,16 @@ def add(commands: Subparsers) -> None:
         "track",
         "find ArUco markers and publish their poses",
         "roverlink aruco track 192.168.0.7:8080 --side 0.15 --landmarks landmarks.yaml --ros-args -r __ns:=/front",
-        "Find ArUco markers and publish their poses: on /tf, with covariances, as detections, and drawn into the\n"
-        "image. With --landmarks, publish the camera's position too; a running bridge sends it to the basestation.\n"
+        "Find ArUco markers in camera images, and publish their poses relative to the camera: on /tf, as messages\n"
+        "with covariances, and drawn into the image. With --landmarks, publish also the pose of the camera on the\n"
+        "field; a running bridge can send it to the basestation.\n"
         "With --json or --save, no ROS 2 is needed.\n"
-        "After --ros-args: -r from:=to, -r __ns:=/x, -r __node:=n, --log-level LEVEL.",
+        "All options must stand before --ros-args. After it, these arguments are known: -r FROM:=TO (remap a\n"
+        "topic), -r __ns:=/NAMESPACE, -r __node:=NAME, --log-level LEVEL.",
     )
     add_source(parser)
-    parser.add_argument("--loop", action="store_true", help="repeat a recording until interrupted")
-    parser.add_argument("--count", type=count, metavar="N", help="stop after N frames")
+    parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
+    parser.add_argument("--count", type=count, metavar="N", help="stop after N camera images")
     _add_camera(parser)
     _add_markers(parser)
     _add_outputs(parser)
@@ -44,19 +46,27 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=PARAMETERS,
         metavar="FILE",
-        help="camera parameters from `roverlink aruco calibrate` (default: %(default)s)",
+        help="file with the camera parameters, made by `roverlink aruco calibrate` (default: %(default)s)",
     )
     parser.add_argument(
-        "--rescale", action="store_true", help="scale camera parameters of another image size to this one"
+        "--rescale",
+        action="store_true",
+        help="if the camera was calibrated with another image size, scale its parameters to the present size",
     )
     parser.add_argument(
-        "--camera-frame", default="camera_frame", metavar="NAME", help="frame of the camera (default: %(default)s)"
+        "--camera-frame",
+        default="camera_frame",
+        metavar="NAME",
+        help="name of the camera's coordinate frame on /tf (default: %(default)s)",
     )
 
 
 def _add_markers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--dictionary", default="DICT_5X5_250", metavar="NAME", help="dictionary of the markers (default: %(default)s)"
+        "--dictionary",
+        default="DICT_5X5_250",
+        metavar="NAME",
+        help="OpenCV's name of the dictionary of the markers (default: %(default)s)",
     )
     parser.add_argument(
         "--side",
@@ -64,10 +74,14 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="[ID=]METRES",
-        help="side of the black square, of all markers or of marker ID (default: 0.05)",
+        help="length of the side of the black square; with ID=, only of the marker with this number; may be repeated "
+        "(default: 0.05)",
     )
     parser.add_argument(
-        "--boards", type=Path, metavar="FILE", help="YAML file of boards: markers that form one landmark"
+        "--boards",
+        type=Path,
+        metavar="FILE",
+        help="YAML file with boards; a board is a group of markers whose positions relative to each other are known",
     )
     parser.add_argument(
         "--landmarks", type=Path, metavar="FILE", help="YAML file with the positions of the landmarks on the field"
@@ -76,17 +90,18 @@ def _add_markers(parser: argparse.ArgumentParser) -> None:
         "--marker-frame",
         default="aruco_",
         metavar="PREFIX",
-        help="frame of a marker: PREFIX and its number (default: %(default)s)",
+        help="the frame of a marker on /tf is called PREFIX and the marker's number (default: %(default)s)",
     )
 
 
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print a JSON object for each frame")
+    parser.add_argument("--json", action="store_true", help="print the poses as a JSON object for each camera image")
     parser.add_argument("--save", type=Path, metavar="FILE", help="save a video with the poses drawn into it")
     parser.add_argument(
         "--middleware",
         choices=(*NAMES, NO_MIDDLEWARE),
-        help=f"auto: rclpy if it can be imported, else dds (default: auto, or {NO_MIDDLEWARE} with --json or --save)",
+        help=f"{MIDDLEWARES_HELP}; {NO_MIDDLEWARE}: publish nothing (default: auto, or {NO_MIDDLEWARE} with --json "
+        "or --save)",
     )
 
 

@@ -61,7 +61,7 @@ def check(bridge: ir.Bridge) -> None:
     files |= {standard.proto: standard.file for route in bridge.routes for standard in route.standard_topics}
     findings: list[Diagnostic] = []
     if bridge.package == _RUNTIME:
-        fault = f"the package {_RUNTIME} would have the namespace and the headers of the C++ runtime library"
+        fault = f"the package {_RUNTIME!r} would have the namespace and the headers of the C++ runtime library"
         findings.append(CPP_NAME.at(Span(bridge.table), fault, "give the ROS 2 package another name"))
     for message in bridge.wire_messages:
         if message.map_entry or message.name.startswith("google.protobuf."):
@@ -83,16 +83,17 @@ def _of_message(bridge: ir.Bridge, name: str) -> str:
     """Return the reason why a message's name cannot be used in C++; empty if it can."""
     *outer, _ = name.split(".")
     if name.split(".")[0] == _RUNTIME:
-        return f"the class of {name} would be in the namespace of the C++ runtime library, {_RUNTIME}"
+        return f"the class of the message {name!r} would be in {_RUNTIME!r}, the namespace of the C++ runtime library"
     if keywords := [part for part in outer if ros_names.is_cpp_keyword(part)]:
-        return f"{name} would be in the namespace {keywords[0]!r}, which is a C++ keyword"
+        return f"the class of the message {name!r} would be in the namespace {keywords[0]!r}, which is a C++ keyword"
     packages = {bridge.package, *(interface.package for interface in bridge.interfaces)}
     namespaces = {*packages, *(f"{package}.msg" for package in packages), f"{bridge.package}.handlers"}
     structs = {f"{bridge.package}.msg.{message.name}" for message in bridge.messages}
     structs |= {interface.name.replace("/", ".") for interface in bridge.interfaces}
     if name in namespaces | structs:
         kind = "namespace" if name in namespaces else "struct"
-        return f"the class of {name} would have the same name as a {kind} of ROS 2, {cpp_names.proto_class(name)}"
+        name_in_cpp = cpp_names.proto_class(name)
+        return f"the class of the message {name!r} would have the same name as a {kind} of ROS 2, {name_in_cpp}"
     return ""
 
 
@@ -105,11 +106,11 @@ def _of_fields(message: ir.WireMessage) -> Iterator[str]:
     for field in message.fields:
         place, name = f"{message.name}.{field.name}", field.name.lower()
         if name in _KNOWN_SINCE_22:
-            yield f"{place} is a C++20 keyword, whose accessor has different names in different versions of protobuf"
+            yield f"the field {place!r} is a C++20 keyword; its accessor has another name in other versions of protobuf"
         elif name in _METHODS_OF_EVERY_CLASS:
-            yield f"{place} would have the accessor {name}(), which every protobuf class already has"
+            yield f"the field {place!r} would have the accessor {name}(), which every protobuf class already has"
         elif name in taken and _is_there(message, taken[name]):
-            yield f"{place} would have the accessor {name}(), which {taken[name]} already has"
+            yield f"the field {place!r} would have the accessor {name}(), which the field {taken[name]!r} already has"
 
 
 def _is_there(message: ir.WireMessage, name: str) -> bool:

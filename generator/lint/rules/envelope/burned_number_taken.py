@@ -32,7 +32,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for row in context.table.rows:
         one = burned.get(row.number)
         if one is not None and (one.now is None or one.now[0] != row.proto):
-            told = " and ".join(dict.fromkeys(type for type, _ in one.uses))
-            help = f"give {row.name} the number {context.next_number()}"
-            message = f"field {row.number} is burned: it meant {told} in the past and must not be used again"
+            told = " and ".join(dict.fromkeys(repr(type) for type, _ in one.uses))
+            help = f"give {row.name!r} the number {context.next_number()}"
+            message = f"field {row.number} was used for {told} in the past, and must never be used again"
             yield RULE.at(row.at("number"), message, help, type=envelope, number=row.number)

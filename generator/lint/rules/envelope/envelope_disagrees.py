@@ -49,7 +49,7 @@ class _Member:
     span: Span
 
     def __str__(self) -> str:
-        return f"{self.name} = {self.number} ({self.type})"
+        return f"the member `{self.name} = {self.number}` ({self.type})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +66,9 @@ _OF_OWNER = {
     "mapping": _HelpTexts(_GENERATE, _GENERATE, _GENERATE, _GENERATE),
     "proto": _HelpTexts(
         missing="correct the number, or add the member in the envelope's repository",
-        differs="",
-        no_row="add a row for it under `messages`",
-        retired="remove it in the envelope's repository",
+        differs="correct the row, or the member in the envelope's repository",
+        no_row="add a row for the member under `messages`",
+        retired="remove the member in the envelope's repository",
     ),
 }
 
@@ -92,7 +92,7 @@ def _check_of_another_owner(context: Context) -> Iterator[Diagnostic]:
     if envelope is not None:
         yield from _compare(context, _compiled_members(envelope))
     elif table.whole and not any(context.declared(name)):  # if its file does not compile, protoc reports that
-        yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name}", type=name)
+        yield RULE.at(table.envelope.at("message"), f"{table.envelope.file} declares no message {name!r}", type=name)
 
 
 def _check_written_file(context: Context) -> Iterator[Diagnostic]:
@@ -101,12 +101,12 @@ def _check_written_file(context: Context) -> Iterator[Diagnostic]:
     if not path or not name:
         return
     if path not in context.files:
-        message = f"the file {path} is missing in {table.proto.root}"
+        message = f"the file {path!r} is missing in the folder {table.proto.root!r}"
         yield RULE.at(table.envelope.at("file"), message, _GENERATE, type=name)
         return
     envelope = next((found for file, found in context.declared(name) if file == path), None)
     if envelope is None:
-        yield RULE.at(table.envelope.at("message"), f"{path} declares no message {name}", _GENERATE, type=name)
+        yield RULE.at(table.envelope.at("message"), f"{path} declares no message {name!r}", _GENERATE, type=name)
         return
     members = _written_members(envelope, context)
     yield from _compare(context, members)
@@ -144,8 +144,8 @@ def _compare(context: Context, members: list[_Member]) -> Iterator[Diagnostic]:
     help_texts = _OF_OWNER[table.envelope.owner]
     payloads = {member.number: member for member in members if member.oneof == oneof}
     if not payloads and table.rows:
-        help = _GENERATE if table.envelope.owner == "mapping" else ""
-        yield RULE.at(table.envelope.at("oneof"), f"{name} has no oneof {oneof}", help, type=name)
+        help = _GENERATE if table.envelope.owner == "mapping" else "correct `oneof` under `envelope`"
+        yield RULE.at(table.envelope.at("oneof"), f"the message {name!r} has no oneof {oneof!r}", help, type=name)
         return
     # Another rule (ENV106) reports payloads outside of the oneof.
     beside = {(member.number, member.type) for member in members if member.oneof != oneof}
@@ -169,23 +169,23 @@ def _compare_row(
     envelope, member = table.envelope.message, payloads.get(row.number)
     rests_on = [row.at("number"), row.at("proto")]
     if member is None:
-        message = f"the envelope has no member with number {row.number}, the number of {row.name}"
+        message = f"the envelope has no member with number {row.number}, the number of the row {row.name!r}"
         also = []
         for moved in (other for other in payloads.values() if _is_moved(row, other, table)):
-            message = f"member {row.name} has the number {moved.number}, not {row.number}"
-            also = [(moved.span, "the member")]
+            message = f"member {row.name!r} has the number {moved.number}, not {row.number}"
+            also = [(moved.span, "the member is here")]
         yield RULE.at(
             row.at("number"), message, help_texts.missing, also, type=envelope, number=row.number, rests_on=rests_on
         )
         return
-    also = [(member.span, "the member")]
+    also = [(member.span, "the member is here")]
     if member.type != row.proto:
-        message = f"member {row.number} carries {member.type}, not {row.proto}"
+        message = f"member {row.number} of the envelope has the type {member.type!r}, but the row says {row.proto!r}"
         yield RULE.at(
             row.at("proto"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
         )
     if member.name != row.name:
-        message = f"member {row.number} is called {member.name}, not {row.name}"
+        message = f"member {row.number} of the envelope is called {member.name!r}, but the row says {row.name!r}"
         rests_on.append(row.at("name"))
         yield RULE.at(
             row.at("name"), message, help_texts.differs, also, type=envelope, number=row.number, rests_on=rests_on
@@ -210,7 +210,7 @@ def _unreserved(envelope: ProtoMessage, used: set[int], table: Table) -> Iterato
     for row in table.retired:
         of_number = any(first <= row.number <= last for first, last in envelope.reserved)
         free = [f"the number {row.number}"] if not of_number else []
-        free += [f"the name {row.name}"] if row.name not in envelope.reserved_names else []
+        free += [f"the name {row.name!r}"] if row.name not in envelope.reserved_names else []
         if free and row.number not in used:
-            message = f"{row.name} is retired, but {table.envelope.file} does not reserve {' and '.join(free)}"
+            message = f"{row.name!r} is retired, but {table.envelope.file} does not reserve {' and '.join(free)}"
             yield RULE.at(row.at("number"), message, _GENERATE, type=table.envelope.message, number=row.number)

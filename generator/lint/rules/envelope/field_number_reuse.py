@@ -37,11 +37,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
     envelope = context.table.envelope.message
     for row in context.table.rows:
         for entry in _others(row, published.values()):
-            help = f"give {row.name} the number {context.next_number()}; keep {entry.name}, or move it to `retired`"
+            help = f"give {row.name!r} the number {context.next_number()}; keep {entry.name!r}, or move it to `retired`"
             yield _finding(row, entry, help, envelope)
     for retired in context.table.retired:
         for entry in _others(retired, published.values()):
-            help = f"retire {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
+            help = f"write under `retired`: {{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
             yield _finding(retired, entry, help, envelope)
 
 
@@ -57,7 +57,7 @@ def _others(row: Row | RetiredRow, published: Iterable[Entry]) -> Iterator[Entry
 
 
 def _finding(row: Row | RetiredRow, entry: Entry, help: str, envelope: str) -> Diagnostic:
-    message = f"field {row.number} was published for {entry.name} ({entry.proto}), not for {row.proto}"
+    message = f"field {row.number} was published for {entry.name!r} ({entry.proto}), not for {row.proto}"
     also = [(entry.span, "published here")]
     rests_on = [row.at("number"), row.at("proto")]
     return RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -39,22 +39,22 @@ def check(context: Context) -> Iterator[Diagnostic]:
         first = holders.setdefault(retired.number, retired)
         if first is not retired:
             message = f"field {retired.number} is retired twice"
-            yield at(retired, message, "keep one of them", (first.at("number"), "first retired here"))
+            yield at(retired, message, "keep one of the two entries", (first.at("number"), "first retired here"))
     rows = _owners(context)
     published = {(entry.proto, entry.name): entry.number for entry in context.published}
     next_number = context.next_number()
     for row in table.rows:
         old = published.get((row.proto, row.name))
-        help = f"the next number never used is {next_number}"
+        help = f"the next number that was never used is {next_number}"
         if old is not None and old not in table.numbers:
-            help = f"give {row.name} back its published number {old}"
+            help = f"give {row.name!r} back its published number {old}"
         if row.number in holders:
             gone = holders[row.number]
-            message = f"field {row.number} was {gone.name} ({gone.proto}) and is retired"
+            message = f"field {row.number} was {gone.name!r} ({gone.proto}) and is retired"
             yield at(row, message, help, (gone.at("number"), "retired here"))
         elif rows[row.number] is not row:
             taken = rows[row.number]
-            message = f"field {row.number} is already taken by {taken.name} ({taken.proto})"
+            message = f"field {row.number} is already taken by {taken.name!r} ({taken.proto})"
             yield at(row, message, help, (taken.at("number"), "first used here"))
 
 

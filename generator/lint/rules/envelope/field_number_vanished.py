@@ -34,7 +34,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for entry in published.values():
         if entry.number in table.numbers:
             continue
-        message = f"field {entry.number} was published as {entry.name} ({entry.proto}), but is missing in {table.file}"
+        message = (
+            f"field {entry.number} was published as {entry.name!r} ({entry.proto}), but is missing in {table.file}"
+        )
         entry_text = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
         help = f"put the row back, or add to `retired`: - {entry_text}"
         of_ledger = entry in context.ledger.entries

@@ -38,11 +38,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
         for claim, span in claims:
             if claim.number == row.number and not _is_same_payload(claim, row):
                 message = (
-                    f"{row.name} takes field {row.number}, which a comment declares for {claim.name} ({claim.type})"
+                    f"{row.name!r} takes field {row.number}, which a comment declares for {claim.name!r} ({claim.type})"
                 )
-                help = (
-                    f"give {row.name} the number {context.next_number()}; or delete the comment if it was never in use"
-                )
+                help = f"give {row.name!r} the number {context.next_number()}, or delete the comment if it is wrong"
                 also = [(span, "in this comment")]
                 yield RULE.at(row.at("number"), message, help, also, type=envelope, number=row.number)
 

@@ -46,8 +46,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
     published = {entry.number: entry for entry in reversed(context.published)}
     for number, entry in sorted(published.items()):
         if _is_free(number, envelope) and not _is_of_another_rule(number, table):
-            message = f"field {number}, {entry.name} ({entry.proto}), was removed, and its number is not reserved"
-            help = f"add {_reservation(entry, envelope)} to {envelope.full_name}"
+            message = f"field {number}, {entry.name!r} ({entry.proto}), was removed, but its number is not reserved"
+            help = f"add {_reservation(entry, envelope)} to the message {envelope.full_name!r}"
             also = [(entry.span, "published here")]
             yield RULE.at(envelope.at("name"), message, help, also, type=envelope.full_name, number=number)
 

@@ -46,10 +46,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
     ours = settings.owner == "mapping"
     for field in envelope.fields:
         if field.oneof != settings.oneof and (ours or _is_payload(field)):
-            message = f"{field.name} = {field.number} ({field.wire_type}) stands outside the oneof {settings.oneof}"
-            help = f"move {field.name} into {settings.oneof}"
+            message = f"`{field.name} = {field.number}` ({field.wire_type}) is outside of the oneof {settings.oneof!r}"
+            help = f"move {field.name!r} into the oneof {settings.oneof!r}"
             if ours:
-                help = "`roverlink generate` writes this file from the table: add a row for the payload, and run it"
+                help = "add a row for the payload, and run `roverlink generate`, which writes this file from the table"
             yield RULE.at(field.span, message, help, type=envelope.full_name, number=field.number)
 
 

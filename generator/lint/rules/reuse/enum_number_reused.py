@@ -54,8 +54,12 @@ def _finding(
     freed = reserve(enum, schema.syntax_of(enum.file), [(old.number, old.number)], [was])
     return RULE.at(
         values[0].at("number"),
-        f"number {values[0].number} of {enum.full_name} was {was} in the past, and is {names[0]} now",
-        f"write `{declared(names, free)} {freed}`: {free} is free" if free else f"declare {names[0]} in another enum",
+        f"number {values[0].number} of the enum {enum.full_name!r} was {was!r} in the past, and is now {names[0]!r}",
+        (
+            f"write `{declared(names, free)} {freed}`: the number {free} is free"
+            if free
+            else f"declare {names[0]!r} in another enum"
+        ),
         [(old.span, "published here")],
         type=enum.full_name,
         number=values[0].number,

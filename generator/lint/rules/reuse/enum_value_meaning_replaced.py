@@ -15,7 +15,7 @@ Good::
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.comparison import EnumPair, SchemaChange, each_once
@@ -46,19 +46,23 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
                     value.at("number"),
                     _message(pair, number, gone, value),
                     help,
-                    change.earlier(value_place(pair.old, number), f"it was {', '.join(gone)} here"),
+                    change.earlier(value_place(pair.old, number), f"it was {_quoted(gone)} here"),
                     type=pair.new.full_name,
                     number=number,
                 )
 
 
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(map(repr, names))
+
+
 def _message(pair: EnumPair, number: int, gone: tuple[str, ...], value: ProtoEnumValue) -> str:
     moved = moved_here(pair, number)
     if moved is not None:
-        return f"enum value {number} was {', '.join(gone)}; it is now {moved.name}, which was {moved.number} before"
-    message = f"enum value {number} was {', '.join(gone)}; it is now {value.name}"
+        return f"enum value {number} was {_quoted(gone)}; it is now {moved.name!r}, which was {moved.number} before"
+    message = f"enum value {number} was {_quoted(gone)}; it is now {value.name!r}"
     away = moved_away(pair, number)
-    return f"{message}, and {away.name} is now {away.number}" if away else message
+    return f"{message}, and {away.name!r} is now {away.number}" if away else message
 
 
 def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], values: list[ProtoEnumValue]) -> str:
@@ -69,6 +73,6 @@ def _help(context: Context, pair: EnumPair, number: int, gone: tuple[str, ...], 
     if not new:
         return back
     if not numbers.keys() >= set(new):
-        return f"{back}, and give {', '.join(new)} a number of its own"
+        return f"{back}, and give {_quoted(new)} a number of its own"
     given = " ".join(declared([name], numbers[name]) for name in new)
-    return f"{back}, and give {', '.join(new)} a new number: `{given}`"
+    return f"{back}, and give {_quoted(new)} a new number: `{given}`"

@@ -47,8 +47,8 @@ def _check(path: str, declared: ProtoMessage, context: Context) -> Iterator[Diag
     for field in fields:
         for claim in declared.claims:
             if claim.number == field.number and claim.name != field.name:
-                message = f"{field.name} takes number {field.number}, which a comment declares for {claim.name}"
-                help = f"take another number and reserve {field.number}; or delete the comment if it was never in use"
+                message = f"{field.name!r} takes number {field.number}, which a comment declares for {claim.name!r}"
+                help = f"take another number and reserve {field.number}, or delete the comment if it is wrong"
                 also = [(context.place(path, claim.span.line, claim.span.column), "in this comment")]
                 span = field.at("number")
                 yield RULE.at(span, message, help, also, type=declared.full_name, number=field.number)

@@ -42,7 +42,9 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
 
 def _message(pair: FieldPair) -> str:
     old, new = measures(pair)
-    message = f"{pair.old.name} = {pair.old.number} is {pair.new.name} now: {old.shown} is read as {new.shown}"
+    message = (
+        f"`{pair.old.name} = {pair.old.number}` is now called {pair.new.name!r}: {old.shown} is read as {new.shown}"
+    )
     times = factor(old, new)
     if times is None or times == 1:
         return message

@@ -41,9 +41,10 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
         before = len(pair.old.fields)
         replaced, left = _counts(pair)
         if before >= _FEWEST and left * 3 < before <= replaced * 2:
+            counted = f"{replaced} of {before} fields were replaced, {left} kept"
             yield RULE.at(
                 pair.new.at("name"),
-                f"{pair.new.full_name} is another message: {replaced} of {before} fields were replaced, {left} kept",
+                f"{pair.new.full_name!r} is now another message: {counted}",
                 "give the new message another name, and restore the old message",
                 change.earlier(pair.old.at("name"), "the old message is here"),
                 type=pair.new.full_name,

@@ -54,11 +54,11 @@ def _is_the_same(old: ProtoField, new: ProtoField) -> bool:
 
 
 def _finding(schema: Schema, message: ProtoMessage, field: ProtoField, old: ProtoField, free: int | None) -> Diagnostic:
-    was = f"{old.name} ({old.wire_type})"
+    was = f"{old.name!r} ({old.wire_type})"
     return RULE.at(
         field.at("number"),
-        f"number {field.number} of {message.full_name} was {was} in the past, and is {field.name} now",
-        _help(schema, message, field, old.name, free) if free else f"declare {field.name} in another message",
+        f"number {field.number} of {message.full_name!r} was {was} in the past, and is now {field.name!r}",
+        _help(schema, message, field, old.name, free) if free else f"declare {field.name!r} in another message",
         [(old.span, "published here")],
         type=message.full_name,
         number=field.number,
@@ -69,4 +69,4 @@ def _help(schema: Schema, message: ProtoMessage, field: ProtoField, was: str, fr
     syntax = schema.syntax_of(message.file)
     moved = declaration(field, schema, message.full_name, syntax, free)
     freed = reserve(message, syntax, [(field.number, field.number)], [was])
-    return f"write `{moved} {freed}`: {free} is free"
+    return f"write `{moved} {freed}`: the number {free} is free"

@@ -33,10 +33,15 @@ def check(context: Context) -> Iterator[Diagnostic]:
         return
     for collision in past.history.collisions(envelope):
         number, given = collision.number, collision.allocations
-        message = f"number {number} of {envelope} is {' and '.join(map(_said, given))}"
-        help = f"keep it for one of them, and give the other {context.next_number()}, which no branch has"
+        message = f"number {number} of {envelope!r} is {' and '.join(map(_said, given))}"
+        help = (
+            f"keep the number for one payload, and give the other payload {context.next_number()}, which no branch has"
+        )
         also = [
-            (Span(f"{branch_name(one.refs[0])}:{one.path}", one.line), f"{one.type} {one.name} came with {one.came}")
+            (
+                Span(f"{branch_name(one.refs[0])}:{one.path}", one.line),
+                f"{one.name!r} ({one.type}) was added with {one.came}",
+            )
             for one in given
         ]
         uses = [Use(one.type, one.name, one.came, None) for one in given]
@@ -44,4 +49,4 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _said(allocation: Allocation) -> str:
-    return f"{allocation.type} {allocation.name} on {' and '.join(branch_name(ref) for ref in allocation.refs)}"
+    return f"{allocation.name!r} ({allocation.type}) on {' and '.join(branch_name(ref) for ref in allocation.refs)}"

@@ -21,6 +21,7 @@ from itertools import combinations
 
 from roverlink.generator.diagnostics import Diagnostic, Rule
 from roverlink.generator.lint.context import Context
+from roverlink.generator.lint.pinned_numbers import Pinned
 
 RULE = Rule("PIN102", "pins-disagree", __doc__)
 
@@ -35,9 +36,14 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for one, other in combinations(past.pinned, 2):
         for number in one.disagreements(other):
             message = (
-                f"number {number} of {envelope} is {' '.join(other.numbers[number])} to {other.pin.consumer} "
-                f"and {' '.join(one.numbers[number])} to {one.pin.consumer}"
+                f"number {number} of {envelope!r} is {_payload(other, number)} to {other.pin.consumer!r} "
+                f"and {_payload(one, number)} to {one.pin.consumer!r}"
             )
-            also = [(one.pin.span, f"{one.pin.consumer} is pinned to {one.commit}")]
-            help = f"pin both to one commit; {other.pin.consumer} is at {other.commit}"
+            also = [(one.pin.span, f"{one.pin.consumer!r} is pinned to {one.commit}")]
+            help = f"pin both projects to one commit; {other.pin.consumer!r} is at {other.commit}"
             yield RULE.at(other.pin.span, message, help, also, type=envelope, number=number)
+
+
+def _payload(pinned: Pinned, number: int) -> str:
+    type, name = pinned.numbers[number]
+    return f"{name!r} ({type})"

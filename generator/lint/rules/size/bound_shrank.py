@@ -74,9 +74,9 @@ def _check(message: ProtoMessage, now: _Bounded, before: _Bounded) -> Iterator[D
     for option, text in (*_shrunk_size(now, before), *_shrunk_count(now, before), *_shrunk_integer(now, before)):
         yield RULE.at(
             now.given.places.get(option, now.field.span),
-            f"{message.full_name}.{now.field.name} accepts {text} before",
-            f"restore {option}, or add a new field with a new number",
-            [(before.given.places.get(option, before.field.span), "the earlier bound")],
+            f"'{message.full_name}.{now.field.name}' accepts {text} before",
+            f"restore `{option}`, or add a new field with a new number",
+            [(before.given.places.get(option, before.field.span), "the earlier bound is here")],
             type=message.full_name,
             number=now.field.number,
         )

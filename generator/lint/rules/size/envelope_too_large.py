@@ -44,8 +44,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
         for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
             if peer.max_size is not None and size > peer.max_size:
                 largest = _largest_fields(row, schema, bounds)
-                message = f"an envelope with {row.name} has up to {size} bytes, but {peer.name} accepts {peer.max_size}"
-                also = [(peer.at("max_size"), "the limit")]
+                message = f"envelopes with {row.name!r} have up to {size} bytes; {peer.name!r} accepts {peer.max_size}"
+                also = [(peer.at("max_size"), "the limit is here")]
                 envelope = table.envelope.message
                 text = f"{message}; {largest}"
                 yield RULE.at(row.at("proto"), text, _HELP, also, type=envelope, number=row.number)
@@ -53,4 +53,6 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 def _largest_fields(row: Row, schema: Schema, bounds: Bounds) -> str:
     first, *more = field_sizes(schema, bounds, row.proto)[:3] or [("nothing", 0)]
-    return ", ".join([f"most of it is {first[0]} ({first[1]} bytes)", *(f"{name} ({size})" for name, size in more)])
+    return ", ".join(
+        [f"the largest parts are {first[0]!r} ({first[1]} bytes)", *(f"{name!r} ({size})" for name, size in more)]
+    )

@@ -40,8 +40,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
             first, _, _ = found.path.partition(".")
             number = next((field.number for field in schema.messages[proto].fields if field.name == first), None)
             field = f"{proto}.{found.path}" if found.path else proto
-            message = f"{field} has no largest size: {found.reason}"
-            also = [(row.at("proto"), f"{peer.name} accepts at most {peer.max_size} bytes")]
+            message = f"{field!r} has no largest size: {found.reason}"
+            also = [(row.at("proto"), f"the peer {peer.name!r} accepts at most {peer.max_size} bytes")]
             yield RULE.at(found.span, message, _HELP, also, type=proto, number=number)
 
 

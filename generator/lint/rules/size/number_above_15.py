@@ -47,8 +47,12 @@ def _check(message: ProtoMessage) -> Iterator[Diagnostic]:
     used = {field.number for field in message.fields}
     used |= {number for first, last in message.reserved for number in range(first, min(last, _LAST_SHORT) + 1)}
     free = [number for number in range(1, _LAST_SHORT + 1) if number not in used]
-    named = [f"{field.name} = {field.number}" for field in long[:3]] + ["..."] * (len(long) > 3)
+    named = [f"`{field.name} = {field.number}`" for field in long[:3]] + ["..."] * (len(long) > 3)
     text = f"field numbers above {_LAST_SHORT} take one more byte in each message: {', '.join(named)}"
-    unused = f"in a new message, use {free[0]}" if free else "in a new message, give them to the rarest fields"
+    unused = (
+        f"in a new message, use the free number {free[0]}"
+        if free
+        else "in a new message, give these numbers to the rarest fields"
+    )
     help = f"{unused}; never change a published number"
     yield RULE.at(long[0].at("number"), text, help, type=message.full_name, number=long[0].number)

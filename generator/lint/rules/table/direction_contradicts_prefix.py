@@ -40,10 +40,11 @@ def check(context: Context) -> Iterator[Diagnostic]:
             continue  # a peer without prefixes accepts any message
         for other in table.peers:
             if prefix := _prefix_of(other, row.proto):
-                message = f"{row.name} has direction {row.direction}, but {row.proto} has the prefix of {other.name}"
+                prefixed = f"{row.proto!r} has the prefix of the peer {other.name!r}"
+                message = f"{row.name!r} has direction {row.direction!r}, but {prefixed}"
                 direction = f"{other.name}_to_ros" if row.inbound else f"ros_to_{other.name}"
-                help = f"write `direction: {direction}`, or add a prefix to {own.name}"
-                also = [(other.at(f"prefixes.{prefix}"), f"{other.name} has the prefix {prefix}")]
+                help = f"write `direction: {direction}`, or add a prefix to the peer {own.name!r}"
+                also = [(other.at(f"prefixes.{prefix}"), f"the peer {other.name!r} has the prefix {prefix!r}")]
                 span, envelope = row.at("direction"), table.envelope.message
                 yield RULE.at(span, message, help, also, type=envelope, number=row.number)
                 break

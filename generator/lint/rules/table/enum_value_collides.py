@@ -50,13 +50,13 @@ def _check(path: str, enum: ProtoEnum, messages: _Messages, context: Context) ->
         return
     first = colliding[0]
     file, message = messages[f"{scope}{first.name}"]
-    named = [value.name for value in colliding[:3]] + ["..."] * (len(colliding) > 3)
+    named = [repr(value.name) for value in colliding[:3]] + ["..."] * (len(colliding) > 3)
     prefixed = f"{snake_case(enum.name)}_{snake_case(first.name)}".upper()
     finding = RULE.at(
         context.place(path, first.span.line, first.span.column),
-        f"values of the enum {enum.name} have the names of messages: {', '.join(named)}",
-        f"start the values with the enum's name ({prefixed}), or delete the enum if it is unused",
-        [(_place(file, message, context), "the message")],
+        f"values of the enum {enum.name!r} have the names of messages: {', '.join(named)}",
+        f"start the values with the enum's name, as in {prefixed}; or delete the enum if nothing uses it",
+        [(_place(file, message, context), "the message is here")],
         type=enum.full_name,
         number=first.number,
     )

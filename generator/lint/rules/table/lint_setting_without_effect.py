@@ -46,10 +46,10 @@ def _check(lowered: Lowered, type: str, number: int | None) -> Iterator[Diagnost
         message = f"the lint has no rule {lowered.rule!r}"
         yield RULE.at(lowered.span, message, "`roverlink explain` lists the rules", type=type, number=number)
     elif rule.severity is Severity.FATAL:
-        message = f"{rule.id} ({rule.name}) is fatal, and cannot be lowered"
+        message = f"{rule.id} ({rule.name}) is fatal, so its severity cannot be lowered"
         yield RULE.at(lowered.span, message, "remove this setting", type=type, number=number)
     elif lowered.severity != "off" and Severity(lowered.severity).rank <= rule.severity.rank:
-        message = f"{rule.id} ({rule.name}) has severity {rule.severity.value}; {lowered.severity} is not lower"
+        message = f"{rule.id} ({rule.name}) has severity {rule.severity.value}; {lowered.severity!r} is not lower"
         yield RULE.at(lowered.at("severity"), message, "remove this setting", type=type, number=number)
 
 

@@ -47,8 +47,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
 
 
 def _not_prefixed(row: Row, prefixes: list[str], context: Context) -> Iterator[Diagnostic]:
-    message = f"the name {row.proto} does not start with a component"
-    help = f"start its name with one of {', '.join(prefixes)}, or add its component to `prefixes`"
+    message = f"the name of the message {row.proto!r} does not start with a prefix of a peer"
+    help = f"start the name with one of {', '.join(prefixes)}, or add its prefix to the `prefixes` of a peer"
     span, also = _place(row, context)
     yield RULE.at(span, message, help, also, type=row.proto)
 
@@ -57,9 +57,11 @@ def _check_folder(row: Row, prefixes: list[str], context: Context) -> Iterator[D
     declared = context.schema.messages.get(row.proto) if context.schema else None
     folders = [snake_case(prefix) for prefix in prefixes]
     if declared is not None and PurePosixPath(declared.file).parent.name not in folders:
-        message = f"{row.proto} is declared in {declared.file}, which is not in a folder {' or '.join(folders)}"
+        message = (
+            f"{row.proto!r} is declared in {declared.file}, which is not in a folder {' or '.join(map(repr, folders))}"
+        )
         span, also = _place(row, context)
-        help = "move it to a file in that folder, or rename it after the component of its folder"
+        help = "move the message to a file in that folder, or start its name with the prefix of its present folder"
         yield RULE.at(span, message, help, also, type=row.proto)
 
 
@@ -71,4 +73,4 @@ def _place(row: Row, context: Context) -> tuple[Span, list[tuple[Span, str]]]:
     declared = context.schema.messages.get(row.proto) if context.schema else None
     if declared is None:
         return row.at("proto"), []
-    return declared.at("name"), [(row.at("proto"), "named here")]
+    return declared.at("name"), [(row.at("proto"), "a row uses the message here")]

@@ -40,7 +40,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 if first != path:
                     finding = RULE.at(
                         context.place(path, message.span.line, message.span.column),
-                        f"the message {message.full_name} has the same name as a message in {first}",
+                        f"the message {message.full_name!r} has the same name as a message in {first}",
                         "start each name with its component, such as SensorBoard",
                         [(context.place(first, earlier.span.line, earlier.span.column), "first declared here")],
                         type=message.full_name,

@@ -43,17 +43,17 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for gone in table.retired:
         first = retired.setdefault(gone.name, gone)
         if first is not gone:
-            message = f"the name {gone.name} is retired twice"
-            yield at(gone, message, (first.at("name"), "first retired here"), "correct one of them")
+            message = f"the name {gone.name!r} is retired twice"
+            yield at(gone, message, (first.at("name"), "first retired here"), "correct one of the two entries")
     seen: dict[str, Row] = {}
     for row in table.rows:
         earlier = seen.setdefault(distinct(row.name), row)
         if earlier is not row:
-            message = f"the name {row.name} is already taken by field {earlier.number} ({earlier.proto})"
+            message = f"the name {row.name!r} is already taken by field {earlier.number} ({earlier.proto})"
             yield at(row, message, (earlier.at("name"), "first used here"))
         elif row.name in retired:
             gone = retired[row.name]
-            message = f"the name {row.name} belonged to field {gone.number} ({gone.proto}) and is retired"
+            message = f"the name {row.name!r} belonged to field {gone.number} ({gone.proto}) and is retired"
             yield at(row, message, (gone.at("name"), "retired here"))
         elif row.name == table.envelope.oneof:
-            yield at(row, f"{row.name} is already the name of the oneof", (table.envelope.at("oneof"), "named here"))
+            yield at(row, f"{row.name!r} is already the name of the oneof", (table.envelope.at("oneof"), "named here"))

@@ -44,8 +44,8 @@ def check(context: Context) -> Iterator[Diagnostic]:
         smallest = context.free_number(smallest + 1, besides=new.keys())
         if number > smallest:
             row = new[number]
-            message = f"field {number} skips numbers that were never used; the next one is {smallest}"
-            help = f"give {row.name} the number {smallest} before anything uses {number}"
+            message = f"field {number} skips numbers that were never used; the next such number is {smallest}"
+            help = f"give {row.name!r} the number {smallest} before any program uses {number}"
             rests_on = [row.at("number"), row.at("proto")]
             yield RULE.at(
                 row.at("number"), message, help, type=table.envelope.message, number=number, rests_on=rests_on

@@ -34,8 +34,12 @@ def check(context: Context) -> Iterator[Diagnostic]:
     for peer in context.table.peers:
         first = seen.setdefault(peer.parameter, peer)
         if first is not peer:
-            message = f"the parameter {peer.parameter} of {peer.name} already belongs to {first.name}"
+            message = (
+                f"the parameter {peer.parameter!r} of the peer {peer.name!r} already belongs to the peer {first.name!r}"
+            )
             yield RULE.at(peer.at("parameter"), message, "give each peer its own parameter")
         elif peer.parameter in of_the_node:
-            message = f"the parameter {peer.parameter} of {peer.name} already belongs to the node"
-            yield RULE.at(peer.at("parameter"), message, f"call it dst_{peer.name}_port")
+            message = (
+                f"the parameter {peer.parameter!r} of the peer {peer.name!r} is already a parameter of the node itself"
+            )
+            yield RULE.at(peer.at("parameter"), message, f"write `parameter: dst_{peer.name}_port`")

@@ -28,13 +28,13 @@ def check(context: Context) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each name of the package, a row's message or a topic that ROS 2 does not allow."""
     table = context.table
     if table.ros.package and not ros_names.is_package_name(table.ros.package):
-        help = "lower case letters, digits and single underscores, for example rover_msgs"
+        help = "use lower-case letters, digits and single underscores, for example rover_msgs"
         yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)
     for row in filter(_reaches_ros, table.rows):
         if row.standard is None and not ros_names.is_message_name(row.ros):
             nearest = ros_names.camel_case(row.ros)
             example = nearest if ros_names.is_message_name(nearest) else "ImuInfo"
-            help = f"letters and digits, starting with a capital: {example}"
+            help = f"use letters and digits, and start with a capital, for example {example}"
             message = f"ROS forbids the message name {row.ros!r}"
             yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
         for topic, span in (
@@ -42,7 +42,9 @@ def check(context: Context) -> Iterator[Diagnostic]:
             *((standard.topic, standard.at("topic")) for standard in row.also),
         ):
             if not ros_names.is_topic_name(topic):
-                help = "letters, digits and underscores, separated by single slashes; no part starts with a digit"
+                help = (
+                    "use letters, digits and underscores, separated by single slashes; no part may start with a digit"
+                )
                 message = f"ROS forbids the topic name {topic!r}"
                 yield RULE.at(span, message, help, type=table.envelope.message, number=row.number)
 

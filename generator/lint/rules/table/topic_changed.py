@@ -32,8 +32,10 @@ def check(context: Context) -> Iterator[Diagnostic]:
             if (entry.number, entry.proto) == (row.number, row.proto) and entry.topic not in ("", row.topic):
                 before.setdefault(entry.topic, entry.span)
         if row.topic and before:
-            message = f"{row.name} has the topic {row.topic}; it was published on {' and on '.join(before)}"
+            message = (
+                f"{row.name!r} has the topic {row.topic!r}; it was published on {' and on '.join(map(repr, before))}"
+            )
             help = "restore the old topic, or change all nodes that use it"
-            also = [(span, f"{topic} here") for topic, span in before.items()]
+            also = [(span, f"{topic!r} was the topic here") for topic, span in before.items()]
             rests_on = [row.at("number"), row.at("topic")]
             yield RULE.at(row.at("topic"), message, help, also, type=envelope, number=row.number, rests_on=rests_on)

@@ -34,7 +34,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
             # usually a node is in the root namespace, where `gps` and `/gps` are the same topic
             first, place = seen.setdefault(topic.removeprefix("/"), (row.name, span))
             if place is not span:
-                message = f"the topic {topic} already belongs to {first}"
+                message = f"the topic {topic!r} already belongs to the row {first!r}"
                 help = "give each row its own topic"
                 yield RULE.at(span, message, help, [(place, "first used here")], type=envelope, number=row.number)
 

@@ -65,21 +65,21 @@ def _unknown_direction(row: Row, peers: list[str], malformed: bool) -> _Fault:
     message = f"unknown direction {row.direction!r} (known: {', '.join(known) or 'none'})"
     if malformed:
         return "direction", message, nearest(row.direction, known, "write `<peer>_to_ros` or `ros_to_<peer>`"), []
-    return "direction", message, nearest(row.peer, peers, f"add the peer {row.peer} under `peers`"), []
+    return "direction", message, nearest(row.peer, peers, f"add the peer {row.peer!r} under `peers`"), []
 
 
 def _unknown_targets(row: Row, peers: list[str]) -> Iterator[_Fault]:
     for target in row.forward:
         if target not in peers:
             message = f"unknown peer {target!r} (known: {', '.join(peers) or 'none'})"
-            yield f"forward.{target}", message, nearest(target, peers, f"add the peer {target} under `peers`"), []
+            yield f"forward.{target}", message, nearest(target, peers, f"add the peer {target!r} under `peers`"), []
 
 
 def _misdirected(row: Row) -> Iterator[_Fault]:
     if row.forward and not row.inbound:
-        message = f"the direction of {row.name} is {row.direction}, but `forward` is for datagrams from a peer"
+        message = f"the direction of {row.name!r} is {row.direction!r}, but `forward` is for datagrams from a peer"
         help = f"write `direction: {row.peer}_to_ros`, or remove `forward`"
         yield "direction", message, help, [(row.at("forward"), "forwarded here")]
     elif row.peer in row.forward:
-        message = f"{row.name} comes from {row.peer} and would be sent back to it"
-        yield f"forward.{row.peer}", message, "forward to another peer", []
+        message = f"{row.name!r} comes from the peer {row.peer!r}, and `forward` would send it back there"
+        yield f"forward.{row.peer}", message, "name another peer under `forward`", []

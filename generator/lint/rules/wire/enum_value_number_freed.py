@@ -47,5 +47,5 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: EnumPair, number: int, names: tuple[str, ...]) -> str:
     moved = {value.name: value.number for value in pair.new.values if value.name in names}
     for name, now in moved.items():
-        return f"{name} moved from number {number} to {now}, and {number} is not reserved"
-    return f"`{', '.join(names)} = {number};` was deleted from {pair.new.full_name}, and its number is not reserved"
+        return f"{name!r} moved from number {number} to {now}, but {number} is not reserved"
+    return f"`{', '.join(names)} = {number};` was deleted from {pair.new.full_name!r}, but its number is not reserved"

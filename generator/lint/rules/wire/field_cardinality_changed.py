@@ -42,7 +42,7 @@ def _findings(context: Context, change: SchemaChange) -> Iterator[Diagnostic]:
         old, new = cardinalities(pair)
         if broken_by_cardinality(old, new) and not only_required(old, new):
             message = (
-                f"{pair.new.name} = {pair.new.number} was {shown(old)} and is {shown(new)} now: {_consequence(pair)}"
+                f"`{pair.new.name} = {pair.new.number}` was {shown(old)} and is now {shown(new)}: {_consequence(pair)}"
             )
             yield changed_field(RULE, numbers, pair, message, attrgetter("span"))
 

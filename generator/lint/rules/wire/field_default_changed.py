@@ -44,7 +44,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
             old, new = shown(pair.old, change.before), shown(pair.new, change.after)
             yield RULE.at(
                 pair.new.at("default"),
-                f"an absent {pair.new.name} = {pair.new.number} was read as {old}, and is read as {new} now",
+                f"an absent `{pair.new.name} = {pair.new.number}` was read as {old}, and is now read as {new}",
                 f"{_undo(pair)}, and send {new} explicitly",
                 change.earlier(pair.old.at("default"), f"it was {old} here"),
                 type=pair.owner,
@@ -61,7 +61,7 @@ def _undo(pair: FieldPair) -> str:
     declared = _with_default(pair, value) if value and pair.syntax.name != "proto3" else ""
     if "default" in pair.old.facets:
         return f"put back `{declared}`" if declared else back(pair)
-    first = f"put {value or shown(pair.old, pair.change.before)} first in {pair.new.type_name} again"
+    first = f"put {value or shown(pair.old, pair.change.before)} first in the enum {pair.new.type_name!r} again"
     return f"write `{declared}`, or {first}" if declared else first
 
 

@@ -48,5 +48,5 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
 def _message(pair: MessagePair, field: ProtoField) -> str:
     moved = names_in_use(pair.new).get(field.name)
     if moved is not None:
-        return f"{field.name} moved from number {field.number} to {moved}, and {field.number} is not reserved"
-    return f"{field.name} = {field.number} was deleted from {pair.new.full_name}, and its number is not reserved"
+        return f"{field.name!r} moved from number {field.number} to {moved}, but {field.number} is not reserved"
+    return f"`{field.name} = {field.number}` was deleted from {pair.new.full_name!r}, but its number is not reserved"

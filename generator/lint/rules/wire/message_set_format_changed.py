@@ -35,7 +35,7 @@ def _findings(change: SchemaChange) -> Iterator[Diagnostic]:
         if old != new and not change.of_ledger:
             yield RULE.at(
                 pair.new.span,
-                f"{_OPTION} of {pair.new.full_name} was {old} and is {new} now: neither format can read the other",
+                f"{_OPTION} of {pair.new.full_name!r} was {old}, and is now {new}: no program reads both formats",
                 f"put back `option {_OPTION} = true;`" if old == "true" else f"remove `option {_OPTION} = true;`",
                 change.earlier(pair.old.span, f"it was {old} here"),
                 type=pair.new.full_name,

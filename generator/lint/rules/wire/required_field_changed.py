@@ -58,13 +58,13 @@ def _required(field: ProtoField) -> bool:
 
 
 def _not_any_more(pair: MessagePair, old: ProtoField, new: ProtoField | None) -> Diagnostic:
-    became, help = f"was deleted from {pair.new.full_name}", put_back(pair, old)
+    became, help = f"was deleted from {pair.new.full_name!r}", put_back(pair, old)
     if new is not None:
         declared = declaration(old, pair.change.before, pair.old.full_name, pair.syntax)
-        became, help = "is not required now", f"put back `{declared}`"
+        became, help = "is now not required", f"put back `{declared}`"
     return RULE.at(
         new.span if new else pair.new.span,
-        f"{old.name} = {old.number} was required and {became}: older receivers reject messages without it",
+        f"`{old.name} = {old.number}` was required, and {became}: older receivers reject messages without it",
         help,
         pair.change.earlier(old.span, f"it was `{declaration_of_old(pair, old)}` here"),
         type=pair.new.full_name,
@@ -76,14 +76,14 @@ def _added(pair: MessagePair, old: ProtoField | None, new: ProtoField) -> Diagno
     became, place, known = "is new and required", pair.old.span, "the message was here, without it"
     if old is not None:
         became, place, known = (
-            "is required now, but was not before",
+            "is now required, but was not before",
             old.span,
             f"it was `{declaration_of_old(pair, old)}` here",
         )
     optional = dataclasses.replace(new, label="optional")
     return RULE.at(
         new.span,
-        f"{new.name} = {new.number} {became}: messages of older senders are rejected",
+        f"`{new.name} = {new.number}` {became}: messages of older senders are rejected",
         f"write `{declaration(optional, pair.change.after, pair.new.full_name, pair.syntax)}`",
         pair.change.earlier(place, known),
         type=pair.new.full_name,

@@ -87,7 +87,7 @@ def _values(pair: EnumPair, context: Context, freed: list[Range]) -> list[_User]
 def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], users: list[_User]) -> Diagnostic:
     return RULE.at(
         pair.new.span,
-        f"{pair.new.full_name} no longer reserves {spelled(freed)}{_use(users)}",
+        f"{pair.new.full_name!r} no longer reserves {spelled(freed)}{_use(users)}",
         _help(f"reserved {spelled(freed)};", users),
         [*pair.change.earlier(place, "reserved here"), *((user.span, "used here") for user in users)],
         type=pair.new.full_name,
@@ -96,7 +96,7 @@ def _finding(pair: MessagePair | EnumPair, place: Span, freed: list[Range], user
 
 
 def _use(users: list[_User]) -> str:
-    shown = ", ".join(f"{user.name} = {user.number}" for user in users)
+    shown = ", ".join(f"`{user.name} = {user.number}`" for user in users)
     return f", and uses it for {shown}" if users else ""
 
 
