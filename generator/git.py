@@ -27,7 +27,7 @@ class GitError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Commit:
-    """A commit, as diagnostics show it."""
+    """Id, date and subject of a commit, which diagnostics show."""
 
     id: str
     date: str

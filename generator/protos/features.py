@@ -30,7 +30,7 @@ def features_of_file(file: FileDescriptorProto) -> Features:
 
 
 def syntax_of_file(file: FileDescriptorProto) -> Syntax:
-    """Return the syntax that a file declares; for an edition, with the features of the file."""
+    """Return the syntax that a file declares. The result for an edition contains the features that the file sets."""
     if file.syntax != "editions":
         return Syntax(file.syntax or "proto2")
     features = features_of_file(file)

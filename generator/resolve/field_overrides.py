@@ -83,7 +83,7 @@ class FieldSettings:
         field = _field_of(message, name)
         if message is None or field is None:
             known = [] if message is None else [one.name for one in message.fields]
-            fault = f"{row.proto!r} has no field {path!r}"
+            fault = f"the proto message {row.proto!r} has no field {path!r}"
             self._report(UNKNOWN_FIELD.at(row.at(f"{group}.{path}"), fault, nearest(name, known)))
             return None
         return (message.full_name, name), field

@@ -72,7 +72,11 @@ class MessageBuilder:
             elif path and dotted not in self._shape.fields:
                 help = f"give the field a ROS field under `fields`, or list {dotted!r} under `ignore`"
                 self._report(
-                    UNMAPPED_FIELD.at(field.span, f"the field {dotted!r} has no ROS field in {self._shape.ros!r}", help)
+                    UNMAPPED_FIELD.at(
+                        field.span,
+                        f"the ROS message {self._shape.ros!r} has no field for the proto field {dotted!r}",
+                        help,
+                    )
                 )
             else:
                 self._convert(message, field, full_path)
@@ -121,7 +125,7 @@ class MessageBuilder:
                     self._report(CONTRADICTING_PATHS.at(span, contradiction, "keep only one of the two settings"))
                 elif path not in self._paths_seen:
                     help = nearest(path, self._paths_seen)
-                    message = f"{self._message.full_name!r} has no field {path!r}"
+                    message = f"the proto message {self._message.full_name!r} has no field {path!r}"
                     self._report(UNKNOWN_FIELD.at(span, message, help))
 
     def _contradiction(self, group: str, path: str) -> str:

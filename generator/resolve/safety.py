@@ -122,7 +122,7 @@ def _member(message: ProtoMessage, name: str, path: str, span: Span, findings: l
         help = nearest(name, fields, f"known fields: {', '.join(fields)}" if fields else "this message has no fields")
         findings.append(
             UNKNOWN_STOP_FIELD.at(
-                span, f"the path {path!r} is wrong: {message.full_name!r} has no field {name!r}", help
+                span, f"the path {path!r} is wrong: the proto message {message.full_name!r} has no field {name!r}", help
             )
         )
     return fields.get(name)

@@ -52,7 +52,7 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--best-effort",
         action="store_true",
-        help="subscribe with best-effort reliability, for topics that are published so, as many sensor drivers do",
+        help="subscribe with best-effort reliability; needed if the publisher uses it, as many sensor drivers do",
     )
     add_middleware(parser)
     parser.set_defaults(run=run)

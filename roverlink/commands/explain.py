@@ -22,9 +22,9 @@ def add(commands: Subparsers) -> None:
         "show all facts about a row, or the documentation of a rule",
         "roverlink explain imu_info",
         "Show all facts about a row of mapping.yaml: its sizes, the conversion of each field, its topic, its\n"
-        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. Or show the\n"
-        "documentation of a rule of `roverlink lint`, whose ID is such as ENV101: what the rule finds, why that is\n"
-        "a problem, and how to solve it.",
+        "peers, and the bytes of an example. ROW is the row's name, number, topic or message. With the\n"
+        "ID of a rule of `roverlink lint`, such as ENV101, show the rule's documentation: what the rule finds, why\n"
+        "that is a problem, and how to solve it.",
     )
     parser.add_argument(
         "what", nargs="?", metavar="ROW|ID", help="a row, or the ID of a rule (default: list all rules)"

@@ -33,8 +33,8 @@ def add(commands: Subparsers) -> None:
         "show the state of a running bridge live: message rates, time since the last message, drops, queues",
         "roverlink top",
         "Show the state of a running bridge live: for each row, the messages a second, the time since the last\n"
-        "message, and the dropped messages; also queues. The command reads the topic /diagnostics, so the bridge may\n"
-        "run on any machine of the same ROS 2 domain.",
+        "message, and the dropped messages. It also shows how full the bridge's queues are. The command reads the\n"
+        "topic /diagnostics, so the bridge may run on any machine of the same ROS 2 domain.",
     )
     parser.add_argument("--node", default=NODE, help="name of the bridge's node (default: %(default)s)")
     parser.add_argument(

@@ -27,7 +27,7 @@ class Crossing:
     _times: deque[float] = field(default_factory=deque)
 
     def add(self, last: Callable[[], dict[str, Any]]) -> None:
-        """Count a message; ``last`` returns its values."""
+        """Count a message. Keep ``last``, a function that returns the values of this message."""
         self.count += 1
         self.last = last
         self._times.append(time.monotonic())

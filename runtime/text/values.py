@@ -143,7 +143,10 @@ def _one_to_value(field: Any, value: Any) -> Any:
 
 
 def _as_declared(descriptor: Any, values: dict[str, Any]) -> dict[str, Any]:
-    """Return values sorted in the order in which the message declares the fields; protobuf puts zero fields last."""
+    """Return values in the order in which the message declares their fields.
+
+    Protobuf's own order has the fields with the value zero at the end.
+    """
     return {
         field.name: _parts_as_declared(field, values[field.name]) for field in descriptor.fields if field.name in values
     }

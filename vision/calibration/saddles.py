@@ -64,7 +64,7 @@ class Sites:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Saddles:
-    """Results of the fits of K corners."""
+    """Results of fitting a saddle surface to the image around each of K corners of a chessboard."""
 
     places: Floats
     """(K, 2) in pixels."""

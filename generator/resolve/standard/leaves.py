@@ -17,7 +17,10 @@ from roverlink.generator.table import Form
 
 
 class Leaves:
-    """Maker of the expressions for message fields that are not themselves messages. Mistakes are reported."""
+    """Maker of the expressions for message fields that are not themselves messages.
+
+    Mistakes in the row are reported with the function that the constructor gets.
+    """
 
     def __init__(
         self, sources: Sources, definition: Callable[[str], Interface], report: Callable[[Diagnostic], None]

@@ -173,7 +173,11 @@ class StandardTopics:
             if not sources.leads_somewhere(path):
                 span = settings.spans.get(f"ignore.{path}", settings.span)
                 help = nearest(path, sources.paths())
-                self._report(standard_rules.UNKNOWN_SOURCE.at(span, f"{sources.proto!r} has no field {path!r}", help))
+                self._report(
+                    standard_rules.UNKNOWN_SOURCE.at(
+                        span, f"the proto message {sources.proto!r} has no field {path!r}", help
+                    )
+                )
 
 
 def _entries(settings: StandardTopicSettings) -> Iterator[Span]:

@@ -33,7 +33,7 @@ class Sources:
         fields = self._along(dotted.split("."))
         if fields is None:
             help = nearest(dotted, self.paths())
-            self._report(UNKNOWN_SOURCE.at(span, f"{self.proto!r} has no field {dotted!r}", help))
+            self._report(UNKNOWN_SOURCE.at(span, f"the proto message {self.proto!r} has no field {dotted!r}", help))
         elif why := _obstacle(fields):
             self._report(UNKNOWN_SOURCE.at(span, f"{dotted!r} {why}"))
         else:

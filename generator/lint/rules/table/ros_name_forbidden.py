@@ -29,13 +29,15 @@ def check(context: Context) -> Iterator[Diagnostic]:
     table = context.table
     if table.ros.package and not ros_names.is_package_name(table.ros.package):
         help = "use lower-case letters, digits and single underscores, for example rover_msgs"
-        yield RULE.at(table.ros.at("package"), f"ROS forbids the package name {table.ros.package!r}", help)
+        yield RULE.at(
+            table.ros.at("package"), f"{table.ros.package!r} is not allowed as the name of a ROS package", help
+        )
     for row in filter(_reaches_ros, table.rows):
         if row.standard is None and not ros_names.is_message_name(row.ros):
             nearest = ros_names.camel_case(row.ros)
             example = nearest if ros_names.is_message_name(nearest) else "ImuInfo"
             help = f"use letters and digits, and start with a capital, for example {example}"
-            message = f"ROS forbids the message name {row.ros!r}"
+            message = f"{row.ros!r} is not allowed as the name of a ROS message"
             yield RULE.at(row.ros_span, message, help, type=table.envelope.message, number=row.number)
         for topic, span in (
             (row.topic, row.at("topic")),
@@ -45,7 +47,7 @@ def check(context: Context) -> Iterator[Diagnostic]:
                 help = (
                     "use letters, digits and underscores, separated by single slashes; no part may start with a digit"
                 )
-                message = f"ROS forbids the topic name {topic!r}"
+                message = f"{topic!r} is not allowed as the name of a topic"
                 yield RULE.at(span, message, help, type=table.envelope.message, number=row.number)
 
 
