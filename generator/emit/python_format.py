@@ -1,11 +1,11 @@
 """Layout of generated Python: as black lays it out, in 88 columns.
 
-The templates print black's form of everything that fits into a line, and tests/generator/test_generated_python.py
-holds them to it. black itself gets only modules with a line that it might have to break. It takes 0.1 ms for each line
-of a module, which would be most of a run: 17 s for a table of 1,000 rows.
+The templates print every line that fits into 88 columns as black would print it;
+tests/generator/test_generated_python.py checks this. black itself gets only modules with a line that black might have
+to break, because black takes 0.1 ms for each line of a module: 17 s for a table of 1,000 rows.
 
-Its results are kept between runs in the user's cache folder, by the checksum of the unformatted text and black's
-version. The cache can be deleted at any time; if it is missing, damaged or read-only, all texts are formatted again.
+The results of black are kept between runs in the user's cache folder, by the checksum of the unformatted text and
+black's version. The cache can be deleted at any time; if it is missing, damaged or read-only, all texts are formatted again.
 """
 
 from __future__ import annotations

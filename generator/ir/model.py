@@ -97,7 +97,7 @@ class RosField:
 
 @dataclass(frozen=True, slots=True)
 class RosConstant:
-    """Constant of a ROS message."""
+    """Constant that a .msg file declares, such as ``uint8 OK=0``."""
 
     name: str
     type: str
@@ -451,7 +451,7 @@ class Bridge:
 
     @property
     def folder(self) -> str:
-        """Folder of all generated files, relative to the table; it follows from the Python package."""
+        """Folder of all generated files, relative to the folder of the table: the Python package as a path."""
         return self.python_package.replace(".", "/")
 
     def conversions(self) -> dict[str, Conversion]:

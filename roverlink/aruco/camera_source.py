@@ -42,8 +42,8 @@ def open_source(
 ) -> FrameSource:
     """Open the source of frames that the options name; without options, ask the user.
 
-    If the options give no image size, ``size`` is requested. ``say`` is called with messages for the user, also later,
-    for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
+    If the options give no image size, the camera is asked for images of ``size``. ``say`` is called with messages for
+    the user, also later, for instance if the camera is lost. Raises `SetupError` if the source cannot be opened.
     """
     from roverlink.vision import frames
 

@@ -19,7 +19,7 @@ def add(commands: Subparsers) -> None:
     parser = command(
         commands,
         "history",
-        "show which payloads had an envelope number, with the first and the last commit of each",
+        "show every payload that has or had a number in the envelope, with the first and the last commit of each",
         "roverlink history 18",
     )
     parser.add_argument("number", type=count, metavar="NUMBER", help="number of a payload in the envelope")

@@ -30,12 +30,12 @@ def add(commands: Subparsers) -> None:
         "start a project in this folder, with an example board or from existing .proto files",
         _EXAMPLE,
         "Start a project in this folder. Without --from, the command writes mapping.yaml with one message of one\n"
-        "board, its .proto file, a GitHub workflow, a configuration of pre-commit and .gitignore, and runs\n"
+        "board, its .proto file, a GitHub workflow, a configuration for pre-commit and a .gitignore file, and runs\n"
         "`roverlink generate`. With --from, the project starts with your .proto files: mapping.yaml gets a row for\n"
         "each member of the envelope's oneof. Values that the command had to guess have the comment `guessed`.\n"
-        "Files that do not compile together with the others are excluded. Numbers that were used in git's history\n"
-        "are retired. Your files are kept; only the envelope's file is written again, if it declares nothing but\n"
-        "the envelope with its oneof.",
+        "Files that do not compile together with the others are excluded. Numbers that git's history used and\n"
+        "the envelope no longer uses are retired. Your .proto files do not change, except for one: if the file of the\n"
+        "envelope declares the envelope alone, generate writes this file from now on.",
     )
     parser.add_argument(
         "--from",

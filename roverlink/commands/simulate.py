@@ -58,8 +58,9 @@ def add(commands: Subparsers) -> None:
         "roverlink simulate --scenario lossy --scenario padded --seed 7 --to 127.0.0.1:5000",
         "Send the datagrams that the boards and the basestation of the table would send. They go to a running bridge\n"
         "(--to), or to a bridge that this command starts and stops (--bridge). With --bridge, the report at the end\n"
-        "counts what became of every datagram. Exit code 1: the numbers of the report do not add up, or the bridge's\n"
-        "memory has grown.\n\nscenarios:\n" + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
+        "says how many datagrams were published, forwarded and dropped. The exit code is then 1 if these numbers do\n"
+        "not add up to the number of datagrams sent, or if the bridge needs more and more memory.\n\nscenarios:\n"
+        + "\n".join(f"  {name:<12}{_summary(name)}" for name in SCENARIOS),
     )
     add_project(parser)
     target = parser.add_mutually_exclusive_group()
@@ -164,7 +165,7 @@ def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals)
 
 
 class _Nodes:
-    """Publishers of all topics that command peers, in place of the rover's ROS 2 nodes."""
+    """Publishers that stand in for the rover's ROS 2 nodes: one for each topic whose messages are sent to a peer."""
 
     def __init__(self, registry: Registry, middleware: Middleware) -> None:
         self._publishers: list[tuple[AnyHandler, Publisher]] = []

@@ -114,7 +114,7 @@ class _State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
-    """Results of one step of the fit for K markers."""
+    """Results of one iteration of the fit that places K markers on their edges in the image."""
 
     normal: Floats
     """(K, 15, 15)"""

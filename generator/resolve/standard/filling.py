@@ -91,7 +91,7 @@ class Filling:
     def _add_parts(self, place: Place, form: Form, entries: Mapping[str, Form], options: Options) -> None:
         for key in ("from", "value", "enum"):
             if key in entries:
-                message = f"{place.shown} is a message, but `{key}` is for a single value"
+                message = f"{place.shown} is a message, but `{key}` sets a single value; name a field of the message"
                 self._wrong(entries[key].span, message, place.path)
         parts = {name: entry for name, entry in entries.items() if name not in OPTIONS}
         if "axes" not in entries:
@@ -126,8 +126,11 @@ class Filling:
         entries = form.entries or {}
         others = [name for name in entries if name != "euler"]
         if place.type.name != _QUATERNION or others:
-            message = f"`euler` fills a whole geometry_msgs/Quaternion, but {place.shown} "
-            message += f"also has {', '.join(others)}" if others else f"is a {place.type}"
+            if others:
+                extra = ", ".join(f"`{name}`" for name in others)
+                message = f"`euler` sets all of {place.shown}; remove {extra}"
+            else:
+                message = f"`euler` sets a geometry_msgs/Quaternion, but {place.shown} is a {place.type}"
             self._wrong(form.span, message, place.path)
             return
         euler = entries["euler"]

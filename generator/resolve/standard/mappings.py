@@ -164,8 +164,8 @@ class StandardTopics:
             self._report(standard_rules.NO_WAY_BACK.at(span, message, help, rests_on=rests_on))
         elif lost:
             fields = ", ".join(map(repr, lost))
-            message = f"nothing in {settings.ros!r} on {settings.topic!r} sets {fields} of the payload for {row.peer!r}"
-            help = f"map the missing fields, list them under `ignore`, or write `direction: {row.peer}_to_ros`"
+            message = f"no field of {settings.ros!r} on the topic {settings.topic!r} sets {fields} of the payload"
+            help = f"map {fields} under `fields`, or list it under `ignore`, or write `direction: {row.peer}_to_ros`"
             self._report(standard_rules.UNUSED_SOURCE.at(span, message, help, rests_on=rests_on))
 
     def _check_ignored(self, settings: StandardTopicSettings, sources: Sources) -> None:
