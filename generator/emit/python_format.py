@@ -5,7 +5,8 @@ tests/generator/test_generated_python.py checks this. black itself gets only mod
 to break, because black takes 0.1 ms for each line of a module: 17 s for a table of 1,000 rows.
 
 The results of black are kept between runs in the user's cache folder, by the checksum of the unformatted text and
-black's version. The cache can be deleted at any time; if it is missing, damaged or read-only, all texts are formatted again.
+black's version. The cache can be deleted at any time; if it is missing, damaged or read-only, all texts are formatted
+again.
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ class Record:
         return next((other for other in self.of_simple_name(type) if self.declared(other, node)), None)
 
     def of_simple_name(self, name: str) -> Sequence[str]:
-        """Return the full names of all messages and enums with the same last part as a name, such as a.Foo and b.Foo."""
+        """Return the full names of messages and enums with the same last part as a name, as in a.Foo and b.Foo."""
         return self._by_simple_name.get(name.rpartition(".")[2], ())
 
     # --- states -----------------------------------------------------------------------------------------------------
