@@ -6,7 +6,7 @@ import argparse
 import json
 import logging
 import signal
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from roverlink import observers
@@ -15,7 +15,9 @@ from roverlink.generated_code import load_project
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
+from roverlink.runtime.middleware.rosout import TOPIC, RosoutHandler
 from roverlink.runtime.ros_arguments import parameters, ros_args
+from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
@@ -68,14 +70,20 @@ def run(arguments: argparse.Namespace) -> int:
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_project(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
+    live = LiveParameters(registry, settings, logger)
     with ExitStack() as stack:
-        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
+        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, live))
+        logs = ExitStack()
+        if ros.logs_to_rosout:
+            logs.enter_context(closing(RosoutHandler(logger, middleware, ros.topic(TOPIC), ros.node)))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
-        with bridge, attached.monitor(bridge):
+        live.on_change(bridge.change)
+        # The handler ends first, because the bridge closes the middleware.
+        with bridge, attached.monitor(bridge), logs:
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:

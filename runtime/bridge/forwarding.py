@@ -11,7 +11,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Forwarding:
-    """Forwards datagrams to the peers that their rows name, or to all peers. To be used from one thread."""
+    """Forwards datagrams to the peers that their rows name, or to all peers. One thread may call `forward`."""
 
     def __init__(
         self,
@@ -21,24 +21,31 @@ class Forwarding:
         send: Callable[[Sequence[bytes], Destination], int],
         account: Account,
     ) -> None:
-        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
-
-        ``send`` returns how many datagrams went out.
-        """
+        """Forward by a policy (`follow`); ``send`` returns how many datagrams went out."""
         self._send, self._account = send, account
-        self._to_all = tuple(destinations.values()) if policy == "all" else ()
+        self._all = tuple(destinations.values())
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
-        for handler in registry.handlers if not self._to_all else ():
+        for handler in registry.handlers:
             for peer in handler.route.forward if handler.route.inbound else ():
                 self._rows[destinations[peer]].add(handler.route.name)
+        self.follow(policy)
+
+    def follow(self, policy: str) -> None:
+        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
+
+        Safe to call from any thread.
+        """
+        self._to_all = policy == "all"
 
     def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
         """Forward datagrams; ``names`` are their payloads, None for a refused one."""
         # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
+        if self._to_all:
+            for destination in self._all:
+                self._hand_on(datagrams, destination)
+            return
         for destination, rows in self._rows.items():
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
-        for destination in self._to_all:
-            self._hand_on(datagrams, destination)
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
         if sent := self._send(datagrams, destination):

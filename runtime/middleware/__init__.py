@@ -4,21 +4,36 @@ from __future__ import annotations
 
 import importlib
 import platform
-from collections.abc import Mapping
-from typing import Any
 
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.middleware.protocol import Callback, Middleware, NodeIdentity, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import (
+    Callback,
+    Middleware,
+    NodeIdentity,
+    NodeParameters,
+    Publisher,
+    Subscription,
+)
 
-__all__ = ["NAMES", "Callback", "Middleware", "NodeIdentity", "Publisher", "Subscription", "open_middleware"]
+__all__ = [
+    "NAMES",
+    "Callback",
+    "Middleware",
+    "NodeIdentity",
+    "NodeParameters",
+    "Publisher",
+    "Subscription",
+    "open_middleware",
+]
 
 NAMES = ("auto", "dds", "rclpy", "memory")
 
 
-def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:
+def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | None = None) -> Middleware:
     """Connect to ROS 2; ``auto`` takes rclpy if it imports, else dds.
 
-    rclpy shows ``parameters`` as those of the node. Raises `MiddlewareError` that says how to install missing parts.
+    ROS 2 can read and change ``parameters`` as those of the node. Raises `MiddlewareError` that says how to install
+    missing parts.
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
@@ -28,9 +43,9 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
 
         return MemoryMiddleware()
     if name == "rclpy":
-        return _open_rclpy(node, parameters or {})
+        return _open_rclpy(node, parameters)
     if name == "dds":
-        return _open_dds(node)
+        return _open_dds(node, parameters)
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
@@ -43,7 +58,7 @@ def _imports(package: str) -> bool:
     return True
 
 
-def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware:
+def _open_rclpy(node: NodeIdentity, parameters: NodeParameters | None) -> Middleware:
     try:
         from roverlink.runtime.middleware.rclpy import RclpyMiddleware
     except ImportError as error:
@@ -54,7 +69,7 @@ def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware
     return RclpyMiddleware(node, parameters)
 
 
-def _open_dds(node: NodeIdentity) -> Middleware:
+def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middleware:
     try:
         from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
@@ -66,4 +81,4 @@ def _open_dds(node: NodeIdentity) -> Middleware:
                 else ""
             )
         ) from error
-    return DdsMiddleware(node)
+    return DdsMiddleware(node, parameters)
