@@ -19,6 +19,7 @@ from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
 from roverlink.progress import progress
+from roverlink.rosout import publish_log
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -131,6 +132,7 @@ def _outputs(
         yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
     if arguments.middleware:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
+        stack.enter_context(publish_log(logger, middleware, ros))
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:

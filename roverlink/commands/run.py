@@ -6,16 +6,16 @@ import argparse
 import json
 import logging
 import signal
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from pathlib import Path
 
 from roverlink import observers
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, counted, node_logger, project_folder
 from roverlink.generated_code import load_project
 from roverlink.observers import BridgeObservers
+from roverlink.rosout import publish_log
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
-from roverlink.runtime.middleware.rosout import TOPIC, RosoutHandler
 from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
@@ -73,17 +73,15 @@ def run(arguments: argparse.Namespace) -> int:
     live = LiveParameters(registry, settings, logger)
     with ExitStack() as stack:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, live))
-        logs = ExitStack()
-        if ros.logs_to_rosout:
-            logs.enter_context(closing(RosoutHandler(logger, middleware, ros.topic(TOPIC), ros.node)))
+        published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
         for number in _STOPPING:
             signal.signal(number, lambda *_: bridge.stop())
         live.on_change(bridge.change)
-        # The handler ends first, because the bridge closes the middleware.
-        with bridge, attached.monitor(bridge), logs:
+        # The log leaves first, because the bridge closes the middleware.
+        with bridge, attached.monitor(bridge), published_log:
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:

@@ -145,6 +145,16 @@ def test_the_log_is_on_rosout(judge: Judge, bridge: Start) -> None:
     assert running.program.errors.count(first) == 1
 
 
+def test_the_log_stays_off_rosout_if_the_user_wants(judge: Judge, bridge: Start) -> None:
+    """With `--disable-rosout-logs`, no line of the bridge is on /rosout."""
+    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log")
+    first = bridge("--disable-rosout-logs").program.wait_for("fingerprint of table and schema")
+    judge.wait_for_node("/udp_forwarder")
+    bridge("-r", "__node:=loud").program.wait_for("fingerprint of table and schema")
+    wait_until(lambda: "loud" in {line["name"] for line in heard.values}, "the other bridge's log")
+    assert "udp_forwarder" not in {line["name"] for line in heard.values}, first
+
+
 @pytest.mark.parametrize(
     ("ours", "type_name"),
     [(one, one.__msgtype__) for one in vars(rcl).values() if getattr(one, "__module__", "") == rcl.__name__],
