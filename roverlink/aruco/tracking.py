@@ -18,8 +18,8 @@ from roverlink.aruco.camera_source import open_source
 from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
 from roverlink.progress import progress
-from roverlink.rosout import publish_log
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments

@@ -12,8 +12,8 @@ from pathlib import Path
 from roverlink import observers
 from roverlink.console import LOG_FORMATS, OK, Subparsers, add_project, command, counted, node_logger, project_folder
 from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
-from roverlink.rosout import publish_log
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import NAMES, open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args

@@ -287,7 +287,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
     ("distribution", "gid_size"), [("humble", 24), pytest.param("jazzy", 16, marks=pytest.mark.slow)]
 )
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
-    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, and /diagnostics."""
+    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, /diagnostics, and /rosout."""
     endpoints: dict[str, tuple[str, str]] = {}
     node: dict[str, Any] = {}
     with bridge(fast_dds.domain, distribution), fast_dds.graph(gid_size) as graph:
@@ -301,7 +301,8 @@ def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution
     handlers = [*REGISTRY.handlers, *REGISTRY.extra_topics]
     inbound, outbound = ([h for h in handlers if h.route.inbound == wanted] for wanted in (True, False))
     diagnostics = ("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_")
-    assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics])
+    log = ("rt/rosout", "rcl_interfaces::msg::dds_::Log_")
+    assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics, log])
     assert sorted(endpoints[gid] for gid in node["readers"]) == sorted(map(dds_names, outbound))
 
 

@@ -9,14 +9,13 @@ from typing import Any
 import pytest
 from judge import Bridge, Judge, interface, repeat
 from polling import wait_until
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from generated.registry import REGISTRY
 
 Start = Callable[..., Bridge]
 
 _HANDLERS = (*REGISTRY.handlers, *REGISTRY.extra_topics)
-_ROSOUT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _names_and_types(inbound: bool) -> dict[str, list[str]]:
@@ -128,53 +127,3 @@ def test_diagnostics_have_a_status_for_the_node_and_for_each_row(judge: Judge, b
     assert count not in status["udp_forwarder: imu_info"]["values"]
     assert count in status["udp_forwarder: gps_info"]["values"]
     assert {one["level"] for one in status.values()} == {b"\0"}
-
-
-# --- parameters and log -----------------------------------------------------------------------------------------------
-
-
-def test_parameters_have_the_values_that_the_bridge_uses(
-    judge: Judge, bridge: Start, middleware: str, request: pytest.FixtureRequest
-) -> None:
-    """`ros2 param list` and `ros2 param get` show each parameter, with the values of the command line."""
-    if middleware == "dds":
-        request.applymarker(pytest.mark.xfail(strict=True, reason="over dds, the node has no parameter services"))
-    bridge("-p", "max_datagram:=1000", "-p", "source_policy:=any")
-    listed = judge.call(
-        "/udp_forwarder/list_parameters",
-        "rcl_interfaces/srv/ListParameters",
-        interface("rcl_interfaces/srv/ListParameters").Request(),
-    )
-    assert {"listen_port", "dst_ip", "dst_a_port", "dst_b_port", "max_datagram"} <= {*listed.result.names}
-    got = judge.call(
-        "/udp_forwarder/get_parameters",
-        "rcl_interfaces/srv/GetParameters",
-        interface("rcl_interfaces/srv/GetParameters").Request(names=["max_datagram", "source_policy"]),
-    )
-    assert [got.values[0].integer_value, got.values[1].string_value] == [1000, "any"]
-
-
-@pytest.mark.xfail(strict=True, reason="the bridge reads parameters only when it starts")
-def test_a_parameter_that_cannot_change_says_so(judge: Judge, bridge: Start) -> None:
-    """`ros2 param set` of the port on which the bridge listens fails, for the socket stays as it is."""
-    bridge()
-    value = interface("rcl_interfaces/msg/ParameterValue")(type=2, integer_value=5)
-    parameter = interface("rcl_interfaces/msg/Parameter")(name="listen_port", value=value)
-    answer = judge.call(
-        "/udp_forwarder/set_parameters",
-        "rcl_interfaces/srv/SetParameters",
-        interface("rcl_interfaces/srv/SetParameters").Request(parameters=[parameter]),
-    )
-    assert not answer.results[0].successful
-
-
-@pytest.mark.xfail(strict=True, reason="the node's log goes to its console only")
-def test_the_log_goes_to_rosout(judge: Judge, bridge: Start) -> None:
-    """What the node logs at its start is on /rosout for a tool that starts later."""
-    bridge()
-    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log", _ROSOUT)
-
-    def told() -> bool:
-        return any(one["name"] == "udp_forwarder" and "on UDP port" in one["msg"] for one in heard.values)
-
-    wait_until(told, "the start of the bridge on /rosout", 10)

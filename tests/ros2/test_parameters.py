@@ -61,6 +61,15 @@ def new_board() -> Iterator[socket.socket]:
 
 
 @rclpy_only
+def test_parameters_have_the_values_that_the_bridge_uses(judge: Judge, bridge: Start) -> None:
+    """`ros2 param list` and `ros2 param get` show each parameter, with the values of the command line."""
+    bridge("-p", "max_datagram:=1000", "-p", "source_policy:=any")
+    listed = _call(judge, "list_parameters").result.names
+    assert {"listen_port", "dst_ip", "dst_a_port", "dst_b_port", "max_datagram"} <= {*listed}
+    assert [_get(judge, name) for name in ("max_datagram", "source_policy")] == [1000, "any"]
+
+
+@rclpy_only
 def test_setting_a_parameter_has_its_effect(judge: Judge, bridge: Start, new_board: socket.socket) -> None:
     """`ros2 param set` moves a peer to another port: the next datagram goes there, and the log says so."""
     running = bridge("-p", "forward_policy:=all")
