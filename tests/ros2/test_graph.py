@@ -1,4 +1,4 @@
-"""The bridge on the ROS 2 graph, as `ros2 node`, `ros2 topic` and `ros2 param` read it."""
+"""The bridge on the ROS 2 graph, as `ros2 node` and `ros2 topic` read it."""
 
 from __future__ import annotations
 
