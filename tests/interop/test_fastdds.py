@@ -287,7 +287,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
     ("distribution", "gid_size"), [("humble", 24), pytest.param("jazzy", 16, marks=pytest.mark.slow)]
 )
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
-    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, /diagnostics, and /rosout."""
+    """From ros_discovery_info, Fast DDS knows the endpoints of the node: one a topic, /diagnostics, and /rosout."""
     endpoints: dict[str, tuple[str, str]] = {}
     node: dict[str, Any] = {}
     with bridge(fast_dds.domain, distribution), fast_dds.graph(gid_size) as graph:
