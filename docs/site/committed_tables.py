@@ -51,7 +51,7 @@ def documented_keys(page: str) -> list[str]:
 
 def _rows(found: re.Match[str]) -> Iterator[str]:
     if found["what"] == "parameters":
-        yield from ("| parameter | default | meaning |", "|---|---|---|", *_parameters())
+        yield from ("| parameter | default | read-only | meaning |", "|---|---|---|---|", *_parameters())
     else:
         keys = object_of(Table).keys
         yield from ("| key | holds | meaning | default |", "|---|---|---|---|")
@@ -65,10 +65,11 @@ def _rows(found: re.Match[str]) -> Iterator[str]:
 def _parameters() -> Iterator[str]:
     for name, declared in parameters.DECLARED.items():
         unit = f", in {declared.unit}" if declared.unit else ""
-        yield f"| `{name}` | {declared.default} | {declared.description}{unit} |"
+        read_only = "yes" if declared.read_only else ""
+        yield f"| `{name}` | {declared.default} | {read_only} | {declared.description}{unit} |"
     for peer in REGISTRY.peers:
         meaning = f"UDP port of the peer `{peer.name}`; the table sets the name and the default"
-        yield f"| `{peer.port_parameter}` | {peer.port} | {meaning} |"
+        yield f"| `{peer.port_parameter}` | {peer.port} | | {meaning} |"
 
 
 # --- the table's keys ---

@@ -18,6 +18,7 @@ from roverlink.aruco.camera_source import open_source
 from roverlink.aruco.tracking_log import TrackingLog
 from roverlink.console import OK, NoProjectError, project_folder
 from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.middleware import open_middleware
@@ -140,6 +141,7 @@ def _outputs(
         yield lambda view: film.add(draw(view.frame.image, camera, view.sightings, view.place), view.frame.stamp)
     if arguments.middleware:
         middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node))
+        stack.enter_context(publish_log(logger, middleware, ros))
         names = FrameNames(arguments.camera_frame, arguments.marker_frame)
         yield Publishing(middleware, camera, names, ros.topic, logger.warning).publish
         if arguments.landmarks:

@@ -22,10 +22,12 @@ from roverlink.console import (
     project_folder,
 )
 from roverlink.generated_code import load_project
+from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
+from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _STOPPING = (signal.SIGINT, signal.SIGTERM)
 
@@ -79,8 +81,10 @@ def run(arguments: argparse.Namespace) -> int:
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     registry = load_project(project_folder(arguments.project))
     settings = parameters.read(registry, ros.parameters)
+    live = LiveParameters(registry, settings, logger)
     with ExitStack() as stack:
-        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, settings.values))
+        middleware = stack.enter_context(open_middleware(arguments.middleware, ros.node, live))
+        published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, logger, stack)
         bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers)
@@ -88,7 +92,9 @@ def run(arguments: argparse.Namespace) -> int:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.
             signal.signal(number, lambda *_: bridge.stop())
-        with bridge, attached.monitor(bridge):
+        live.on_change(bridge.change)
+        # The log leaves first, because the bridge closes the middleware.
+        with bridge, attached.monitor(bridge), published_log:
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     for number in _STOPPING:

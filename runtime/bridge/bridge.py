@@ -84,13 +84,17 @@ class Bridge:
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._translator = Translator(registry)
         self._logger = logger
-        addresses = {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}
+        addresses = _addresses(parameters)
         self._socket = udp.bind(parameters.listen_address, parameters.listen_port, parameters.receive_buffer)
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
         self._destinations = {name: Destination(name, address) for name, address in addresses.items()}
         self._observers = observers
-        self._receiver = self._receiver_of(parameters)
+        self._admission = Admission(registry, self._counters.count_dropped)
+        self._admitted: dict[Translator, Handle] = {}
+        self._receiver: udp.Receiver[Any] = udp.Receiver(
+            self._socket, parameters.max_datagram + 1, *self._receiving(parameters.source_policy)
+        )
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
@@ -162,19 +166,31 @@ class Bridge:
         if self._failure is not None:
             raise self._failure
 
+    def change(self, parameters: Parameters) -> None:
+        """Use changed parameters from now on; the read-only ones among them must be the same.
+
+        Raises `SetupError` if the address of the peers does not resolve; then nothing has changed.
+        """
+        addresses = _addresses(parameters)
+        before, self._parameters = self._parameters, parameters
+        for name, address in addresses.items():
+            self._destinations[name].direct_to(address)
+        self._forwarding.follow(parameters.forward_policy)
+        self._receiver.pass_to(*self._receiving(parameters.source_policy))
+        if parameters.receive_buffer != before.receive_buffer:
+            udp.size_receive_buffer(self._socket, parameters.receive_buffer)
+            self._warn_of_small_buffer()
+
     # --- peers to topics ---
 
-    def _receiver_of(self, parameters: Parameters) -> udp.Receiver[Any]:
-        """Return the thread that receives datagrams.
+    def _receiving(self, source_policy: str) -> tuple[Callable[[list[Any]], None], Callable[..., Any]]:
+        """Return the handler of batches, and the reader that reads them.
 
-        It reads the addresses of senders only if the table restricts senders, because reading them costs time.
+        The addresses of senders are read only if the table restricts senders, because reading them costs time.
         """
-        size = parameters.max_datagram + 1
-        if parameters.source_policy == "any" or not restricts_sources(self._registry.peers):
-            return udp.Receiver(self._socket, size, self._observed(self._handle))
-        self._admission = Admission(self._registry, self._counters.count_dropped)
-        self._admitted: dict[Translator, Handle] = {}
-        return udp.Receiver(self._socket, size, self._handle_with_sources, udp.source_reader)
+        if source_policy == "any" or not restricts_sources(self._registry.peers):
+            return self._observed(self._handle), udp.reader
+        return self._handle_with_sources, udp.source_reader
 
     def _observed(self, handle: Handle) -> Handle:
         """Let all observers wrap a function that handles batches, and return the result."""
@@ -278,3 +294,8 @@ class Bridge:
                 wanted,
                 wanted,
             )
+
+
+def _addresses(parameters: Parameters) -> dict[str, tuple[str, int]]:
+    """Return the address of each peer by the peer's name. Raises `SetupError` if it does not resolve."""
+    return {name: udp.resolve(parameters.dst_ip, port) for name, port in parameters.peer_ports.items()}

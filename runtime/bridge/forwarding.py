@@ -11,7 +11,7 @@ from roverlink.runtime.net.destination import Destination
 
 
 class Forwarding:
-    """Forwards datagrams to other peers: to those that the row names, or to all. To be used from one thread."""
+    """Forwards datagrams to other peers: to those that the row names, or to all. One thread may call `forward`."""
 
     def __init__(
         self,
@@ -21,27 +21,31 @@ class Forwarding:
         send: Callable[[Sequence[bytes], Destination], int],
         account: Account,
     ) -> None:
-        """Select the peers that get a datagram.
-
-        With the policy ``mapping`` these are the peers that the datagram's row names, with the policy ``all`` all
-        peers.
-
-        The function ``send`` returns how many datagrams it sent.
-        """
+        """Forward by a policy, see `follow`. The function ``send`` returns how many datagrams it sent."""
         self._send, self._account = send, account
-        self._to_all = tuple(destinations.values()) if policy == "all" else ()
+        self._all = tuple(destinations.values())
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
-        for handler in registry.handlers if not self._to_all else ():
+        for handler in registry.handlers:
             for peer in handler.route.forward if handler.route.inbound else ():
                 self._rows[destinations[peer]].add(handler.route.name)
+        self.follow(policy)
+
+    def follow(self, policy: str) -> None:
+        """Choose the receivers: by row if ``policy`` is ``mapping``, every peer if it is ``all``.
+
+        Safe to call from any thread.
+        """
+        self._to_all = policy == "all"
 
     def forward(self, datagrams: Sequence[bytes], names: Sequence[str | None]) -> None:
         """Forward datagrams; ``names`` holds the payload name of each datagram, or None if the datagram was refused."""
         # One call for each peer: `Destination.send_all` sends runs of equal size with one system call.
+        if self._to_all:
+            for destination in self._all:
+                self._hand_on(datagrams, destination)
+            return
         for destination, rows in self._rows.items():
             self._hand_on([datagram for datagram, name in zip(datagrams, names) if name in rows], destination)
-        for destination in self._to_all:
-            self._hand_on(datagrams, destination)
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
         if sent := self._send(datagrams, destination):

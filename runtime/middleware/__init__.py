@@ -7,22 +7,36 @@ from __future__ import annotations
 
 import importlib
 import platform
-from collections.abc import Mapping
-from typing import Any
 
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.middleware.protocol import Callback, Middleware, NodeIdentity, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import (
+    Callback,
+    Middleware,
+    NodeIdentity,
+    NodeParameters,
+    Publisher,
+    Subscription,
+)
 
-__all__ = ["NAMES", "Callback", "Middleware", "NodeIdentity", "Publisher", "Subscription", "open_middleware"]
+__all__ = [
+    "NAMES",
+    "Callback",
+    "Middleware",
+    "NodeIdentity",
+    "NodeParameters",
+    "Publisher",
+    "Subscription",
+    "open_middleware",
+]
 
 NAMES = ("auto", "dds", "rclpy", "memory")
 
 
-def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any] | None = None) -> Middleware:
+def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | None = None) -> Middleware:
     """Connect to ROS 2 as a node; ``name`` is ``dds``, ``rclpy``, ``memory``, or ``auto``.
 
-    ``auto`` selects rclpy if it can be imported, else dds. With rclpy, ROS 2 tools show ``parameters`` as the node's
-    parameters. Raises `MiddlewareError` if a package is missing; the message says how to install it.
+    ``auto`` selects rclpy if it can be imported, else dds. ROS 2 tools can read and change ``parameters`` as those of
+    the node. Raises `MiddlewareError` if a package is missing; the message says how to install it.
     """
     if name == "auto":
         name = "rclpy" if _imports("rclpy") else "dds"
@@ -32,9 +46,9 @@ def open_middleware(name: str, node: NodeIdentity, parameters: Mapping[str, Any]
 
         return MemoryMiddleware()
     if name == "rclpy":
-        return _open_rclpy(node, parameters or {})
+        return _open_rclpy(node, parameters)
     if name == "dds":
-        return _open_dds(node)
+        return _open_dds(node, parameters)
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
@@ -50,7 +64,7 @@ def _imports(package: str) -> bool:
     return True
 
 
-def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware:
+def _open_rclpy(node: NodeIdentity, parameters: NodeParameters | None) -> Middleware:
     try:
         from roverlink.runtime.middleware.rclpy import RclpyMiddleware
     except ImportError as error:
@@ -61,7 +75,7 @@ def _open_rclpy(node: NodeIdentity, parameters: Mapping[str, Any]) -> Middleware
     return RclpyMiddleware(node, parameters)
 
 
-def _open_dds(node: NodeIdentity) -> Middleware:
+def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middleware:
     try:
         from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
@@ -73,4 +87,4 @@ def _open_dds(node: NodeIdentity) -> Middleware:
                 else ""
             )
         ) from error
-    return DdsMiddleware(node)
+    return DdsMiddleware(node, parameters)

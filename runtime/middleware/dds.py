@@ -25,28 +25,42 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import Time
+from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEvent
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter, delete, delete_at_exit
+from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
+from roverlink.runtime.middleware.parameter_services import ParameterServices
+from roverlink.runtime.middleware.protocol import Callback, NodeIdentity, NodeParameters
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
     '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>'
     "</Domain></CycloneDDS>"
 )
-# Otherwise the deletion of each writer waits for a subscriber that hangs.
-_NO_LINGERING = (
-    "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
+# Otherwise the deletion of each writer waits for a subscriber that hangs. And Fast DDS, which reads nothing but the key
+# hash of what is disposed, would show our node for ten seconds after it has left.
+_LEAVE_AT_ONCE = (
+    "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration>"
+    "<GenerateKeyhash>true</GenerateKeyhash></Internal></Domain></CycloneDDS>"
+)
+# Cyclone DDS refuses the type objects of Fast DDS 3 (ROS 2 Kilted), and then matches none of its endpoints. ROS 2 goes
+# by the names of types alone. 1.15 is the vendor id of eProsima.
+_WITHOUT_FAST_TYPES = (
+    "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility></Domain>"
+    "</CycloneDDS>"
 )
 _LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
 # All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
 # their turn.
 _TAKE = 64  # most samples taken at a time
 _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
+_PARAMETER_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
 
@@ -78,7 +92,7 @@ class _Topic(NamedTuple):
 class DdsMiddleware:
     """DDS participant that appears as a ROS 2 node. One thread takes the samples that its readers have received."""
 
-    def __init__(self, node: NodeIdentity) -> None:
+    def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
         domain_id = _domain_id()
         try:
             _configure(domain_id)
@@ -93,6 +107,10 @@ class DdsMiddleware:
         self._writers: list[RawWriter] = []
         self._topics: tuple[_Topic, ...] = ()
         self._conditions: list[ReadCondition] = []
+        self._services: DdsServices | None = None
+        # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
+        if parameters is not None and os.environ.get("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp":
+            self._services = self._parameter_services(node, parameters)
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
@@ -130,6 +148,8 @@ class DdsMiddleware:
         # The guard condition wakes the taking thread, which else waits without a limit.
         self._stopped.set(True)
         self._thread.join()
+        if self._services is not None:
+            self._services.close()
         # One deadline for all writers together: leaving must not take longer with more topics.
         deadline = time.monotonic() + _LEAVE_S
         for writer in self._writers:
@@ -141,6 +161,16 @@ class DdsMiddleware:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _parameter_services(self, node: NodeIdentity, parameters: NodeParameters) -> DdsServices:
+        events = self.publisher("/parameter_events", ParameterEvent, _PARAMETER_EVENTS)
+
+        def publish(changed: Sequence[Parameter]) -> None:
+            stamp = Time(*divmod(time.time_ns(), 1_000_000_000))
+            events.publish([cdr.encode(ParameterEvent(stamp, node.full_name, changed_parameters=list(changed)))])
+
+        services = ParameterServices(parameters, publish).services()
+        return DdsServices(self._participant, self._announcer, node.full_name, services)
 
     def _topic(self, topic: str, message_type: type[Message]) -> Topic[Any]:
         # ROS 2 marks its topics with the prefix `rt`, and services with `rq` and `rr` (design.ros2.org, "Topic and
@@ -191,7 +221,7 @@ def _domain(domain_id: int, configuration: str) -> Domain | None:
     Must be called before the first participant of the domain is created.
     """
     try:
-        domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
+        domain = Domain(domain_id, ",".join(filter(None, (_LEAVE_AT_ONCE, _WITHOUT_FAST_TYPES, configuration))))
     except DDSException as error:
         # Another part of the program has joined the domain before us and has configured it.
         logging.getLogger("roverlink").warning(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor
 
 Callback = Callable[[Sequence[bytes]], None]
 """Function called with all messages of one topic that have arrived, serialized (CDR with header), oldest first."""
@@ -33,6 +34,24 @@ class NodeIdentity:
     def full_name(self) -> str:
         """Namespace and name of the node, as ``ros2 node list`` prints them."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
+
+
+class NodeParameters(Protocol):
+    """Parameters of our node, which ROS 2 may read and change. Safe to use from several threads."""
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Value of each parameter by its name."""
+
+    @property
+    def descriptors(self) -> Mapping[str, ParameterDescriptor]:
+        """Declaration of each parameter by its name."""
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters and apply the changes.
+
+        Raises `SetupError` with the reason if one of them cannot change; then none has changed.
+        """
 
 
 class Publisher(Protocol):

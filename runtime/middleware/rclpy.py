@@ -9,18 +9,21 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import rclpy
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
-from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message, how_to_install
-from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
+from roverlink.runtime.middleware.protocol import Callback, NodeIdentity, NodeParameters
 
 
 class RclpyPublisher:
@@ -54,7 +57,7 @@ class RclpySubscription:
 class RclpyMiddleware:
     """rclpy node with a thread that spins it: the thread waits for messages and calls the callbacks."""
 
-    def __init__(self, node: NodeIdentity, parameters: Mapping[str, Any]) -> None:
+    def __init__(self, node: NodeIdentity, parameters: NodeParameters | None) -> None:
         # A context of its own: the default one may belong to a program that uses this package.
         self._context = rclpy.Context()
         # Signals, remappings and parameters stay with our command line, which has handled them already.
@@ -62,13 +65,29 @@ class RclpyMiddleware:
         self._node = rclpy.create_node(
             node.name, namespace=node.namespace, context=self._context, use_global_arguments=False
         )
-        for name, value in parameters.items():
-            self._node.declare_parameter(name, value)
+        if parameters is not None:
+            self._declare(parameters)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._open = True
         self._thread = threading.Thread(target=self._spin, name="rclpy-spin", daemon=True)
         self._thread.start()
+
+    def _declare(self, parameters: NodeParameters) -> None:
+        for name, value in parameters.values.items():
+            descriptor = deserialize_message(cdr.encode(parameters.descriptors[name]), ParameterDescriptor)
+            self._node.declare_parameter(name, value, descriptor)
+
+        def change(changes: Sequence[Any]) -> Any:
+            try:
+                parameters.change({parameter.name: parameter.value for parameter in changes})
+            except SetupError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+            return SetParametersResult(successful=True)
+
+        # Humble has no callback after a change. This one is the last that can refuse a change of these parameters, so
+        # rclpy stores everything that it applies.
+        self._node.add_on_set_parameters_callback(change)
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully qualified topic."""

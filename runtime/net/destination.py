@@ -24,12 +24,17 @@ class Destination:
     """Address of a peer, with the sockets for sending to it. Safe to use from several threads."""
 
     def __init__(self, peer: str, address: tuple[str, int]) -> None:
-        self.peer, self.address = peer, address
+        self.peer = peer
         self._connected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         # Made now: switching is then one assignment, which is safe while other threads send.
         self._unconnected = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._route: tuple[socket.socket, tuple[str, int] | None] = self._connected, None
         self._can_segment = _can_segment(self._connected)
+        self.direct_to(address)
+
+    def direct_to(self, address: tuple[str, int]) -> None:
+        """Send to an address from now on."""
+        self.address = address
+        self._route: tuple[socket.socket, tuple[str, int] | None] = self._connected, None
         try:
             self._connected.connect(address)  # the kernel then looks up the route once instead of for each datagram
         except OSError:

@@ -54,7 +54,8 @@ def bind(address: str, port: int, receive_buffer: int) -> socket.socket:
     """
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
-        _size_receive_buffer(sock, receive_buffer)
+        # Before bind(), so that no datagram arrives while the buffer is still small.
+        size_receive_buffer(sock, receive_buffer)
         sock.bind((address, port))
     except (OSError, UnicodeError) as error:
         sock.close()
@@ -70,8 +71,8 @@ def _bind_failure(address: str, port: int, error: OSError | UnicodeError) -> str
     return f"cannot listen on UDP port {port} of {address}: {error.strerror}"
 
 
-def _size_receive_buffer(sock: socket.socket, size: int) -> None:
-    # Before bind(), so that no datagram arrives while the buffer is still small.
+def size_receive_buffer(sock: socket.socket, size: int) -> None:
+    """Make the receive buffer of a socket as near to ``size`` bytes as the system allows."""
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
     if sys.platform == "linux" and receive_buffer(sock) < size:
         # SO_RCVBUFFORCE exceeds net.core.rmem_max but needs CAP_NET_ADMIN. Others get a warning about the difference.
@@ -169,8 +170,8 @@ class Receiver(Generic[T]):
         `source_reader`, a batch contains the senders' addresses too.
         """
         self._sock = sock
-        self._handle = handle
-        self._read: Callable[[], list[T]] = reader(sock, size)
+        self._size = size
+        self.pass_to(handle, reader)
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._stopping = False
@@ -188,6 +189,15 @@ class Receiver(Generic[T]):
         self._thread.join()
         self._wake.close()
         self._woken.close()
+
+    def pass_to(
+        self,
+        handle: Callable[[list[T]], None],
+        reader: Callable[[socket.socket, int], Callable[[], list[Any]]] = reader,
+    ) -> None:
+        """Pass the batches that ``reader`` reads to ``handle``, from the next batch on. Safe while the thread runs."""
+        # One assignment, because a reader's batches must reach only the handler that they are for.
+        self._path: tuple[Callable[[], list[T]], Callable[[list[T]], None]] = reader(self._sock, self._size), handle
 
     def stop(self) -> None:
         """Ask the thread to handle the datagrams that have arrived, and to end.
@@ -222,23 +232,26 @@ class Receiver(Generic[T]):
         """Handle all datagrams that have arrived, and also those that arrive while this runs."""
         more = True
         while more and not self._stopping:
-            datagrams = self._read()
+            read, handle = self._path
+            datagrams = read()
             # Fewer than the slots: the socket was empty. Poll again instead of a read that returns nothing.
             more = len(datagrams) == _SLOTS
-            self._handle_in_batches(datagrams)
+            _in_batches(datagrams, handle)
 
     def _drain(self) -> None:
         """Handle the datagrams that have arrived, but only for half a second: the sender may continue to send."""
+        read, handle = self._path
         deadline = time.monotonic() + _DRAIN_S
-        while time.monotonic() < deadline and (datagrams := self._read()):
-            self._handle_in_batches(datagrams)
+        while time.monotonic() < deadline and (datagrams := read()):
+            _in_batches(datagrams, handle)
         deadline = time.monotonic() + _DRAIN_S
-        while time.monotonic() < deadline and (datagrams := self._read()):
+        while time.monotonic() < deadline and (datagrams := read()):
             self.left += len(datagrams)
 
-    def _handle_in_batches(self, datagrams: list[T]) -> None:
-        for start in range(0, len(datagrams), BURST):
-            self._handle(datagrams[start : start + BURST])
+
+def _in_batches(datagrams: list[T], handle: Callable[[list[T]], None]) -> None:
+    for start in range(0, len(datagrams), BURST):
+        handle(datagrams[start : start + BURST])
 
 
 class OneByOneReader:

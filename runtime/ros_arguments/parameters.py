@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from roverlink.runtime.text import strict_yaml
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """Declaration of a parameter that does not depend on the table."""
+    """Declaration of a parameter that the node has."""
 
     default: int | str
     description: str
@@ -26,9 +26,13 @@ class Declaration:
     """Error text for a number out of range; it tells the allowed range."""
     choices: tuple[str, ...] = ()
     """Allowed texts; empty if any text is allowed."""
+    read_only: bool = False
+    """True if the parameter cannot change while the node runs."""
 
     def check(self, name: str, value: int | str) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
+        if type(value) is not type(self.default):
+            raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {type(self.default).__name__}")
         if self.choices and value not in self.choices:
             raise SetupError(f"the parameter {name!r} is {value!r}; it must be one of {', '.join(self.choices)}")
         if self.limits and not self.minimum <= int(value) <= self.maximum:
@@ -60,13 +64,19 @@ class Parameters:
     """Every parameter by its ROS 2 name."""
 
 
-def defaults(registry: Registry) -> dict[str, Any]:
-    """Return the default of every parameter, by name.
+def declarations(registry: Registry) -> dict[str, Declaration]:
+    """Return the declaration of every parameter by name. The table names the parameters of the peers' ports."""
+    port = replace(DECLARED["listen_port"], minimum=1, read_only=False)
+    ports = {
+        peer.port_parameter: replace(port, default=peer.port, description=f"UDP port of the peer {peer.name}")
+        for peer in registry.peers
+    }
+    return {**DECLARED, **ports}
 
-    Besides the declared parameters there is one parameter for the UDP port of each peer; the table gives its name.
-    """
-    ports = {peer.port_parameter: peer.port for peer in registry.peers}
-    return {name: declared.default for name, declared in DECLARED.items()} | ports
+
+def defaults(registry: Registry) -> dict[str, Any]:
+    """Return the default of every parameter, by the parameter's name."""
+    return {name: declared.default for name, declared in declarations(registry).items()}
 
 
 def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
@@ -74,22 +84,29 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
 
     Raises `SetupError` for an unknown name or a value that is not allowed.
     """
-    values = defaults(registry)
+    # rclcpp and rclpy declare use_sim_time for every node; this node does not use it.
+    return _checked(registry, {name: value for name, value in given.items() if name != "use_sim_time"})
+
+
+def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, Any]) -> Parameters:
+    """Return parameters with some values changed while the node runs.
+
+    Raises `SetupError` if one of the parameters is unknown or read-only, or if a value is wrong.
+    """
+    for name, value in changes.items():
+        if name == "use_sim_time":
+            raise SetupError("the parameter 'use_sim_time' cannot change: this node does not use simulated time")
+        if name in DECLARED and DECLARED[name].read_only:
+            raise SetupError(f"the parameter {name!r} is read-only; restart the node with -p {name}:={value}")
+    return _checked(registry, {**parameters.values, **changes})
+
+
+def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
+    declared = declarations(registry)
     for name, value in given.items():
-        if name == "use_sim_time":  # rclcpp and rclpy declare it for every node; this node does not use it
-            continue
-        if name not in values:
-            raise SetupError(f"unknown parameter {name!r}; {nearest(name, values)}")
-        if type(value) is not type(values[name]):
-            raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {type(values[name]).__name__}")
-        values[name] = value
-    for name, declared in DECLARED.items():
-        declared.check(name, values[name])
-    ports = {peer.name: _port(peer.port_parameter, values[peer.port_parameter]) for peer in registry.peers}
+        if name not in declared:
+            raise SetupError(f"unknown parameter {name!r}; {nearest(name, declared)}")
+        declared[name].check(name, value)
+    values = {**defaults(registry), **given}
+    ports = {peer.name: values[peer.port_parameter] for peer in registry.peers}
     return Parameters(peer_ports=ports, values=values, **{name: values[name] for name in DECLARED})
-
-
-def _port(name: str, value: int) -> int:
-    if not 1 <= value <= DECLARED["listen_port"].maximum:
-        raise SetupError(f"the parameter {name!r} is {value}; {DECLARED['listen_port'].limits}")
-    return value

@@ -2,8 +2,9 @@
 
 As in rcl, these are ``-p name:=value``, ``--params-file FILE``, ``-r from:=to`` (also with ``__ns`` and ``__node``) and
 ``--log-level``. They end at ``--`` or at the end of the command line. ``--disable-stdout-logs`` turns off the log on
-the console. Switches for features that this node does not have are accepted and have no effect. A remap or a parameter
-may begin with the name of the node for which it is meant (``node:name:=value``).
+the console, and ``--disable-rosout-logs`` the log on the topic ``/rosout``. Switches for features that this node does
+not have are accepted and have no effect. A remap or a parameter may begin with the name of the node for which it is
+meant (``node:name:=value``).
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class RosArguments:
     parameters: dict[str, Any] = field(default_factory=dict)
     log_level: str = "info"
     logs_to_console: bool = True
+    logs_to_rosout: bool = True
     remaps: list[_Remap] = field(default_factory=list)
 
     def topic(self, name: str) -> str:
@@ -84,6 +86,7 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
         elif option == "log-level":
             parsed.log_level = _log_level(value)
     parsed.logs_to_console = _last_of(_CONSOLE_SWITCHES, arguments) != "--disable-stdout-logs"
+    parsed.logs_to_rosout = _last_of(_ROSOUT_SWITCHES, arguments) != "--disable-rosout-logs"
     return parsed
 
 
@@ -104,11 +107,13 @@ _OPTIONS = {
     "--log-config-file": "ignored",
 }
 _CONSOLE_SWITCHES = ("--enable-stdout-logs", "--disable-stdout-logs")
-# rcl accepts these for every node, and launch files pass them. They concern features that this node does not have: a
-# security enclave, the topic /rosout, rcl's log files.
+_ROSOUT_SWITCHES = ("--enable-rosout-logs", "--disable-rosout-logs")
+# rcl accepts the last two for every node, and launch files pass them. They concern rcl's log files, which this node
+# does not have.
 _SWITCHES = (
     *_CONSOLE_SWITCHES,
-    *("--enable-rosout-logs", "--disable-rosout-logs", "--enable-external-lib-logs", "--disable-external-lib-logs"),
+    *_ROSOUT_SWITCHES,
+    *("--enable-external-lib-logs", "--disable-external-lib-logs"),
 )
 
 

@@ -79,32 +79,6 @@ def program() -> Path:
     return built
 
 
-@pytest.fixture
-def domain() -> Iterator[int]:
-    """A DDS domain that nobody else on this host is in, ours until the test ends."""
-    with contextlib.ExitStack() as held:
-        yield next(number for number in _from_own_place(range(1, 101)) if _claimed(number, held))
-
-
-def _from_own_place(numbers: range) -> Iterator[int]:
-    """Each of the numbers, starting where other processes are unlikely to start."""
-    start = os.getpid() % len(numbers)
-    return (numbers[(start + step) % len(numbers)] for step in range(len(numbers)))
-
-
-def _claimed(domain: int, held: contextlib.ExitStack) -> bool:
-    """Whether nobody was in the domain, which then is ours: we hold the last of its ports."""
-    first_port = 7400 + 250 * domain
-    lock = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first_participant:
-        try:
-            lock.bind(("127.0.0.1", first_port + 249))
-            first_participant.bind(("", first_port + 10))
-        except OSError:
-            return False
-    return True
-
-
 @dataclass(frozen=True)
 class FastDds:
     """Another node on the graph, which is made of Fast DDS."""
@@ -313,7 +287,7 @@ def test_what_fast_dds_publishes_is_sent_to_the_board(fast_dds: FastDds, types: 
     ("distribution", "gid_size"), [("humble", 24), pytest.param("jazzy", 16, marks=pytest.mark.slow)]
 )
 def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution: str, gid_size: int) -> None:
-    """From ros_discovery_info, Fast DDS knows which endpoints are the node's: one a topic, and /diagnostics."""
+    """From ros_discovery_info, Fast DDS knows the endpoints of the node: one a topic, /diagnostics, and /rosout."""
     endpoints: dict[str, tuple[str, str]] = {}
     node: dict[str, Any] = {}
     with bridge(fast_dds.domain, distribution), fast_dds.graph(gid_size) as graph:
@@ -327,7 +301,8 @@ def test_the_bridge_is_a_node_with_all_endpoints(fast_dds: FastDds, distribution
     handlers = [*REGISTRY.handlers, *REGISTRY.extra_topics]
     inbound, outbound = ([h for h in handlers if h.route.inbound == wanted] for wanted in (True, False))
     diagnostics = ("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_")
-    assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics])
+    log = ("rt/rosout", "rcl_interfaces::msg::dds_::Log_")
+    assert sorted(endpoints[gid] for gid in node["writers"]) == sorted([*map(dds_names, inbound), diagnostics, log])
     assert sorted(endpoints[gid] for gid in node["readers"]) == sorted(map(dds_names, outbound))
 
 

@@ -46,6 +46,17 @@ def test_a_destination_gets_what_is_sent(destination: Destination, peer: socket.
     assert str(destination) == f"hardware at 127.0.0.1:{peer.getsockname()[1]}"
 
 
+def test_a_destination_moves_with_its_peer(peer: socket.socket) -> None:
+    """What is sent after the change goes to the new address, and what was sent before does not follow."""
+    destination = Destination("hardware", ("127.0.0.1", 9))
+    destination.send(b"lost")
+    destination.direct_to(peer.getsockname())
+    destination.send(b"hello")
+    assert peer.recv(100) == b"hello"
+    assert str(destination) == f"hardware at 127.0.0.1:{peer.getsockname()[1]}"
+    destination.close()
+
+
 @pytest.mark.parametrize(
     "sizes",
     [

@@ -372,9 +372,9 @@ def test_sources_can_be_left_alone_for_a_bench() -> None:
 def test_a_table_that_restricts_nobody_reads_no_addresses() -> None:
     """The hot path is the one without."""
     with _Rig(_PLAIN) as rig:
-        assert rig.bridge._receiver._handle == rig.bridge._handle
+        assert rig.bridge._receiver._path[1] == rig.bridge._handle
     with _Rig(_SOURCES) as rig:
-        assert rig.bridge._receiver._handle == rig.bridge._handle_with_sources
+        assert rig.bridge._receiver._path[1] == rig.bridge._handle_with_sources
 
 
 # --- the timekeeper ---------------------------------------------------------------------------------------------

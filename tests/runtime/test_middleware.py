@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import threading
 import types
@@ -14,12 +15,16 @@ import pytest
 from polling import PATIENCE_S, wait_until
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
+from generated.registry import REGISTRY
 from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import rcl_interfaces
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.ros_arguments import parameters
+from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _NODE = NodeIdentity("udp_forwarder", "/rover")
 
@@ -155,15 +160,18 @@ class _Ros:
         self.calls: list[tuple[Any, ...]] = []
         self.subscriptions: dict[str, Any] = {}
         self.parameters: dict[str, Any] = {}
+        self.change: Any = None
         self.published: list[tuple[str, bytes]] = []
         self.spinning, self.end_spin = threading.Event(), threading.Event()
         self.shut_down_from_outside = False
 
     def modules(self) -> dict[str, types.ModuleType]:
         """The modules that are imported."""
-        root, executors, qos, signals = (
-            types.ModuleType(name) for name in ("rclpy", "rclpy.executors", "rclpy.qos", "rclpy.signals")
+        root, executors, qos, signals, serialization = (
+            types.ModuleType(name)
+            for name in ("rclpy", "rclpy.executors", "rclpy.qos", "rclpy.signals", "rclpy.serialization")
         )
+        rcl, rcl_messages = types.ModuleType("rcl_interfaces"), types.ModuleType("rcl_interfaces.msg")
         comms, messages = types.ModuleType("comms"), types.ModuleType("comms.msg")
         root.__dict__.update(
             Context=self.context, init=self.init, create_node=self.create_node, try_shutdown=self.try_shutdown
@@ -177,9 +185,16 @@ class _Ros:
             HistoryPolicy=Enum("HistoryPolicy", ["SYSTEM_DEFAULT", "KEEP_LAST", "KEEP_ALL"]),
         )
         signals.__dict__.update(SignalHandlerOptions=Enum("SignalHandlerOptions", ["NO", "ALL"]))
+        serialization.__dict__.update(deserialize_message=lambda data, cls: cdr.decode(cls, data))
+        rcl.__path__ = []
+        rcl_messages.__dict__.update(
+            ParameterDescriptor=rcl_interfaces.ParameterDescriptor,
+            SetParametersResult=rcl_interfaces.SetParametersResult,
+        )
         comms.__path__ = []
         messages.__dict__.update(ImuSensorInformation="the class of ImuSensorInformation")
-        return {module.__name__: module for module in (root, executors, qos, signals, comms, messages)}
+        made = (root, executors, qos, signals, serialization, rcl, rcl_messages, comms, messages)
+        return {module.__name__: module for module in made}
 
     def context(self) -> str:
         return "context"
@@ -201,8 +216,12 @@ class _Ros:
         self.calls.append(("create_node", node_name, namespace, context, use_global_arguments))
         return self
 
-    def declare_parameter(self, name: str, value: Any = None) -> None:
-        self.parameters[name] = value
+    def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None) -> None:
+        assert self.change is None  # rclpy asks the callback about declarations too
+        self.parameters[name] = (value, descriptor.read_only)
+
+    def add_on_set_parameters_callback(self, callback: Any) -> None:
+        self.change = callback
 
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any) -> Any:
         self.calls.append(("create_publisher", msg_type, topic, qos_profile))
@@ -241,11 +260,16 @@ class _Ros:
         self.calls.append(("try_shutdown", context))
 
 
+def _live() -> LiveParameters:
+    settings = parameters.read(REGISTRY, {"dst_ip": "10.0.0.7"})
+    return LiveParameters(REGISTRY, settings, logging.getLogger("test_middleware"))
+
+
 @pytest.fixture
 def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
     """A stand-in for an installed ROS 2."""
     ros = _Ros()
-    for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "comms")]:
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("rclpy", "rcl_interfaces", "comms")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.delitem(sys.modules, "roverlink.runtime.middleware.rclpy", raising=False)
     for name, module in ros.modules().items():
@@ -257,13 +281,29 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Ros]:
 
 def test_a_node_of_rclpys_is_ours_alone(ros: _Ros) -> None:
     """The node has its name and namespace, a context of its own, the parameters, and leaves signals to the program."""
-    open_middleware("rclpy", _NODE, {"listen_port": 5000, "dst_ip": "10.0.0.7"})
+    open_middleware("rclpy", _NODE, _live())
     assert ros.calls[:2] == [
         ("init", [], "context", None, "NO"),
         ("create_node", "udp_forwarder", "/rover", "context", False),
     ]
     assert ("executor", "context") in ros.calls
-    assert ros.parameters == {"listen_port": 5000, "dst_ip": "10.0.0.7"}
+    assert ros.parameters["listen_port"] == (5000, True)
+    assert ros.parameters["dst_ip"] == ("10.0.0.7", False)
+
+
+def test_rclpy_changes_what_the_node_can_change(ros: _Ros) -> None:
+    """A change reaches the node as a whole; a refusal gives ROS 2 the reason."""
+    live, applied = _live(), []
+    live.on_change(applied.append)
+    open_middleware("rclpy", _NODE, live)
+    changes = [types.SimpleNamespace(name=name, value=value) for name, value in (("dst_ip", "::"), ("dst_a_port", 7))]
+    assert ros.change(changes).successful
+    assert [(changed.dst_ip, changed.peer_ports["basestation"]) for changed in applied] == [("::", 7)]
+    result = ros.change([types.SimpleNamespace(name="listen_port", value=7)])
+    assert (result.successful, result.reason) == (
+        False,
+        "parameter listen_port is read-only; restart the node with -p listen_port:=7",
+    )
 
 
 def test_rclpy_publishes_serialized_messages(ros: _Ros) -> None:

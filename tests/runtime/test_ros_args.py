@@ -324,3 +324,5 @@ def test_switches_of_every_node_are_taken() -> None:
     assert _parsed(line).logs_to_console
     assert not _parsed("--disable-stdout-logs").logs_to_console
     assert _parsed("--disable-stdout-logs --enable-stdout-logs").logs_to_console
+    assert not _parsed(line).logs_to_rosout
+    assert _parsed("--disable-rosout-logs --enable-rosout-logs").logs_to_rosout

@@ -1,0 +1,68 @@
+"""Parameters of a running node: ROS 2 reads them, and changes those that are not read-only.
+
+A change is checked as a whole and then applied as a whole. The middlewares offer it to ROS 2 (`NodeParameters`).
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.interfaces.rcl_interfaces import IntegerRange, ParameterDescriptor, ParameterValue
+from roverlink.runtime.ros_arguments import parameters
+from roverlink.runtime.ros_arguments.parameters import Declaration, Parameters
+
+
+class LiveParameters:
+    """Parameters of one node. Safe to use from several threads."""
+
+    def __init__(self, registry: Registry, initial: Parameters, logger: logging.Logger) -> None:
+        self._registry, self._current, self._logger = registry, initial, logger
+        declared = parameters.declarations(registry)
+        self.descriptors: Mapping[str, ParameterDescriptor] = {
+            name: _descriptor(name, declaration) for name, declaration in declared.items()
+        }
+        """Declaration of each parameter, as ROS 2 describes it."""
+        self._lock = threading.Lock()
+        self._apply: Callable[[Parameters], None] = _refuse_at_start
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Value of each parameter."""
+        return self._current.values
+
+    def on_change(self, apply: Callable[[Parameters], None]) -> None:
+        """Call a function with the changed parameters from now on. It raises `SetupError` if it cannot apply them."""
+        self._apply = apply
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change parameters.
+
+        Raises `SetupError` with the reason if one of them cannot change; then none has changed.
+        """
+        with self._lock:
+            before, after = self._current, parameters.changed(self._registry, self._current, changes)
+            self._apply(after)
+            self._current = after
+        for name in changes:
+            self._logger.info("parameter %s is now %s (it was %s)", name, after.values[name], before.values[name])
+
+
+def _refuse_at_start(_: Parameters) -> None:
+    raise SetupError("the node is starting; try again")
+
+
+def _descriptor(name: str, declared: Declaration) -> ParameterDescriptor:
+    is_number = isinstance(declared.default, int)
+    return ParameterDescriptor(
+        name,
+        ParameterValue.INTEGER if is_number else ParameterValue.STRING,
+        f"{declared.description}, in {declared.unit}" if declared.unit else declared.description,
+        f"one of {', '.join(declared.choices)}" if declared.choices else "",
+        read_only=declared.read_only,
+        integer_range=[IntegerRange(declared.minimum, declared.maximum, 1)] if is_number else [],
+    )

@@ -1,0 +1,192 @@
+"""Parameters and the log of the node, as a real rclpy node sees them."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from judge import Bridge, Judge, interface, values
+from polling import PATIENCE_S, wait_until
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message, serialize_message
+
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import UINT8, Primitive, Sequence, Text, fields_of
+from roverlink.runtime.interfaces import rcl_interfaces as rcl
+
+Start = Callable[..., Bridge]
+
+rclpy_only = pytest.mark.parametrize("middleware", ["rclpy"], indirect=True)
+dds_only = pytest.mark.parametrize("middleware", ["dds"], indirect=True)
+
+_SERVICES = {
+    "describe_parameters": "rcl_interfaces/srv/DescribeParameters",
+    "get_parameter_types": "rcl_interfaces/srv/GetParameterTypes",
+    "get_parameters": "rcl_interfaces/srv/GetParameters",
+    "list_parameters": "rcl_interfaces/srv/ListParameters",
+    "set_parameters": "rcl_interfaces/srv/SetParameters",
+    "set_parameters_atomically": "rcl_interfaces/srv/SetParametersAtomically",
+}
+
+
+def _call(judge: Judge, service: str, **fields: Any) -> Any:
+    type_name = _SERVICES[service]
+    return judge.call(f"/udp_forwarder/{service}", type_name, interface(type_name).Request(**fields))
+
+
+def _parameters(**changes: Any) -> list[Any]:
+    return [Parameter(name, value=value).to_parameter_msg() for name, value in changes.items()]
+
+
+def _get(judge: Judge, name: str) -> Any:
+    (value,) = _call(judge, "get_parameters", names=[name]).values
+    return rcl_value(value)
+
+
+def rcl_value(value: Any) -> Any:
+    """The value in a ParameterValue of rosidl's, which is a number or a text."""
+    return value.integer_value if value.type == rcl.ParameterValue.INTEGER else value.string_value
+
+
+@pytest.fixture
+def new_board() -> Iterator[socket.socket]:
+    """A socket to which a peer may move."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        sock.settimeout(PATIENCE_S)
+        yield sock
+
+
+@rclpy_only
+def test_parameters_have_the_values_that_the_bridge_uses(judge: Judge, bridge: Start) -> None:
+    """`ros2 param list` and `ros2 param get` show each parameter, with the values of the command line."""
+    bridge("-p", "max_datagram:=1000", "-p", "source_policy:=any")
+    listed = _call(judge, "list_parameters").result.names
+    assert {"listen_port", "dst_ip", "dst_a_port", "dst_b_port", "max_datagram"} <= {*listed}
+    assert [_get(judge, name) for name in ("max_datagram", "source_policy")] == [1000, "any"]
+
+
+@rclpy_only
+def test_setting_a_parameter_has_its_effect(judge: Judge, bridge: Start, new_board: socket.socket) -> None:
+    """`ros2 param set` moves a peer to another port: the next datagram goes there, and the log says so."""
+    running = bridge("-p", "forward_policy:=all")
+    port = new_board.getsockname()[1]
+    response = _call(judge, "set_parameters", parameters=_parameters(dst_a_port=port))
+    assert [result.successful for result in response.results] == [True]
+    assert _get(judge, "dst_a_port") == port
+    running.send(imu_info={"accel_x": 1.0})
+    assert new_board.recv(2048)
+    running.program.wait_for(f"parameter dst_a_port is now {port}")
+
+
+@rclpy_only
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("listen_port", 5001, "read-only"),
+        ("listen_address", "127.0.0.2", "read-only"),
+        ("max_datagram", 100, "read-only"),
+        ("dst_b_port", 0, "out of range"),
+        ("forward_policy", "none", "it must be one of mapping, all"),
+        ("dst_ip", "no.such.host.invalid", "does not resolve"),
+        ("dst_ip", 7, "type"),
+        ("use_sim_time", True, "does not use simulated time"),
+    ],
+)
+def test_what_cannot_be_set_is_refused(judge: Judge, bridge: Start, name: str, value: Any, reason: str) -> None:
+    """ROS 2 is told why, the value stays, and so does that of the parameter that was set together with it."""
+    bridge()
+    before = [values(one) for one in _call(judge, "get_parameters", names=[name, "source_policy"]).values]
+    changes = {"source_policy": "any", name: value}
+    result = _call(judge, "set_parameters_atomically", parameters=_parameters(**changes)).result
+    assert not result.successful
+    assert reason in result.reason
+    assert [values(one) for one in _call(judge, "get_parameters", names=[name, "source_policy"]).values] == before
+
+
+@rclpy_only
+def test_ros_2_knows_what_is_read_only(judge: Judge, bridge: Start) -> None:
+    """`ros2 param describe` tells it, with the range of a port."""
+    bridge()
+    names = ["listen_port", "dst_a_port"]
+    listen, peer = _call(judge, "describe_parameters", names=names).descriptors
+    assert (listen.read_only, peer.read_only) == (True, False)
+    assert (peer.integer_range[0].from_value, peer.integer_range[0].to_value) == (1, 65535)
+    assert peer.description == "UDP port of the peer basestation"
+
+
+@dds_only
+def test_a_fast_dds_client_sees_no_services_that_would_not_answer(judge: Judge, bridge: Start) -> None:
+    """Calls of a Fast DDS client would never return, so `dds` offers no parameter services."""
+    bridge()
+    judge.wait_for_node("/udp_forwarder")
+    assert not judge.node.get_service_names_and_types_by_node("udp_forwarder", "/")
+
+
+@dds_only
+def test_a_cyclone_client_sees_the_parameter_services(judge: Judge, bridge: Start, environment: dict[str, str]) -> None:
+    """With RMW_IMPLEMENTATION of Cyclone DDS, `dds` offers the services under the names and types of ROS 2."""
+    environment["RMW_IMPLEMENTATION"] = "rmw_cyclonedds_cpp"
+    bridge()
+    judge.wait_for_node("/udp_forwarder")
+    wanted = [(f"/udp_forwarder/{name}", [type_name]) for name, type_name in _SERVICES.items()]
+
+    def offered() -> list[tuple[str, list[str]]]:
+        return sorted(judge.node.get_service_names_and_types_by_node("udp_forwarder", "/"))
+
+    wait_until(lambda: offered() == wanted, f"{wanted}")
+
+
+def test_the_log_is_on_rosout(judge: Judge, bridge: Start) -> None:
+    """A late joiner too gets the lines that are on the console, as the log of the node; the console has them once."""
+    running = bridge()
+    first = running.program.wait_for("fingerprint of table and schema")
+    qos = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log", qos)
+    text = first.partition("]: ")[2]
+    wait_until(lambda: text in [line["msg"] for line in heard.values], f"{text!r} on /rosout")
+    line = next(line for line in heard.values if line["msg"] == text)
+    assert (line["level"], line["name"]) == (20, "udp_forwarder")
+    assert line["stamp"]["sec"] > 0
+    assert running.program.errors.count(first) == 1
+
+
+def test_the_log_stays_off_rosout_if_the_user_wants(judge: Judge, bridge: Start) -> None:
+    """With `--disable-rosout-logs`, no line of the bridge is on /rosout."""
+    heard = judge.hear("/rosout", "rcl_interfaces/msg/Log")
+    first = bridge("--disable-rosout-logs").program.wait_for("fingerprint of table and schema")
+    judge.wait_for_node("/udp_forwarder")
+    bridge("-r", "__node:=loud").program.wait_for("fingerprint of table and schema")
+    wait_until(lambda: "loud" in {line["name"] for line in heard.values}, "the other bridge's log")
+    assert "udp_forwarder" not in {line["name"] for line in heard.values}, first
+
+
+@pytest.mark.parametrize(
+    ("ours", "type_name"),
+    [(one, one.__msgtype__) for one in vars(rcl).values() if getattr(one, "__module__", "") == rcl.__name__],
+)
+def test_our_messages_are_those_of_ros_2(ours: Any, type_name: str) -> None:
+    """Rosidl's class has the fields of ours, reads what we write, and writes what we read as the same message."""
+    package, kind, name = type_name.split("/")
+    theirs = interface(f"{package}/{kind}/{name.partition('_')[0]}")
+    if kind == "srv":
+        theirs = getattr(theirs, name.partition("_")[2])
+    filled = _filled(ours)
+    read = deserialize_message(cdr.encode(filled), theirs)
+    assert read.get_fields_and_field_types().keys() == {field.name for field in fields_of(ours)}
+    assert cdr.decode(ours, serialize_message(read)) == filled
+
+
+def _filled(field_type: Any) -> Any:
+    """A value of a type, in which nothing is empty or zero."""
+    if isinstance(field_type, Primitive):
+        return {"?": True, "d": 0.5}.get(field_type.format, 7)
+    if isinstance(field_type, Text):
+        return "text"
+    if isinstance(field_type, Sequence):
+        element = _filled(field_type.element)
+        return bytes([element]) if field_type.element == UINT8 else [element]
+    return field_type(*[_filled(field.type) for field in fields_of(field_type)])
