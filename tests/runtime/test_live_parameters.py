@@ -110,13 +110,13 @@ def test_the_receive_buffer_changes_while_the_bridge_runs() -> None:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"dst_a_port": 7001, "listen_port": 5001}, "listen_port is read-only; restart the node with -p listen_port:="),
-        ({"dst_a_port": 7001, "dst_b_port": 0}, "dst_b_port is 0; a UDP port is a number from 1 to 65535"),
-        ({"dst_a_port": 7001, "forward_policy": "none"}, "forward_policy is 'none'; it must be one of mapping, all"),
+        ({"dst_a_port": 7001, "listen_port": 5001}, "'listen_port' is read-only; restart the node with -p listen_port:="),
+        ({"dst_a_port": 7001, "dst_b_port": 0}, "'dst_b_port' is 0; a UDP port is a number from 1 to 65535"),
+        ({"dst_a_port": 7001, "forward_policy": "none"}, "'forward_policy' is 'none'; it must be one of mapping, all"),
         ({"dst_a_port": 7001, "dst_ip": "no.such.host.invalid"}, "'no.such.host.invalid' does not resolve"),
-        ({"dst_a_port": 7001, "dst_ip": 7}, "dst_ip is 7; it must be of type str"),
-        ({"dst_a_port": 7001, "dst_ipp": "::"}, "unknown parameter 'dst_ipp'; did you mean dst_ip"),
-        ({"dst_a_port": 7001, "use_sim_time": True}, "use_sim_time cannot change"),
+        ({"dst_a_port": 7001, "dst_ip": 7}, "'dst_ip' is 7; it must be of type str"),
+        ({"dst_a_port": 7001, "dst_ipp": "::"}, "unknown parameter 'dst_ipp'; did you mean 'dst_ip'"),
+        ({"dst_a_port": 7001, "use_sim_time": True}, "'use_sim_time' cannot change"),
     ],
 )
 def test_a_change_that_is_partly_wrong_changes_nothing(changes: dict[str, Any], reason: str) -> None:

@@ -302,7 +302,7 @@ def test_rclpy_changes_what_the_node_can_change(ros: _Ros) -> None:
     result = ros.change([types.SimpleNamespace(name="listen_port", value=7)])
     assert (result.successful, result.reason) == (
         False,
-        "parameter listen_port is read-only; restart the node with -p listen_port:=7",
+        "the parameter 'listen_port' is read-only; restart the node with -p listen_port:=7",
     )
 
 
