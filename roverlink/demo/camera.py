@@ -39,9 +39,9 @@ class DemoCamera:
     """Rows whose topics the camera publishes."""
 
     def __init__(self, project: Path, middleware: str) -> None:
-        """Prepare the child; ``middleware`` is ``dds``, or any other for none.
+        """Prepare the child.
 
-        Without DDS, `publish_on` has to be called, because the child cannot publish itself.
+        With the middleware ``memory``, `publish_on` has to be called, because the child cannot publish itself.
         """
         self._film = render_film()
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
@@ -50,7 +50,7 @@ class DemoCamera:
         self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(frames), "--loop", "--json"]
         self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
-        self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
+        self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
         self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0

@@ -1,4 +1,4 @@
-"""Bridge for demo and simulation: a separate process over DDS, or a thread of this process without ROS 2."""
+"""Bridge for demo and simulation: a separate process in ROS 2, or a thread of this process without ROS 2."""
 
 from __future__ import annotations
 
@@ -39,11 +39,21 @@ class BridgeHost(Protocol):
     def __exit__(self, *_: object) -> None: ...
 
 
-class BridgeProcess:
-    """``roverlink run`` as a child process, over DDS."""
+def bridge_with(
+    middleware: str, project: Path, registry: Registry, ports: dict[str, int], log_level: str = "warn"
+) -> BridgeHost:
+    """Return a bridge with a middleware, which sends to these ports of the peers."""
+    if middleware == "memory":
+        return BridgeThread(registry, ports, log_level)
+    return BridgeProcess(project, middleware, ports, log_level)
 
-    def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
-        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
+
+class BridgeProcess:
+    """``roverlink run`` as a child process, over ``dds`` or ``rclpy``."""
+
+    def __init__(self, project: Path, middleware: str, ports: dict[str, int], log_level: str = "warn") -> None:
+        self._middleware = middleware
+        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", middleware]
         command += [
             "--project",
             str(project),
@@ -82,8 +92,8 @@ class BridgeProcess:
                 sys.stderr.write(line)
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return a DDS middleware, as the bridge has one."""
-        return open_middleware("dds", node)
+        """Return a middleware of the bridge's kind."""
+        return open_middleware(self._middleware, node)
 
     def stop(self) -> dict[str, Any]:
         """Interrupt the child as Ctrl-C does. Raises `SetupError` if it fails or hangs."""
