@@ -169,8 +169,11 @@ def isolate_ros() -> None:
 
     The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
-    # The variables are read when a participant joins its domain, and child processes inherit them.
-    os.environ["ROS_LOCALHOST_ONLY"] = "1"
+    # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only the
+    # range, Humble only the other variable; Jazzy knows both, and warns of the other one.
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    if os.environ.get("ROS_DISTRO") == "humble":
+        os.environ["ROS_LOCALHOST_ONLY"] = "1"
     os.environ.setdefault("ROS_DOMAIN_ID", str(20 + os.getpid() % 80))
 
 

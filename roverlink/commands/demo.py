@@ -24,8 +24,8 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.text.values import message_to_values, payload_to_values
-from roverlink.simulation import bridge_host, crossings
-from roverlink.simulation.bridge_host import BridgeHost
+from roverlink.simulation import crossings
+from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.crossings import Crossing
 
 if TYPE_CHECKING:
@@ -53,10 +53,9 @@ def add(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--middleware",
-        choices=("dds", "memory"),
+        choices=("dds", "rclpy", "memory"),
         default="dds" if importlib.util.find_spec("cyclonedds") else "memory",
-        help="dds: the bridge is a separate process that publishes over DDS; memory: everything runs in one process, "
-        "without "
+        help="dds, rclpy: the bridge is a separate process in ROS 2; memory: everything runs in one process, without "
         "ROS 2 (default: %(default)s)",
     )
     parser.set_defaults(run=run)
@@ -72,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     with contextlib.ExitStack() as stack:
         camera = _camera(console, project, arguments.middleware, stack)
         sockets = {peer.name: stack.enter_context(_peer_socket()) for peer in registry.peers}
-        host = stack.enter_context(_host(arguments.middleware, project, registry, sockets))
+        ports = {peer.port_parameter: int(sockets[peer.name].getsockname()[1]) for peer in registry.peers}
+        host = stack.enter_context(bridge_with(arguments.middleware, project, registry, ports))
         middleware = stack.enter_context(host.middleware(topic_types.identity("demo")))
         rig = _Rig(registry, host, middleware, sockets, camera.rows if camera else ())
         if camera and arguments.middleware == "memory":
@@ -109,13 +109,6 @@ def _peer_socket() -> socket.socket:
     sock.bind(("127.0.0.1", 0))
     sock.setblocking(False)
     return sock
-
-
-def _host(middleware: str, project: Path, registry: Registry, sockets: dict[str, socket.socket]) -> BridgeHost:
-    ports = {peer.port_parameter: int(sockets[peer.name].getsockname()[1]) for peer in registry.peers}
-    if middleware == "dds":
-        return bridge_host.BridgeProcess(project, ports)
-    return bridge_host.BridgeThread(registry, ports)
 
 
 class _Rig:

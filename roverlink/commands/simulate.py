@@ -32,8 +32,7 @@ from roverlink.runtime import Registry, Translator
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.middleware import Middleware, Publisher
 from roverlink.runtime.ros_arguments import parameters
-from roverlink.simulation import bridge_host
-from roverlink.simulation.bridge_host import BridgeHost
+from roverlink.simulation.bridge_host import BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
 from roverlink.simulation.run_account import RunTotals, predict, resident_bytes
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
@@ -72,9 +71,9 @@ def add(commands: Subparsers) -> None:
     )
     target.add_argument(
         "--bridge",
-        choices=("dds", "memory"),
-        help="start a bridge, and check its counters at the end. dds: a bridge that publishes over DDS; memory: a "
-        "bridge without ROS 2",
+        choices=("dds", "rclpy", "memory"),
+        help="start a bridge, and check its counters at the end. dds, rclpy: the bridge is a separate process in "
+        "ROS 2; memory: the bridge runs in this process, without ROS 2",
     )
     parser.add_argument(
         "--scenario",
@@ -159,9 +158,9 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) 
 
 
 def _host(arguments: argparse.Namespace, registry: Registry, arrivals: Arrivals) -> BridgeHost:
-    if arguments.bridge == "dds" and importlib.util.find_spec("cyclonedds"):
-        return bridge_host.BridgeProcess(project_folder(arguments.project), arrivals.ports, _LOG_LEVEL)
-    return bridge_host.BridgeThread(registry, arrivals.ports, _LOG_LEVEL)
+    without_dds = arguments.bridge == "dds" and not importlib.util.find_spec("cyclonedds")
+    middleware = "memory" if without_dds else arguments.bridge
+    return bridge_with(middleware, project_folder(arguments.project), registry, arrivals.ports, _LOG_LEVEL)
 
 
 class _Nodes:

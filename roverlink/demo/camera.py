@@ -41,9 +41,8 @@ class DemoCamera:
     def __init__(self, project: Path, middleware: str) -> None:
         """Prepare the child process.
 
-        If ``middleware`` is ``dds``, the child process publishes the rover's position itself.
-
-        Otherwise call `publish_on`, because the child process has no access to a middleware in this process.
+        With the middleware ``memory``, call `publish_on`, because the child process has no access to the topics of
+        this process. With any other middleware, the child process publishes the rover's position itself.
         """
         self._film = render_film()
         self._folder = TemporaryDirectory(prefix="roverlink-camera-")
@@ -52,7 +51,7 @@ class DemoCamera:
         self._command = [sys.executable, "-m", "roverlink", "aruco", "track", str(frames), "--loop", "--json"]
         self._command += ["--rate", str(RATE_HZ), "--side", str(SIDE), "--parameters", str(folder / "camera.yml")]
         self._command += ["--landmarks", str(folder / "landmarks.yaml")]
-        self._command += ["--middleware", "dds" if middleware == "dds" else NO_MIDDLEWARE]
+        self._command += ["--middleware", NO_MIDDLEWARE if middleware == "memory" else middleware]
         self._command += ["--project", str(project), "--ros-args", "--log-level", "warn"]
         self._publish_position: Callable[[Floats], None] = lambda _: None
         self._frames = 0

@@ -1,4 +1,4 @@
-"""Start of a bridge for the demo and the simulation: as a child process that uses DDS, or as a thread without ROS 2."""
+"""Bridge for demo and simulation: a separate process in ROS 2, or a thread of this process without ROS 2."""
 
 from __future__ import annotations
 
@@ -39,11 +39,21 @@ class BridgeHost(Protocol):
     def __exit__(self, *_: object) -> None: ...
 
 
-class BridgeProcess:
-    """Bridge in a child process ``roverlink run``, which uses DDS."""
+def bridge_with(
+    middleware: str, project: Path, registry: Registry, ports: dict[str, int], log_level: str = "warn"
+) -> BridgeHost:
+    """Return a bridge that uses a middleware, and sends datagrams to these ports of the peers."""
+    if middleware == "memory":
+        return BridgeThread(registry, ports, log_level)
+    return BridgeProcess(project, middleware, ports, log_level)
 
-    def __init__(self, project: Path, ports: dict[str, int], log_level: str = "warn") -> None:
-        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", "dds"]
+
+class BridgeProcess:
+    """``roverlink run`` as a child process, over ``dds`` or ``rclpy``."""
+
+    def __init__(self, project: Path, middleware: str, ports: dict[str, int], log_level: str = "warn") -> None:
+        self._middleware = middleware
+        command = [sys.executable, "-m", "roverlink", "run", "--json", "--middleware", middleware]
         command += [
             "--project",
             str(project),
@@ -82,8 +92,8 @@ class BridgeProcess:
                 sys.stderr.write(line)
 
     def middleware(self, node: NodeIdentity) -> Middleware:
-        """Return a DDS middleware, because the bridge uses DDS too."""
-        return open_middleware("dds", node)
+        """Return the same middleware that the bridge uses."""
+        return open_middleware(self._middleware, node)
 
     def stop(self) -> dict[str, Any]:
         """Stop the child process as Ctrl-C does, and return the bridge's counters.

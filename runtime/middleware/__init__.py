@@ -70,7 +70,7 @@ def _open_rclpy(node: NodeIdentity, parameters: NodeParameters | None) -> Middle
     except ImportError as error:
         raise MiddlewareError(
             f"rclpy does not import ({error}); source ROS 2 first (`source /opt/ros/humble/setup.bash`), and make the "
-            "environment with --system-site-packages"
+            "environment with --system-site-packages; on x86-64 without ROS 2: pip install 'roverlink[ros]'"
         ) from error
     return RclpyMiddleware(node, parameters)
 

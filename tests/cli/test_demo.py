@@ -31,6 +31,7 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]
     """What the demo does to the environment ends with the test."""
     for name in ("ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY"):
         monkeypatch.setenv(name, environment[name])
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
 @pytest.mark.parametrize(
@@ -149,7 +150,7 @@ def test_simulated_payloads_fit_and_change(handler: Any) -> None:
 
 def test_a_bridge_that_does_not_start_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the bridge's process ends before it is ready, its own words are shown, and the demo cannot run."""
-    with pytest.raises(SetupError, match="the bridge process did not start"), BridgeProcess(tmp_path, {}):
+    with pytest.raises(SetupError, match="the bridge process did not start"), BridgeProcess(tmp_path, "dds", {}):
         pass
     assert f"no generated code in {tmp_path}" in capsys.readouterr().err
 
@@ -174,7 +175,7 @@ class _Child:
 )
 def test_a_bridge_that_does_not_end_well_is_told(code: int | None, expected: str) -> None:
     """A bridge that hangs or fails when it is stopped is an error of the demo's, not a traceback."""
-    process = BridgeProcess(Path.cwd(), {})
+    process = BridgeProcess(Path.cwd(), "dds", {})
     process._child = _Child(code)  # type: ignore[assignment]
     with pytest.raises(SetupError, match=expected):
         process.stop()
@@ -188,11 +189,17 @@ def test_a_bridge_in_a_thread_counts() -> None:
 
 
 def test_the_demo_keeps_to_itself(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It stays on this host, and in a domain of its own unless one was chosen."""
+    """It stays on this host, as each distribution calls that, and in a domain of its own unless one was chosen."""
     import os
 
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "0")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    isolate_ros()
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert os.environ["ROS_LOCALHOST_ONLY"] == "0"
+    monkeypatch.setenv("ROS_DISTRO", "humble")
     isolate_ros()
     assert os.environ["ROS_LOCALHOST_ONLY"] == "1"
     assert 0 < int(os.environ["ROS_DOMAIN_ID"]) <= 100

@@ -22,7 +22,7 @@ import subprocess
 import sys
 import sysconfig
 import venv
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -73,14 +73,17 @@ def _missing() -> str:
 def prepare(distribution: str) -> None:
     """Make a distribution's environment and interface package, unless they are there."""
     folder = ENVIRONMENTS / distribution
-    inputs = [ROOT / "pyproject.toml", HERE / "tools.txt", HERE / f"{distribution}.txt"]
-    if _is_new(folder / "installed", f"{sys.version}{_checksum(inputs)}"):
-        _install(distribution, folder)
-        _done(folder / "installed", f"{sys.version}{_checksum(inputs)}")
+    pins = [ROOT / "pyproject.toml", HERE / "tools.txt", HERE / f"{distribution}.txt"]
+    _once(folder / "installed", f"{sys.version} {_checksum(pins)}", lambda: _install(distribution, folder))
     sources = _checksum(path for path in PACKAGE.rglob("*") if path.is_file())
-    if _is_new(folder / "overlay" / "built", sources):
-        _build(distribution, folder)
-        _done(folder / "overlay" / "built", sources)
+    _once(folder / "overlay" / "built", sources, lambda: _build(distribution, folder))
+
+
+def _once(stamp: Path, key: str, make: Callable[[], None]) -> None:
+    """Make something, unless the stamp says that it was made from the same inputs."""
+    if not stamp.is_file() or stamp.read_text() != key:
+        make()
+        stamp.write_text(key)
 
 
 def _checksum(files: Iterable[Path]) -> str:
@@ -89,14 +92,6 @@ def _checksum(files: Iterable[Path]) -> str:
     for path in sorted(files):
         whole.update(f"{path.relative_to(ROOT)}\0{path.stat().st_size}\0".encode() + path.read_bytes())
     return whole.hexdigest()
-
-
-def _is_new(stamp: Path, key: str) -> bool:
-    return not stamp.is_file() or stamp.read_text() != key
-
-
-def _done(stamp: Path, key: str) -> None:
-    stamp.write_text(key)
 
 
 def _install(distribution: str, folder: Path) -> None:

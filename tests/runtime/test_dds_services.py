@@ -146,7 +146,7 @@ def test_a_client_sets_parameters_one_by_one(client: _Client, live: LiveParamete
     )
     results = client.call("set_parameters", request, rcl.SetParametersResponse).results
     assert [result.successful for result in results] == [True, False, False]
-    assert "listen_address is read-only" in results[1].reason
+    assert "'listen_address' is read-only" in results[1].reason
     assert live.values["forward_policy"] == "all"
 
 

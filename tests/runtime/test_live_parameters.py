@@ -110,7 +110,10 @@ def test_the_receive_buffer_changes_while_the_bridge_runs() -> None:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"dst_a_port": 7001, "listen_port": 5001}, "'listen_port' is read-only; restart the node with -p listen_port:="),
+        (
+            {"dst_a_port": 7001, "listen_port": 5001},
+            "'listen_port' is read-only; restart the node with -p listen_port:=",
+        ),
         ({"dst_a_port": 7001, "dst_b_port": 0}, "'dst_b_port' is 0; a UDP port is a number from 1 to 65535"),
         ({"dst_a_port": 7001, "forward_policy": "none"}, "'forward_policy' is 'none'; it must be one of mapping, all"),
         ({"dst_a_port": 7001, "dst_ip": "no.such.host.invalid"}, "'no.such.host.invalid' does not resolve"),
