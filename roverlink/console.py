@@ -169,8 +169,8 @@ def isolate_ros() -> None:
 
     The ports of domains above 100 are in the range that Linux gives to any program (ephemeral ports).
     """
-    # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only the
-    # range, Humble only the other variable; Jazzy knows both, and warns of the other one.
+    # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only
+    # the range, Humble only the other variable; Jazzy knows both, and warns of the other one.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if os.environ.get("ROS_DISTRO") == "humble":
         os.environ["ROS_LOCALHOST_ONLY"] = "1"
