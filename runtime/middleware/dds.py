@@ -42,6 +42,12 @@ _LOCALHOST_ONLY = (
 _NO_LINGERING = (
     "<CycloneDDS><Domain><Internal><WriterLingerDuration>0 s</WriterLingerDuration></Internal></Domain></CycloneDDS>"
 )
+# Cyclone DDS refuses the type objects of Fast DDS 3 (ROS 2 Kilted), and then matches none of its endpoints. ROS 2 goes
+# by the names of types alone. 1.15 is the vendor id of eProsima.
+_WITHOUT_FAST_TYPES = (
+    "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility></Domain>"
+    "</CycloneDDS>"
+)
 _LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
 _TAKE = 64  # most samples taken at a time
 _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
@@ -185,7 +191,7 @@ def _domain(domain_id: int, configuration: str) -> Domain | None:
     Must be called before the first participant of the domain is created.
     """
     try:
-        domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, configuration))))
+        domain = Domain(domain_id, ",".join(filter(None, (_NO_LINGERING, _WITHOUT_FAST_TYPES, configuration))))
     except DDSException as error:
         # Another part of the program has joined the domain before us and has configured it.
         logging.getLogger("roverlink").warning(
