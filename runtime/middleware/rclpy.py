@@ -7,7 +7,6 @@ message only through the class that rosidl generated for the message.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import threading
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -17,9 +16,9 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Message, how_to_install
+from roverlink.runtime.core.messages import Message
+from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.protocol import Callback, NodeIdentity
 
 
@@ -71,7 +70,7 @@ class RclpyMiddleware:
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully qualified topic."""
-        return RclpyPublisher(self._node.create_publisher(_ros_class(message_type), topic, _profile(qos)))
+        return RclpyPublisher(self._node.create_publisher(installed_class(message_type), topic, _profile(qos)))
 
     def subscribe(
         self,
@@ -84,7 +83,7 @@ class RclpyMiddleware:
         """Call ``callback`` with each serialized message of a topic, on the thread that spins the node."""
         # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
         self._node.create_subscription(
-            _ros_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
+            installed_class(message_type), topic, lambda message: callback([message]), _profile(qos), raw=True
         )
         return RclpySubscription(self._node, topic)
 
@@ -108,17 +107,6 @@ class RclpyMiddleware:
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
             self._executor.spin()
-
-
-def _ros_class(message_type: type[Message]) -> Any:
-    """Return the class that rosidl generated for a message, from the installed interface package."""
-    package, _, name = message_type.__msgtype__.split("/")
-    try:
-        return getattr(importlib.import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError) as error:
-        raise MiddlewareError(
-            f"the interface {message_type.__msgtype__} is not installed ({error}); {how_to_install(message_type)}"
-        ) from error
 
 
 def _profile(qos: Qos) -> QoSProfile:
