@@ -9,7 +9,8 @@ import array
 import json
 import socket
 import threading
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from importlib import import_module
 from typing import Any
@@ -30,6 +31,22 @@ from rclpy.qos import QoSProfile
 from generated.registry import REGISTRY
 
 _LARGEST = 65_536
+_REPEAT_S = 0.05
+_SERVICE_S = 20.0  # far longer than discovery takes
+
+
+def repeat(action: Callable[[], None], until: Callable[[], Any], what: str) -> None:
+    """Repeat an action until it has been of effect: what is sent before both ends have matched is lost."""
+    last = 0.0
+
+    def done() -> bool:
+        nonlocal last
+        if time.monotonic() - last > _REPEAT_S:
+            last = time.monotonic()
+            action()
+        return bool(until())
+
+    wait_until(done, what)
 
 
 def interface(name: str) -> Any:
@@ -111,7 +128,7 @@ class Judge:
         """Call a service that is there, and return its response."""
         client = self.node.create_client(interface(type_name), service)
         self._executor.wake()
-        wait_until(client.service_is_ready, f"the service {service}")
+        wait_until(client.service_is_ready, f"the service {service}", _SERVICE_S)
         future = client.call_async(request)
         wait_until(future.done, f"an answer of {service}")
         return future.result()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from random import Random
 from typing import Any
 
-from judge import Bridge, Heard, Judge, message
+from judge import Bridge, Heard, Judge, message, repeat
 from payloads import random_payload
 from polling import wait_until
 
@@ -18,22 +18,7 @@ Start = Callable[..., Bridge]
 
 INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
 OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]
-_REPEAT_S = 0.05  # what is sent before both ends have matched is lost, so the first message is repeated
 _IN_A_ROW = 8  # fewer than a topic's queue holds
-
-
-def _repeated(action: Callable[[], None], until: Callable[[], Any], what: str) -> None:
-    """Do something again and again, until it has been of effect."""
-    last = 0.0
-
-    def done() -> bool:
-        nonlocal last
-        if time.monotonic() - last > _REPEAT_S:
-            last = time.monotonic()
-            action()
-        return bool(until())
-
-    wait_until(done, what)
 
 
 def test_every_payload_of_a_peer_arrives_with_its_values(judge: Judge, bridge: Start) -> None:
@@ -48,7 +33,7 @@ def _crosses_to_ros(running: Bridge, handler: Any, heard: Heard) -> None:
     name = handler.route.name
     first, *others = _payloads(handler)
     wanted = [message_to_values(handler.to_ros(payload)) for payload in others]
-    _repeated(lambda: running.send(**{name: first}), lambda: heard.values, f"a first {name}")
+    repeat(lambda: running.send(**{name: first}), lambda: heard.values, f"a first {name}")
     for payload in others:
         running.send(**{name: payload})
     wait_until(lambda: heard.values[-len(wanted) :] == wanted, f"{wanted} on {heard.topic}")
@@ -67,7 +52,7 @@ def _crosses_to_peer(judge: Judge, running: Bridge, handler: Any) -> None:
     first, *others = [message(type_name, values) for values in said]
     publisher = judge.node.create_publisher(type(first), topic, 10)
     arrived = _Arrived(running, handler)
-    _repeated(lambda: publisher.publish(first), lambda: said[0] in arrived.values(), f"a first {topic}")
+    repeat(lambda: publisher.publish(first), lambda: said[0] in arrived.values(), f"a first {topic}")
     for other in others:
         publisher.publish(other)
     wait_until(lambda: arrived.values()[-len(others) :] == said[1:], f"{said[1:]} of {topic} at the peer")
@@ -105,7 +90,7 @@ def test_every_extra_topic_has_a_standard_message_with_its_values(judge: Judge, 
 def _feeds(judge: Judge, running: Bridge, topic: Any) -> None:
     heard = judge.hear(f"/{topic.route.topic}", topic.message_type.__msgtype__)
     payload = _payloads(topic)[0]
-    _repeated(lambda: running.send(**{topic.route.name: payload}), lambda: heard.values, topic.route.topic)
+    repeat(lambda: running.send(**{topic.route.name: payload}), lambda: heard.values, topic.route.topic)
     wanted, got = message_to_values(topic.to_ros(payload)), heard.values[0]
     stamp = got["header"].pop("stamp")
     del wanted["header"]["stamp"]
